@@ -31,6 +31,15 @@ pub(crate) struct Supervisor {
     period_ns: u64,
 }
 
+/// Values per joint, in the order of the arguments: as many as joints.
+fn lengths(py: Python<'_>, n: usize, given: [&Option<Vec<f64>>; 6]) -> PyResult<()> {
+    let fields =
+        ["velocity_max", "error_stop", "frozen_travel", "dead_zone", "oscillation", "first_motion"];
+    fields.into_iter().zip(given).try_for_each(|(field, values)| {
+        per_joint_values(py, field, values.as_ref().map(Vec::len), n)
+    })
+}
+
 #[pymethods]
 impl Supervisor {
     #[new]
@@ -77,16 +86,11 @@ impl Supervisor {
             brake_s: brake_closing,
             ..Options::new(period_ns)
         };
-        for (field, values) in [
-            ("velocity_max", &velocity_max),
-            ("error_stop", &error_stop),
-            ("frozen_travel", &frozen_travel),
-            ("dead_zone", &dead_zone),
-            ("oscillation", &oscillation),
-            ("first_motion", &first_motion),
-        ] {
-            per_joint_values(py, field, values.as_ref().map(Vec::len), n)?;
-        }
+        lengths(
+            py,
+            n,
+            [&velocity_max, &error_stop, &frozen_travel, &dead_zone, &oscillation, &first_motion],
+        )?;
         per_joint_values(py, "position_range", position_range.as_ref().map(Vec::len), n)?;
         let motion = |(velocity, acceleration, jerk)| MotionLimits { velocity, acceleration, jerk };
         let motion = reference_limits.map(motion);

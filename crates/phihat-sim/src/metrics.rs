@@ -73,7 +73,7 @@ pub struct Metrics {
     /// Share of the commands of all joints in the steady part that met a limit: no claim about gains speaks of these.
     pub limited_steady_share: f64,
     /// Samples of the steady part in which the arm was to follow its motion and did not: its supervisor had stopped it, or never let it begin.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default)]
     pub untracked_steady_samples: u64,
     /// Whether every stated bound holds on every joint, and the arm followed its motion.
     pub within_spec: bool,
@@ -82,11 +82,6 @@ pub struct Metrics {
     /// The tip of the arm; `None` in records of before, and where the robot names no tip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tip: Option<TipMetrics>,
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde asks")]
-fn is_zero(count: &u64) -> bool {
-    *count == 0
 }
 
 impl Metrics {

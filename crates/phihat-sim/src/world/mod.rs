@@ -64,22 +64,15 @@ pub(crate) struct World {
 /// Brakes that close when they are asked for.
 #[derive(Debug)]
 struct Brakes {
-    /// Samples from the request until they hold.
-    closing: u32,
-    /// Samples since the request.
-    since: Option<u32>,
+    /// From the request until they hold \[s\].
+    closing: f64,
+    /// Since the request \[s\].
+    since: Option<f64>,
 }
 
 impl Brakes {
     fn of(study: &Study) -> Option<Self> {
         let closing = study.supervisor.as_ref()?.brake_closing?;
-        let period = study.control.period_ns as f64 * 1e-9;
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "the study bounds it to ten seconds"
-        )]
-        let closing = (closing / period).round() as u32;
         Some(Self { closing, since: None })
     }
 
@@ -198,7 +191,7 @@ impl World {
     pub(crate) fn brake(&mut self, report: Option<&Report>) {
         let Some(brakes) = &mut self.brakes else { return };
         let asked = report.is_some_and(|report| report.brake);
-        brakes.since = asked.then(|| brakes.since.map_or(0, |since| since.saturating_add(1)));
+        brakes.since = asked.then(|| brakes.since.map_or(0.0, |since| since + self.period));
     }
 
     /// Moves the arm through the interval that begins at `t` \[s\].

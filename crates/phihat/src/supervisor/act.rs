@@ -4,7 +4,7 @@ use super::blend::Blend;
 use super::memory::{JointMemory, whole};
 use super::monitor::{Actuation, Oscillation};
 use super::rules::JointRules;
-use super::stop::Stopping;
+use super::stopping::Stopping;
 use crate::{Action, JointState, Measurement, Real, Reference};
 
 impl<R: Real> JointRules<R> {

@@ -3,7 +3,7 @@
 use super::arrivals::Arrivals;
 use super::blend::{Blend, fade};
 use super::monitor::{Actuation, Frozen, Oscillation};
-use super::stop::Stopping;
+use super::stopping::Stopping;
 use crate::{Command, Fault, JointState, Measurement, Mode, ModeRequest, Real, Reference};
 
 /// What a supervisor remembers of the arm as a whole: mode, fault, counters.

@@ -20,6 +20,7 @@ mod sample;
 mod schedule;
 mod still;
 mod stop;
+mod stopping;
 mod supervise;
 mod watch;
 

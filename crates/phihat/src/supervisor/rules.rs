@@ -4,7 +4,7 @@ use super::arrivals::ArrivalRules;
 use super::funnel::FunnelRules;
 use super::option_error::{positive, value};
 use super::range::RangeRules;
-use super::stop::StopRules;
+use super::stopping::StopRules;
 use crate::joint::Interval;
 use crate::{JointGains, JointOptions, OptionError, Options, Real, Shaper};
 

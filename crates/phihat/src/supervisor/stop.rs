@@ -5,20 +5,8 @@ use super::memory::JointMemory;
 use super::moment::Moment;
 use super::monitor::Actuation;
 use super::rules::JointRules;
-use crate::{Events, Form, JointGains, Measurement, MotionLimits, Real, Reference, Shaper};
-
-/// Share of the torque limit, and of the rate limit, that the deceleration of the nominal inertia takes: the rest is for gravity, for an
-/// inertia twice the nominal one, and for feedback.
-const TORQUE_SHARE: f64 = 0.25;
-
-/// Error of the outer loop that the default deceleration corresponds to where no torque limit is stated \[rad\].
-const STOPPING_ERROR: f64 = 0.2;
-
-/// Largest speed that a stop may begin at for its profile to be exact \[rad/s\]; beyond it the profile brakes all the same.
-const FASTEST: f64 = 1e4;
-
-/// Speed of the nominal inertia whose kinetic energy a stopped drive may give back at most \[rad/s\].
-const RESERVE_SPEED: f64 = 0.2;
+use super::stopping::{RESERVE_SPEED, REST_SAMPLES};
+use crate::{Events, Form, JointGains, Measurement, Real, Reference};
 
 /// Share of the largest speed below which a joint does not get faster: the rest is noise.
 const SLOWER_SHARE: f64 = 0.98;
@@ -26,109 +14,11 @@ const SLOWER_SHARE: f64 = 0.98;
 /// Share of the excitation at first motion that is enough in a stop: a rate limit leaves less of it, and the joint is fast.
 const PROBED_EXCITATION: f64 = 1.0 / 16.0;
 
-/// Time in which a rate limit takes back the feedback of a joint at rest \[s\].
-const SMALL_S: f64 = 0.01;
-
 /// Samples with half of the torque, and with the whole, by which a drive is told from a push; a power of two.
 const PROBED_SAMPLES: u32 = 16;
 
-/// Samples over which a joint has to stand for it to rest, and the speed that it may have in them on average \[rad/s\]: the noise of an encoder drains the reserve
-/// of a joint that is held.
-const REST_SAMPLES: u32 = 64;
-const REST_SPEED: f64 = 0.02;
-
 /// Samples in which the reserve held the torque back after which the stop begins anew from where the joint is.
 const ANEW_SAMPLES: u32 = 10;
-
-/// What stops one joint.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct StopRules<R> {
-    profile: Shaper<R>,
-    /// Distance in which the profile stops, per velocity: `v/2A + A/2J`.
-    stopping: [R; 2],
-    /// `½ M̄ v²` \[J\].
-    reserve: R,
-    /// How far a joint goes that rests \[rad\].
-    rest_travel: R,
-    /// `2 ρ M̄/4`; infinite without a rate limit.
-    unloading: R,
-    /// `ρ · 10 ms` \[N·m\].
-    small: R,
-}
-
-/// What a joint remembers of its stop.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Stopping<R> {
-    /// The law is under way from a measured state to rest.
-    pub(crate) begun: bool,
-    /// Energy that the drive may give beyond what it took \[J\].
-    reserve: R,
-    /// Samples in which the reserve held the torque back, since the stop began anew.
-    held_back: u32,
-    /// Where the joint was, and for how many samples it has been there.
-    rest: (R, u32),
-    /// Speed beyond which the stop is one that drives \[rad/s\], and samples in a row beyond it.
-    fastest: R,
-    pub(crate) faster: u32,
-    /// The largest speed since then \[rad/s\].
-    peak: R,
-}
-
-impl<R: Real> StopRules<R> {
-    /// Deceleration and jerk as stated, which are checked, or what gains and limits allow.
-    pub(crate) fn new(gains: &JointGains<R>, stated: Option<&MotionLimits>) -> Self {
-        let period = gains.period.to_f64();
-        let limits = stated.copied().unwrap_or_else(|| allowed(gains, period));
-        let limits = MotionLimits { velocity: FASTEST, ..limits };
-        let MotionLimits { acceleration, jerk, .. } = limits;
-        let half = R::from_f64(0.5);
-        let speed = R::from_f64(RESERVE_SPEED);
-        Self {
-            profile: Shaper::of(&limits, period),
-            stopping: [0.5 / acceleration, 0.5 * acceleration / jerk].map(R::from_f64),
-            reserve: half * gains.inertia * speed * speed,
-            rest_travel: R::from_f64(REST_SPEED * f64::from(REST_SAMPLES) * period),
-            small: R::from_f64(SMALL_S) * (gains.limits.step() / gains.period),
-            unloading: half * gains.inertia * (gains.limits.step() / gains.period),
-        }
-    }
-
-    /// Largest torque of the feedback at a velocity \[N·m\]: one that the rate limit `ρ` can take back before a joint of a quarter of the nominal inertia has turned
-    /// round, and what it takes back in 10 ms.
-    ///
-    /// ```text
-    /// √(2 ρ M̄/4 |q̇|) + ρ · 10 ms                                                                   (Q2)
-    /// ```
-    pub(crate) fn unloaded_at(&self, velocity: R) -> R {
-        if self.unloading.is_finite() {
-            (self.unloading * velocity.abs()).sqrt() + self.small
-        } else {
-            self.unloading
-        }
-    }
-
-    /// Where a joint that moves so will be at rest, a little further than the profile needs.
-    fn rest_from(&self, at: &Reference<R>) -> R {
-        let [square, linear] = self.stopping;
-        at.q + at.dq * (square * at.dq.abs() + linear)
-    }
-}
-
-/// The deceleration that torque limits allow, or the outer loop where there are none.
-fn allowed<R: Real>(gains: &JointGains<R>, period: f64) -> MotionLimits {
-    let [inertia, kp, kd, torque, step] =
-        [gains.inertia, gains.kp, gains.kd, gains.limits.torque(), gains.limits.step()]
-            .map(Real::to_f64);
-    let within = TORQUE_SHARE * torque / inertia;
-    let acceleration = if within.is_finite() { within } else { STOPPING_ERROR * kp };
-    let within = TORQUE_SHARE * step / (inertia * period);
-    let smooth = 0.5 * acceleration * kd;
-    MotionLimits {
-        velocity: FASTEST,
-        acceleration,
-        jerk: if within < smooth { within } else { smooth },
-    }
-}
 
 impl<R: Real> JointRules<R> {
     /// The law begins to stop the joint where it is, at the speed that it has. `φ̂` stays what it is.

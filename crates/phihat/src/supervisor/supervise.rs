@@ -91,18 +91,8 @@ pub fn supervise<R: Real>(
         rest(&rules, Memories { arm: state, joints: memories }, sample, fresh, commands)
     };
     schedule(&rules, state, memories, arrival.fresh, &mut events);
-    let stopped = state.mode == Mode::SafeStop && {
-        let late = state.in_mode >= arm.stop_samples_max;
-        let blind = state.arrivals.misses > arm.hold_samples;
-        let driven = memories.iter().any(|m| m.stopping.faster > arm.hold_samples);
-        let lost = late || blind || driven || state.trust == Trust::Nothing;
-        let asks = lost || arrival.fresh && at_rest();
-        state.braking = match state.braking {
-            Some(samples) => Some(samples.saturating_add(1)),
-            None => asks.then_some(0),
-        };
-        state.braking.is_some()
-    };
+    let stopped =
+        state.mode == Mode::SafeStop && arm.brakes(state, memories, arrival.fresh && at_rest());
     Report {
         mode: state.mode,
         fault: state.fault,
@@ -115,6 +105,19 @@ pub fn supervise<R: Real>(
 }
 
 impl<R: Real> ArmRules<R> {
+    /// Whether a stop asks for the brakes: once it does, it goes on to.
+    fn brakes(&self, state: &mut ArmState, memories: &[JointMemory<R>], rests: bool) -> bool {
+        let late = state.in_mode >= self.stop_samples_max;
+        let blind = state.arrivals.misses > self.hold_samples;
+        let driven = memories.iter().any(|m| m.stopping.faster > self.hold_samples);
+        let asks = rests || late || blind || driven || state.trust == Trust::Nothing;
+        state.braking = match state.braking {
+            Some(samples) => Some(samples.saturating_add(1)),
+            None => asks.then_some(0),
+        };
+        state.braking.is_some()
+    }
+
     /// Whether the law answers a fresh sample.
     fn law_runs(&self, state: &ArmState) -> bool {
         match state.mode {
