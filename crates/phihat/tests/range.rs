@@ -62,6 +62,7 @@ fn ceiling(room: f64, outward: f64, phi_hat: f64, last: f64, rate: f64) -> Optio
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one drawn sample after another, judged in turn")]
 fn no_torque_passes_that_could_not_be_braked_before_the_end() {
     let (mut capped, mut free, mut beyond) = ([0; 2], 0, [0; 2]);
     for limit in [None, Some(2e2), Some(2e3), Some(2e4), Some(2e5)] {

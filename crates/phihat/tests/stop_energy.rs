@@ -161,6 +161,7 @@ struct Outcome {
     faster_driven: f64,
 }
 
+#[expect(clippy::too_many_lines, reason = "a run from its arm to what came of it")]
 fn play(case: &Case, dice: &mut Dice) -> Outcome {
     let inertia: [f64; N] = core::array::from_fn(|_| dice.within(0.2, 2.0));
     // M̄^½ W M̄^½ with W = 1 + symmetric, eigenvalues within 0.5 … 2.
@@ -210,7 +211,7 @@ fn play(case: &Case, dice: &mut Dice) -> Outcome {
     let mut stamp = Stamp::default();
     let frequency = dice.within(0.5, 1.5);
     let amplitude = case.speed / frequency;
-    let (event_at, length) = (1200 + (dice.bits() % 800) as usize, 4500);
+    let (event_at, length) = (1200 + dice.bits() % 800, 4500_u64);
     let reserves = inertia.iter().map(|m| 0.5 * m * 0.2 * 0.2).sum();
     let mut outcome = Outcome { reserves, ..Outcome::default() };
     let mut last_q = world.q;
@@ -219,19 +220,18 @@ fn play(case: &Case, dice: &mut Dice) -> Outcome {
     let mut unloading: Option<f64> = None;
     let mut stopped_at = None;
     for k in 0..length {
-        let since = k as i64 - event_at as i64;
-        let after = since >= 0;
-        let t = since as f64 * T;
+        let after = k >= event_at;
+        let t = (k as f64 - event_at as f64) * T;
         let lost = matches!(case.event, Event::Lost(s) if after && t < s);
         if !lost {
-            stamp = Stamp { sequence: k as u64, t_ns: k as u64 * 1_000_000 };
+            stamp = Stamp { sequence: k, t_ns: k * 1_000_000 };
             for i in 0..N {
                 let q = (world.q[i] / quantum).round() * quantum;
                 seen[i] = Measurement { q, dq: (q - last_q[i]) / T, tau_applied: acted[i] };
                 last_q[i] = q;
             }
             if let Event::Torque(i, x) = case.event
-                && since == 0
+                && k == event_at
             {
                 seen[i].tau_applied = x;
             }
@@ -239,7 +239,7 @@ fn play(case: &Case, dice: &mut Dice) -> Outcome {
         if after {
             match case.event {
                 Event::Push(i, x, s) => world.push[i] = if t < s { x } else { 0.0 },
-                Event::Drop(i, x) if since == 0 => world.gravity[i] *= x,
+                Event::Drop(i, x) if k == event_at => world.gravity[i] *= x,
                 Event::Reversed(i) => world.drive[i] = -1.0,
                 _ => {}
             }
@@ -259,7 +259,7 @@ fn play(case: &Case, dice: &mut Dice) -> Outcome {
             dq: smooth * amplitude * frequency * sin,
             ddq: smooth * amplitude * frequency * frequency * cos,
         };
-        let sample = Sample { stamp, now_ns: k as u64 * 1_000_000, joints: &seen };
+        let sample = Sample { stamp, now_ns: k * 1_000_000, joints: &seen };
         let request =
             Request { mode, references: &[r; N], preset: Some(&preset), feed_forward: None };
         let answer = arm.step(&mut state, &sample, &request);
@@ -307,15 +307,20 @@ fn play(case: &Case, dice: &mut Dice) -> Outcome {
 }
 
 fn case(dice: &mut Dice) -> Case {
-    let form = [Form::Observer, Form::Literal, Form::Positions][(dice.bits() % 3) as usize];
-    let order = if form == Form::Positions { 1 } else { 1 + (dice.bits() % 2) as usize };
-    let joint = (dice.bits() % N as u64) as usize;
+    let form = [Form::Observer, Form::Literal, Form::Positions]
+        [usize::from(dice.bits().to_le_bytes()[0] % 3)];
+    let order =
+        if form == Form::Positions { 1 } else { 1 + usize::from(dice.bits().is_multiple_of(2)) };
+    let joint = [0, 1, 2][usize::from(dice.bits().to_le_bytes()[0] % 3)];
     let event = match dice.bits() % 7 {
         0 => Event::Asked,
         1 | 2 => Event::Push(joint, dice.within(-60.0, 60.0), dice.within(0.02, 0.5)),
         3 => Event::Drop(joint, dice.within(-0.5, 0.7)),
         4 => Event::Lost(dice.within(0.0, 1.0)),
-        5 => Event::Torque(joint, [1e6, -1e6, 1e3, 3e9][(dice.bits() % 4) as usize]),
+        5 => Event::Torque(
+            joint,
+            [1e6, -1e6, 1e3, 3e9][usize::from(dice.bits().to_le_bytes()[0] % 4)],
+        ),
         _ => Event::Reversed(joint),
     };
     Case {

@@ -2,7 +2,7 @@
 
 use super::feed::Told;
 use super::memory::{JointMemory, whole};
-use super::moment::Moment;
+use super::moment::{Aim, Moment};
 use super::rules::JointRules;
 use crate::estimate::Estimate;
 use crate::gains::Built;
@@ -33,7 +33,7 @@ impl<R: Real> JointRules<R> {
     ) -> (Command<R>, JointNews) {
         let mut news = JointNews::default();
         let m = &self.believed(memory, m, &mut news.events);
-        if now.stopping && !memory.stopping.begun {
+        if now.stops() && !memory.stopping.begun {
             self.begin_to_stop(gains, memory, m, now);
         }
         let reference = self.refer(memory, now, &mut news.events);
@@ -47,7 +47,7 @@ impl<R: Real> JointRules<R> {
         }
         let law = gains.demand::<S>(&next, m, &told.reference);
         let mut demand = match &self.funnel {
-            Some(funnel) if !now.stopping => {
+            Some(funnel) if !now.stops() => {
                 funnel.demand(memory, gains, m, &reference, law, now, &mut news.events)
             }
             _ => law,
@@ -56,7 +56,7 @@ impl<R: Real> JointRules<R> {
             memory.fade_from_old_gains(gains, m, &reference, now.blend_rate);
         }
         demand += memory.fading(now.blend_rate);
-        if now.stopping {
+        if now.stops() {
             demand = self.without_driving(memory, m, (demand, next.phi_hat), &mut news);
             demand = self.probed(memory, gains, m, demand, &mut news);
         }
@@ -82,10 +82,11 @@ impl<R: Real> JointRules<R> {
     #[allow(clippy::inline_always, reason = "one copy per form of the law, each without a call")]
     #[inline(always)]
     fn refer(&self, memory: &JointMemory<R>, now: &Moment<R>, events: &mut Events) -> Reference<R> {
-        if now.stopping {
+        if now.stops() {
             return self.stopping_reference(memory);
         }
-        let base = if now.tracking { memory.asked } else { Reference::at_rest(memory.home) };
+        let base =
+            if now.aim == Aim::Track { memory.asked } else { Reference::at_rest(memory.home) };
         let kept = self.keep(base, events);
         if let Some(shaper) = &self.shaper {
             let shaped = shaper.step(&memory.reference, &kept);
@@ -157,7 +158,7 @@ impl<R: Real> JointRules<R> {
                 fault = Some(Fault::Oscillation);
             }
         }
-        if now.first_motion && !now.stopping {
+        if now.first_motion && !now.stops() {
             fault = fault.or(self.actuates(memory, gains, m, R::from_f64(1.0)));
         }
         fault

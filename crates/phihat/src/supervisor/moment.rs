@@ -2,6 +2,24 @@
 
 use crate::joint::Interval;
 
+/// What the law is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Aim {
+    /// It holds a pose.
+    Hold,
+    /// It follows the reference.
+    Track,
+    /// It brings the arm to rest.
+    Stop,
+}
+
+impl<R> Moment<R> {
+    /// Whether the law brings the arm to rest.
+    pub(crate) fn stops(&self) -> bool {
+        self.aim == Aim::Stop
+    }
+}
+
 /// Where the arm stands, for every joint the same.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Moment<R> {
@@ -11,12 +29,10 @@ pub(crate) struct Moment<R> {
     pub(crate) blend: R,
     /// Progress per sample.
     pub(crate) blend_rate: R,
-    pub(crate) tracking: bool,
+    pub(crate) aim: Aim,
     /// The caller feeds forward.
     pub(crate) feeds: bool,
     pub(crate) first_motion: bool,
-    /// The law brings the arm to rest.
-    pub(crate) stopping: bool,
     /// Samples in a row with the torque at its limit that are a fault.
     pub(crate) saturation: u32,
     /// Share of a sample in what is averaged over `AVERAGING_S`.

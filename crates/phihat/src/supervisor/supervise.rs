@@ -5,7 +5,7 @@ use super::follow::JointNews;
 use super::guard::{admit, ask, watch};
 use super::memory::{ArmState, JointMemory, Trust};
 use super::mode::next_mode;
-use super::moment::Moment;
+use super::moment::{Aim, Moment};
 use super::rules::{ArmRules, JointRules};
 use super::sample::{Memories, Request, Rules, Sample};
 use super::schedule::schedule;
@@ -68,20 +68,7 @@ pub fn supervise<R: Real>(
         act(&rules, memories, (sample, request), (arrival.fresh, learnt), step.action);
     }
     remember_before(arm, state, memories);
-    // The first sample after a gap says where the arm is, and not how it got there; nor does a velocity that is not how it goes.
-    let gap = state.gap > 0;
-    state.gap = if state.arrivals.misses > 0 {
-        GAP_SAMPLES
-    } else if gap && state.trust == Trust::Law && !goes_as_it_says(arm, memories, sample) {
-        state.gap - 1
-    } else {
-        0
-    };
-    if core::mem::replace(&mut state.jumped, state.arrivals.bad > 0) {
-        for memory in memories.iter_mut() {
-            memory.stopping.begun = false;
-        }
-    }
+    let gap = after_a_gap(arm, state, memories, sample);
     let known = arrival.fresh && !(gap && state.mode == Mode::SafeStop);
     events |= if known && arm.law_runs(state) {
         let now = moment(arm, state, &arrival, step.action);
@@ -129,6 +116,29 @@ impl<R: Real> ArmRules<R> {
             Mode::Idle | Mode::Armed => false,
         }
     }
+}
+
+/// Whether this sample comes after a gap: it says where the arm is, and not how it got there; nor does a velocity that is not how it goes.
+fn after_a_gap<R: Real>(
+    arm: &ArmRules<R>,
+    state: &mut ArmState,
+    memories: &mut [JointMemory<R>],
+    sample: &Sample<'_, R>,
+) -> bool {
+    let gap = state.gap > 0;
+    state.gap = if state.arrivals.misses > 0 {
+        GAP_SAMPLES
+    } else if gap && state.trust == Trust::Law && !goes_as_it_says(arm, memories, sample) {
+        state.gap - 1
+    } else {
+        0
+    };
+    if core::mem::replace(&mut state.jumped, state.arrivals.bad > 0) {
+        for memory in memories {
+            memory.stopping.begun = false;
+        }
+    }
+    gap
 }
 
 /// Longest that a velocity after a gap is waited for \[samples\], and how far it may be off what the positions say \[rad/s\].
@@ -214,10 +224,13 @@ fn moment<R: Real>(
         reference_progress: R::from_f64(f64::from(state.blending)) * arm.blend_rate,
         blend: arm.blend,
         blend_rate: arm.blend_rate,
-        tracking: state.mode == Mode::Tracking,
+        aim: match state.mode {
+            Mode::SafeStop => Aim::Stop,
+            Mode::Tracking => Aim::Track,
+            Mode::Idle | Mode::Armed | Mode::Holding => Aim::Hold,
+        },
         feeds: state.feeds && !stopping,
         first_motion: state.engaged < arm.first_motion_samples,
-        stopping,
         saturation: arm.saturation_samples,
         average: arm.average,
         dwell: arm.dwell_samples,
@@ -241,7 +254,7 @@ fn run<R: Real>(
         let arm = &mut *memories.arm;
         let place = Place { joint, rule, gains };
         let form = match gains.form {
-            Form::Literal if now.stopping => Form::Observer,
+            Form::Literal if now.stops() => Form::Observer,
             form => form,
         };
         events |= match form {
