@@ -221,15 +221,10 @@ def test_ctrl_c_is_a_safe_stop(tmp_path: Path) -> None:
     finally:
         signal.signal(signal.SIGINT, before)
     trace = phihat.read_run(tmp_path / "out")
-    # When the signal is seen depends on the machine's clock; what comes of it does not. The brakes are asked for at rest, or
-    # 0.5 s into the stop: an estimate that is held moves the arm on, against half of the law's damping `M K_d / 2`.
+    # When the signal is seen depends on the machine's clock; what comes of it does not: the arm is at rest within half a second.
     mode = np.array(trace.mode)
     stop = int(np.flatnonzero(mode == "safe-stop")[0])
     assert 700 < stop < len(mode) < 20_000
     assert (mode[stop:] == "safe-stop").all()
-    speed, held = np.abs(trace["dq"][-1]), np.abs(trace["phi_hat"][-1])
-    assert (trace["phi_hat"][stop:] == trace["phi_hat"][-1]).all()
-    rest = speed.max() < 0.05
-    assert rest or 0.49 < trace.t[-1] - trace.t[stop] < 0.51
-    damping = 0.5 * 2.0 * 20.0 * np.array([0.42, 0.18, 0.14])
-    assert rest or (speed <= held / damping + 0.01).all()
+    assert np.abs(trace["dq"][-1]).max() < 0.05
+    assert trace.t[-1] - trace.t[stop] < 0.51
