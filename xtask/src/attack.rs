@@ -18,7 +18,7 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
     cargo(root, &all.iter().map(String::as_str).collect::<Vec<_>>())
 }
 
-/// Twelve studies by the gate's build, in its own engine alone: a minute of processor time.
+/// Six studies by the gate's build, in its own engine alone: half a minute of processor time.
 pub(crate) fn short(root: &Path) -> Result<(), String> {
     let program = programs::program(root, "phihat-attack/phihat-attack")?.display().to_string();
     let size = ["6", "--runs", "4", "--searched", "0", "--whole-every", "4", "--fresh"];

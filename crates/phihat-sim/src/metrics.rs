@@ -4,7 +4,7 @@ use core::convert::Infallible;
 
 use phihat::Mode;
 use phihat_model::JointKind;
-use phihat_study::{RequestedMode, Study};
+use phihat_study::{RequestedMode, Study, requested};
 use serde::{Deserialize, Serialize};
 
 use crate::recorder::Recorder;
@@ -165,9 +165,8 @@ impl Measured {
 
     /// Whether a supervised arm is asked to follow its motion at a time \[ns\].
     fn tracks(&self, t_ns: u64) -> bool {
-        let t = t_ns as f64 * 1e-9;
-        let latest = self.requests.iter().rev().find(|(from, _)| *from <= t + 1e-12);
-        self.requests.is_empty() || latest.is_some_and(|(_, mode)| *mode == RequestedMode::Track)
+        let asked = requested(&self.requests, t_ns as f64 * 1e-9);
+        self.requests.is_empty() || asked == Some(RequestedMode::Track)
     }
 
     /// The figures of as many samples, and of the steady ones among them, as they were taken elsewhere. `joint` sets a joint's, and

@@ -5,7 +5,7 @@ use phihat::{
     JointRules, Memories, Mode, ModeRequest, MotionLimits, Options, Reference, Report, Request,
     Rules, Schedule, Stamp, supervise,
 };
-use phihat_study::{RequestedMode, Study, SupervisorRequest};
+use phihat_study::{RequestedMode, Study, SupervisorRequest, requested};
 
 use crate::error::SimError;
 use crate::in_force::InForce;
@@ -154,8 +154,7 @@ impl Supervised {
                 _ => ModeRequest::Track,
             };
         }
-        let latest = self.requests.iter().rev().find(|(from, _)| *from <= t + 1e-12);
-        match latest.map(|(_, mode)| mode) {
+        match requested(&self.requests, t) {
             None | Some(RequestedMode::Idle) => ModeRequest::Idle,
             Some(RequestedMode::Arm) => ModeRequest::Arm,
             Some(RequestedMode::Hold) => ModeRequest::Hold,

@@ -105,4 +105,4 @@ pub use payload::Payload;
 pub use payload_set::PayloadSet;
 pub use schema::schema;
 pub use study::*;
-pub use supervisor::{RequestedMode, SupervisorRequest};
+pub use supervisor::{RequestedMode, SupervisorRequest, requested};

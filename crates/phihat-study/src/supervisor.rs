@@ -60,6 +60,11 @@ pub struct SupervisorRequest {
     pub requests: Vec<(f64, RequestedMode)>,
 }
 
+/// What a list of requests, ascending in time \[s\], asks at a time: its latest one until then.
+pub fn requested(requests: &[(f64, RequestedMode)], t: f64) -> Option<RequestedMode> {
+    requests.iter().rev().find(|(from, _)| *from <= t + 1e-12).map(|(_, mode)| *mode)
+}
+
 /// What can be asked of the arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RequestedMode {

@@ -224,9 +224,7 @@ impl<R: Real> JointState<R> {
             *fed += more;
         }
     }
-}
 
-impl<R: Real> JointState<R> {
     /// From positions: the reference is another one from here on. `from` was in force at the last sample, `to` would have been,
     /// without acceleration. What is known of the joint, of `φ` and of the torques on their way stays.
     pub(crate) fn rebase(&mut self, from: &Reference<R>, to: &Reference<R>) {
