@@ -173,6 +173,8 @@ fn named(gain: Gain) -> (&'static str, Option<usize>) {
         Gain::Period => ("period_s", None),
         Gain::TorqueMax => ("torque_max_nm", None),
         Gain::TorqueRateMax => ("torque_rate_max_nm_s", None),
+        Gain::EnergyMax => ("energy_max_j", None),
+        Gain::EnergyWindow => ("energy_window_s", None),
         Gain::Share => ("share", None),
         Gain::Correction(i) => ("correction", Some(i)),
         Gain::VelocityCorrection(i) => ("velocity_correction", Some(i)),

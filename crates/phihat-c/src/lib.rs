@@ -6,7 +6,7 @@
 //! # Guarantee
 //!
 //! - No panic crosses the border: it would become [`Status::Internal`].
-//! - Only [`phihat_controller_create`] and [`phihat_supervisor_create`] allocate, only their counterparts free.
+//! - Only [`phihat_controller_create`], [`phihat_supervisor_create`] and [`phihat_gate_create`] allocate, only their counterparts free.
 //! - A call that does not answer [`Status::Ok`] or [`Status::Refused`] has written nothing but its
 //!   `phihat_error`.
 //!
@@ -20,6 +20,7 @@
 mod border;
 mod controller;
 mod error;
+mod gate;
 mod guard;
 mod laws;
 mod supervisor;
@@ -31,6 +32,10 @@ pub use controller::{
     phihat_controller_update,
 };
 pub use error::{Status, phihat_error, phihat_status_text, phihat_version};
+pub use gate::{
+    phihat_gate, phihat_gate_create, phihat_gate_destroy, phihat_gate_hold, phihat_gate_limits,
+    phihat_gate_release,
+};
 pub use guard::{
     phihat_guard, phihat_guard_default, phihat_supervision, phihat_supervision_default,
 };

@@ -6,7 +6,7 @@ use std::path::Path;
 fn the_header_is_current() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let config = cbindgen::Config::from_file(root.join("cbindgen.toml")).unwrap();
-    let sources = ["types", "error", "controller", "guard", "supervisor"]
+    let sources = ["types", "error", "controller", "guard", "supervisor", "gate"]
         .map(|name| root.join(format!("src/{name}.rs")));
     let mut builder = cbindgen::Builder::new().with_config(config);
     for source in sources {

@@ -4,6 +4,7 @@
 mod support;
 
 mod fuzz;
+mod gate;
 mod header;
 mod no_allocation;
 mod older_header;

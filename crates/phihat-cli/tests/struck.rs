@@ -45,7 +45,8 @@ impl Case<'_> {
         answer(&mut command)
     }
 
-    /// Strikes the first operation, the second, and so on until there is none left; how many there were.
+    /// Strikes the first operation, the second, and so on until there is none left; how many there were. With `PHIHAT_ALL=1` each of them, otherwise the
+    /// first four and one in three.
     fn strike_all(&self, how: &str) -> usize {
         leave(&self.out(), &self.before);
         let old = self.results();
@@ -53,7 +54,8 @@ impl Case<'_> {
         assert!(clean.code < 2, "{}", clean.err);
         let new = self.results();
         assert_ne!(old, new);
-        for number in 1.. {
+        let every = std::env::var_os("PHIHAT_ALL").is_some();
+        for number in (1..).filter(|number| every || *number < 5 || number % 3 == 0) {
             leave(&self.out(), &self.before);
             let answer = self.struck(&format!("{how} {number}"));
             let now = self.results();

@@ -57,9 +57,10 @@ fn no_nominal_inertia_at_the_end_of_the_numbers_arms() {
     let arm = Arm::of(&study).unwrap();
     let good = gains(&study, &arm);
     arm_inside_window(&study, &arm, &good).unwrap();
+    // One joint, another, all of them; in the short version the first one and all.
+    let each = if std::env::var_os("PHIHAT_ALL").is_some() { 1 } else { good.joints.len() };
     for extreme in EXTREME {
-        // One joint, another, all of them.
-        for which in 0..=good.joints.len() {
+        for which in (0..=good.joints.len()).step_by(each) {
             let mut bad = good.clone();
             for (i, joint) in bad.joints.iter_mut().enumerate() {
                 if which == i || which == good.joints.len() {

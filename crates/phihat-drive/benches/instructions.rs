@@ -11,6 +11,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use phihat::Released;
 use phihat_design::requested_gains;
 use phihat_drive::{
     Clock, Desk, End, Facts, FrankaAddress, FrankaLink, Link, LinkFault, Order, Plan, SimLink,
@@ -57,11 +58,11 @@ impl Link for Still {
         Wait::Fresh { t_ns: self.t_ns - self.facts.period_ns }
     }
 
-    fn send(&mut self, tau: &[f64]) {
-        std::hint::black_box(tau);
+    fn send(&mut self, tau: Released<'_, f64>) {
+        std::hint::black_box(tau.tau());
     }
 
-    fn finish(&mut self, _: &[f64]) -> Result<(), LinkFault> {
+    fn finish(&mut self, _: Released<'_, f64>) -> Result<(), LinkFault> {
         Ok(())
     }
 

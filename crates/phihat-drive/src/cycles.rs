@@ -80,7 +80,6 @@ pub struct Desk {
     order: Order,
     raw: Sample,
     sample: Sample,
-    tau: Vec<f64>,
     out: Vec<f64>,
     /// What others asked for last, and which of their targets it is.
     target: (u64, Vec<f64>),
@@ -93,7 +92,6 @@ impl Desk {
         Self {
             raw: Sample::of(width),
             sample: Sample::of(joints),
-            tau: vec![0.0; joints],
             out: vec![0.0; width],
             target: (0, vec![0.0; joints]),
             order,
@@ -113,14 +111,10 @@ impl Desk {
         let begun = link.now_ns();
         self.order.gather(&self.raw, &mut self.sample);
         control.step(t_ns as f64 * 1e-9, &self.sample, arrival != Arrival::Skipped);
-        for (tau, command) in self.tau.iter_mut().zip(control.commands()) {
-            *tau = command.tau;
-        }
-        self.order.scatter(&self.tau, &mut self.out);
         let took_ns = link.now_ns().zip(begun).map(|(now, begun)| now.saturating_sub(begun));
         let report = control.report().copied();
         link.supervised(report.as_ref());
-        link.send(&self.out);
+        link.send(self.order.scatter(control.gate(), &mut self.out));
         let known = link.facts().tells.truth;
         Ok(Cycle { t_ns, arrival, report, known, late_ns, took_ns })
     }
@@ -208,7 +202,7 @@ pub fn cycles<L: Link>(
         come_to_rest(link, control, desk, plan, &mut tally);
     }
     if !matches!(tally.end, End::Fault(_) | End::Over) {
-        tally.finished = link.finish(&desk.out);
+        tally.finished = link.finish(desk.order.scatter(control.gate(), &mut desk.out));
     }
     tally
 }

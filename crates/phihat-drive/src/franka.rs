@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
+use phihat::Released;
 use phihat_fci::{Client, FciError, JOINTS, Protocol, RobotMode, RobotState};
 use phihat_model::{Profile, RobotError};
 use phihat_sim::Sample;
@@ -265,8 +266,8 @@ impl Link for FrankaLink {
         Wait::Fresh { t_ns }
     }
 
-    fn send(&mut self, tau: &[f64]) {
-        let (Some(id), Ok(tau)) = (self.answers, <&[f64; JOINTS]>::try_from(tau)) else { return };
+    fn send(&mut self, tau: Released<'_, f64>) {
+        let (Some(id), Ok(tau)) = (self.answers, <&[f64; JOINTS]>::try_from(tau.tau())) else { return };
         let (sent, count) = &mut self.sent;
         if let Some(room) = sent.get_mut(*count % SENT) {
             *room = *tau;
@@ -275,8 +276,8 @@ impl Link for FrankaLink {
         self.broken = self.client.send_torque(id, tau).err().map(|why| fault(&why));
     }
 
-    fn finish(&mut self, tau: &[f64]) -> Result<(), LinkFault> {
-        let (false, Ok(tau)) = (self.over, tau.try_into()) else { return Ok(()) };
+    fn finish(&mut self, tau: Released<'_, f64>) -> Result<(), LinkFault> {
+        let (false, Ok(tau)) = (self.over, tau.tau().try_into()) else { return Ok(()) };
         // The newest state waits for an answer where those before it were lost.
         let id = self.client.last().map_or(0, |state| state.id);
         self.client.finish(id, tau).map_err(|why| fault(&why))

@@ -2,7 +2,7 @@
 
 use std::io::ErrorKind;
 
-use phihat::Report;
+use phihat::{Released, Report};
 use phihat_sim::{Acted, Ended, Sample};
 use thiserror::Error;
 
@@ -127,7 +127,7 @@ pub trait Link {
 
     /// Sends a torque \[N·m\] per joint, in the order of the link's joints, as the answer to the last sample. What goes wrong
     /// is told by the next [`wait`](Self::wait).
-    fn send(&mut self, tau: &[f64]);
+    fn send(&mut self, tau: Released<'_, f64>);
 
     /// What the supervisor said of the sample that is about to be answered; a robot with brakes of its own closes them when it asks for them.
     fn supervised(&mut self, report: Option<&Report>) {
@@ -146,7 +146,7 @@ pub trait Link {
     /// # Errors
     ///
     /// [`LinkFault`]: the robot does not say that it ended.
-    fn finish(&mut self, tau: &[f64]) -> Result<(), LinkFault>;
+    fn finish(&mut self, tau: Released<'_, f64>) -> Result<(), LinkFault>;
 
     /// Brings a robot that stopped back to where it can be started again.
     ///
@@ -198,7 +198,7 @@ impl<L: Link + ?Sized> Link for Box<L> {
         (**self).wait(sample)
     }
 
-    fn send(&mut self, tau: &[f64]) {
+    fn send(&mut self, tau: Released<'_, f64>) {
         (**self).send(tau);
     }
 
@@ -210,7 +210,7 @@ impl<L: Link + ?Sized> Link for Box<L> {
         (**self).acted(joint, inertia)
     }
 
-    fn finish(&mut self, tau: &[f64]) -> Result<(), LinkFault> {
+    fn finish(&mut self, tau: Released<'_, f64>) -> Result<(), LinkFault> {
         (**self).finish(tau)
     }
 

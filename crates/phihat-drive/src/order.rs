@@ -1,5 +1,6 @@
 //! Joints of a link bound by name to those of a study.
 
+use phihat::{Gate, Outlet, Released};
 use phihat_sim::Sample;
 use thiserror::Error;
 
@@ -89,11 +90,11 @@ impl Order {
     }
 
     /// Torques of the study in the link's order; joints that are not the study's are left alone.
-    pub fn scatter(&self, tau: &[f64], out: &mut [f64]) {
-        for (tau, place) in tau.iter().zip(&self.places) {
-            if let Some(entry) = out.get_mut(*place) {
-                *entry = *tau;
-            }
-        }
+    pub fn scatter<'a>(
+        &self,
+        gate: &Gate<f64, Vec<Outlet<f64>>>,
+        out: &'a mut [f64],
+    ) -> Released<'a, f64> {
+        gate.torques(&self.places, out)
     }
 }

@@ -1,6 +1,6 @@
 //! phihat's own world at the other end: in lock-step, or by this machine's clock.
 
-use phihat::Report;
+use phihat::{Released, Report};
 use phihat_sim::{Acted, Ended, Sample, WorldSide};
 use phihat_study::Study;
 
@@ -94,15 +94,15 @@ impl Link for SimLink {
         self.world.brake(report);
     }
 
-    fn send(&mut self, tau: &[f64]) {
-        self.world.act(tau);
+    fn send(&mut self, tau: Released<'_, f64>) {
+        self.world.act(tau.tau());
     }
 
     fn acted(&self, joint: usize, inertia: f64) -> Option<Acted> {
         (joint < self.facts.width).then(|| self.world.acted(joint, inertia))
     }
 
-    fn finish(&mut self, _: &[f64]) -> Result<(), LinkFault> {
+    fn finish(&mut self, _: Released<'_, f64>) -> Result<(), LinkFault> {
         Ok(())
     }
 

@@ -5,7 +5,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::support::{HOSTILE, PLAIN, SUPERVISED, names, sides, study};
-use phihat::{JointMap, Mode};
+use phihat::{Gate, JointMap, Limits, Mode, Outlet, Released};
 use phihat_drive::{
     Adds, Arrival, Clock, Cycle, Desk, End, Evidence, Facts, Link, LinkFault, Order, OrderError,
     Plan, SimLink, Stops, Tally, Tells, Wait, cycles, ring,
@@ -83,16 +83,13 @@ impl Link for Robot<'_> {
         }
         wait
     }
-    fn send(&mut self, tau: &[f64]) {
-        for (i, place) in self.places.iter().enumerate() {
-            self.tau[*place] = tau[i];
-        }
-        self.sim.send(&self.tau);
+    fn send(&mut self, tau: Released<'_, f64>) {
+        self.sim.send(tau.placed(&self.places, &mut self.tau));
     }
     fn acted(&self, joint: usize, inertia: f64) -> Option<Acted> {
         self.facts.tells.truth.then(|| self.sim.acted(self.places[joint], inertia))?
     }
-    fn finish(&mut self, _: &[f64]) -> Result<(), LinkFault> {
+    fn finish(&mut self, _: Released<'_, f64>) -> Result<(), LinkFault> {
         self.finished += 1;
         Ok(())
     }
@@ -167,7 +164,9 @@ fn an_order_is_the_cores_joint_map() {
     let found: Vec<f64> = sample.joints.iter().map(|joint| joint.q).collect();
     assert_eq!(found, map.gather(&message).unwrap());
     let (mut ours, mut theirs) = (vec![9.0; 4], vec![9.0; 4]);
-    order.scatter(&[1.0, 2.0, 3.0], &mut ours);
+    let mut gate = Gate::new(vec![Outlet::new(Limits::none()); 3], None);
+    gate.holding(&[1.0, 2.0, 3.0]);
+    order.scatter(&gate, &mut ours);
     assert!(map.scatter(&[1.0, 2.0, 3.0], &mut theirs));
     assert_eq!(ours, theirs);
     let refused = |study: &[&str], link: &[&str]| Order::new(&owned(study), Some(&owned(link)), 3);

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::support::{HOSTILE, PLAIN, SUPERVISED, names, sides, study};
 use allocation_counter::measure;
+use phihat::Released;
 use phihat_drive::{
     Desk, End, Facts, Link, LinkFault, Order, Plan, SimLink, Targets, Wait, cycles, ring,
 };
@@ -27,13 +28,13 @@ impl<F: FnMut(u64, &mut Sample)> Link for With<F> {
         (self.2)(self.1, sample);
         self.0.wait(sample)
     }
-    fn send(&mut self, tau: &[f64]) {
+    fn send(&mut self, tau: Released<'_, f64>) {
         self.0.send(tau);
     }
     fn acted(&self, joint: usize, inertia: f64) -> Option<Acted> {
         self.0.acted(joint, inertia)
     }
-    fn finish(&mut self, tau: &[f64]) -> Result<(), LinkFault> {
+    fn finish(&mut self, tau: Released<'_, f64>) -> Result<(), LinkFault> {
         self.0.finish(tau)
     }
     fn recover(&mut self) -> Result<(), LinkFault> {

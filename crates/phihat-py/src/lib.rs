@@ -10,6 +10,7 @@ mod checks;
 mod controller;
 mod failure;
 mod gains;
+mod gate;
 mod json;
 mod laws;
 mod link;
@@ -37,6 +38,8 @@ mod _phihat {
     use super::controller::Controller;
     #[pymodule_export]
     use super::gains::Gains;
+    #[pymodule_export]
+    use super::gate::Gate;
     #[pymodule_export]
     use super::link::drive;
     #[pymodule_export]

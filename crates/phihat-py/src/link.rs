@@ -6,6 +6,7 @@ use std::sync::PoisonError;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use numpy::IntoPyArray;
+use phihat::Released;
 use phihat_drive::{
     Adds, CheckName, Clock, DriveError, DriveOptions, Facts, Link, LinkFault, Prepared, Readiness,
     Standing, Stops, Tells, Wait, prepare_on,
@@ -272,16 +273,16 @@ impl Link for OwnLink {
         Wait::Fresh { t_ns }
     }
 
-    fn send(&mut self, tau: &[f64]) {
-        self.sent.copy_from_slice(tau);
+    fn send(&mut self, tau: Released<'_, f64>) {
+        self.sent.copy_from_slice(tau.tau());
         let written = self.call(|py| {
-            let tau = tau.to_vec().into_pyarray(py);
+            let tau = tau.tau().to_vec().into_pyarray(py);
             self.object.bind(py).call_method1("write", (tau,)).map(|_| ())
         });
         self.broken = written.err();
     }
 
-    fn finish(&mut self, _: &[f64]) -> Result<(), LinkFault> {
+    fn finish(&mut self, _: Released<'_, f64>) -> Result<(), LinkFault> {
         self.call(|py| {
             let object = self.object.bind(py);
             if object.hasattr("finish")? {

@@ -15,7 +15,7 @@ from fetch_arms import ARMS
 from phihat.mujoco import attach, build, describe
 
 DESIGNED = ARMS if "PHIHAT_ALL" in os.environ else ()
-"""A design takes half a minute: `cargo xtask test --all` has them, the gate the one arm of the fixture below."""
+"""A design takes half a minute: `cargo xtask test --all` has them."""
 
 PAYLOAD_MAX_KG = 1.0
 PAYLOAD_KG = 0.6
@@ -96,12 +96,16 @@ def test_bounds_hold_with_a_payload_that_was_not_told(arm: str, tmp_path: Path) 
 
 
 @pytest.fixture(scope="module")
-def arm(tmp_path_factory: pytest.TempPathFactory) -> tuple[phihat.Gains, Sine]:
-    folder = tmp_path_factory.mktemp("arm")
-    model = load("panda")
-    describe(model, folder / "panda.urdf")
-    motion = Sine(middle(model))
-    return design(folder / "panda.toml", motion), motion
+def arm() -> tuple[phihat.Gains, Sine]:
+    gains = phihat.Gains(
+        rate_hz=1000.0,
+        inertia=[1.78, 2.22, 1.02, 1.28, 0.247, 0.259, 0.212],
+        kp=[400.0] * 7,
+        kd=[40.0] * 7,
+        a=[[2500.0, 100.0]] * 7,
+        joint_names=[f"joint{i}" for i in range(1, 8)],
+    )
+    return gains, Sine(middle(load("panda")))
 
 
 def ready(motion: Sine, **options: Any) -> tuple[Any, Any]:

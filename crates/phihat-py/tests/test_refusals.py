@@ -139,3 +139,20 @@ def test_gains(tmp_path: Path) -> None:
         phihat.Gains.from_json("{")
     with pytest.raises(phihat.ArgumentError, match="no certificate"):
         phihat.simulate(STUDIES / "first.toml").gains.verify()
+
+
+def test_a_gate_lets_nothing_out_beyond_its_limits() -> None:
+    gate = phihat.Gate(rate_hz=1000.0, torque_max=[87.0, 12.0], torque_rate_max=[1000.0, np.inf], energy_max_j=2.0)
+    gate.hold(np.array([10.0, 0.0]))
+    tau = gate.release(np.zeros(2), np.array([50.0, np.nan]))
+    assert tau.tolist() == [11.0, 0.0]
+    assert gate.rate_limited.tolist() == [True, False] and gate.refused.tolist() == [False, True]
+    # 12 N m over 0.05 rad per sample are 0.6 J per sample: more than 2 J in 0.1 s.
+    given = 0.0
+    for k in range(1, 40):
+        given += float(gate.release(np.array([0.0, 0.05 * k]), np.array([0.0, 1e6]))[1]) * 0.05
+    assert gate.saturated[1] and 1.0 < given < 2.0
+    with pytest.raises(phihat.ArgumentError, match="energy_max_j"):
+        phihat.Gate(rate_hz=1000.0, torque_max=[1.0], energy_max_j=-1.0)
+    with pytest.raises(phihat.ArgumentError, match="torque_rate_max"):
+        phihat.Gate(rate_hz=1000.0, torque_max=[1.0, 2.0], torque_rate_max=[1.0])

@@ -2,7 +2,10 @@
 
 use core::f64::consts::TAU;
 
-use phihat::{Command, JointGains, JointState, Limits, Reference, Report, Unwrap, update_joints};
+use phihat::{
+    Command, Gate, JointGains, JointState, Limits, Outlet, Reference, Report, Tank, Unwrap,
+    update_joints,
+};
 use phihat_model::JointKind;
 use phihat_study::Study;
 
@@ -39,9 +42,8 @@ pub struct ControlSide {
     echo: Option<Echo>,
     /// Joints that turn without end, whose readings start over.
     endless: Option<Endless>,
-    /// What the study's limits let out last \[N·m\].
-    limits: Vec<Limits<f64>>,
-    released: Vec<f64>,
+    /// The last thing before a torque leaves.
+    gate: Gate<f64, Vec<Outlet<f64>>>,
     pub(crate) references: Vec<Reference<f64>>,
     pub(crate) commands: Vec<Command<f64>>,
 }
@@ -106,8 +108,9 @@ impl ControlSide {
     ) -> Result<Self, SimError> {
         let inertia = gains.iter().map(JointGains::inertia).collect();
         let gains_count = gains.len();
-        let limits = limits(study)?;
-        let limited = gains.iter().zip(&limits).map(|(gains, limits)| gains.with_limits(*limits));
+        let gate = gate(study)?;
+        let behind = gains.iter().zip(gate.outlets());
+        let limited = behind.map(|(gains, outlet)| gains.with_limits(*outlet.limits()));
         let gains: Vec<_> = limited.collect();
         let brain = match study.supervisor.as_deref() {
             Some(request) => Brain::Supervised(Box::new(Supervised::new(study, request, &gains)?)),
@@ -120,7 +123,7 @@ impl ControlSide {
         let alone = matches!(brain, Brain::Law { .. });
         let fed = if alone { FeedForward::of(study)? } else { None };
         let fed = fed.map(|fed| (fed, vec![0.0; gains_count]));
-        Ok(Self { fed, ..Self::with(study, brain, limits, inertia, motion) })
+        Ok(Self { fed, ..Self::with(study, brain, gate, inertia, motion) })
     }
 
     /// Puts the study's torque limits behind a controller of somebody else's; `None`: it is told the torque of each sample.
@@ -132,7 +135,7 @@ impl ControlSide {
     ) -> Result<Self, SimError> {
         let tau = vec![0.0; inertia.len()];
         let brain = Brain::Outside { driver, tau };
-        Ok(Self::with(study, brain, limits(study)?, inertia.to_vec(), motion))
+        Ok(Self::with(study, brain, gate(study)?, inertia.to_vec(), motion))
     }
 
     /// The torque of the next sample \[N·m\], where there is nobody to ask.
@@ -168,7 +171,7 @@ impl ControlSide {
     fn with(
         study: &Study,
         brain: Brain,
-        limits: Vec<Limits<f64>>,
+        gate: Gate<f64, Vec<Outlet<f64>>>,
         inertia: Vec<f64>,
         motion: Motion,
     ) -> Self {
@@ -184,8 +187,7 @@ impl ControlSide {
             fed: None,
             echo: Echo::new(study),
             endless: Endless::of(study),
-            limits,
-            released: vec![0.0; n],
+            gate,
             commands: vec![Command::default(); n],
         }
     }
@@ -197,7 +199,7 @@ impl ControlSide {
         for (command, torque) in self.commands.iter_mut().zip(held) {
             command.tau = *torque;
         }
-        self.released.copy_from_slice(held);
+        self.gate.holding(held);
         if let Brain::Outside { tau, .. } = &mut self.brain {
             tau.copy_from_slice(held);
         }
@@ -264,8 +266,8 @@ impl ControlSide {
             None => sample,
         };
         self.answer(t, sample);
+        self.gate.release(&sample.joints, &mut self.commands);
         self.endless = endless;
-        self.release();
     }
 
     /// Computes the torques of a sample.
@@ -300,9 +302,9 @@ impl ControlSide {
                     let (references, last) = (&self.references[..], &self.commands[..]);
                     driver.drive(&Moment { t, sample, references, last }, tau);
                 }
-                let joints = self.commands.iter_mut().zip(&self.limits);
-                for ((command, limits), tau) in joints.zip(tau) {
-                    *command = limits.command(*tau, command.tau);
+                let joints = self.commands.iter_mut().zip(self.gate.outlets());
+                for ((command, outlet), tau) in joints.zip(tau) {
+                    *command = outlet.limits().command(*tau, command.tau);
                 }
             }
         }
@@ -317,17 +319,9 @@ impl ControlSide {
         }
     }
 
-    /// The last thing before a torque leaves: finite, and within the limits of rate and size, whatever was computed. Nothing computes on a torque
-    /// after it.
-    fn release(&mut self) {
-        let joints = self.commands.iter_mut().zip(&mut self.released).zip(&self.limits);
-        for ((command, released), limits) in joints {
-            let last = limits.command(command.tau, *released);
-            command.status.saturated |= last.status.saturated;
-            command.status.rate_limited |= last.status.rate_limited;
-            command.tau = last.tau;
-            *released = last.tau;
-        }
+    /// The gate, which has the torques of the last sample for the wire.
+    pub fn gate(&self) -> &Gate<f64, Vec<Outlet<f64>>> {
+        &self.gate
     }
 
     /// What the supervisor did at the last sample.
@@ -349,13 +343,17 @@ fn reference(motion: &Motion, joint: usize, t: f64) -> Reference<f64> {
     Reference { q, dq, ddq }
 }
 
-/// The torque limits that the study puts behind the law, per joint.
-fn limits(study: &Study) -> Result<Vec<Limits<f64>>, SimError> {
+/// The limits that the study puts behind whatever computes torques.
+fn gate(study: &Study) -> Result<Gate<f64, Vec<Outlet<f64>>>, SimError> {
     let period = study.control.period_ns as f64 * 1e-9;
     let with = |(i, joint): (usize, &phihat_model::Joint)| {
         let (torque, rate) = study.limits(i);
         Limits::new(torque, rate, period)
+            .map(Outlet::new)
             .map_err(|e| SimError::Limit(format!("{}: {e}", joint.name)))
     };
-    study.robot.joints.iter().enumerate().map(with).collect()
+    let outlets: Result<_, _> = study.robot.joints.iter().enumerate().map(with).collect();
+    let tank = study.control.energy.map(|(energy, within)| Tank::new(energy, within, period));
+    let tank = tank.transpose().map_err(|e| SimError::Limit(e.to_string()))?;
+    Ok(Gate::new(outlets?, tank))
 }

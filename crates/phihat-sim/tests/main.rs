@@ -22,5 +22,6 @@ mod motion;
 mod one_joint;
 mod overload;
 mod parquet;
+mod stops;
 mod supervised;
 mod trace;

@@ -97,6 +97,8 @@ kinds! {
         "The position is off by so much, in rad.";
     SensorNoise "sensor_noise", true, "rad", Some(Bounds::closed(0.0, 1.0)), None,
         "White noise of this standard deviation, in rad, on the position.";
+    TorqueBias "torque_bias", true, "N·m", Some(Bounds::within(1e5)), None,
+        "The measured torque is off by so much, in N·m.";
     JointOrder "joint_order", false, "places", Some(Bounds::integers(1.0, 100.0)), Some(1.0),
         "Measurements arrive in the wrong order, turned by so many places.";
     ClockJump "clock_jump", false, "s", Some(Bounds::closed(0.0, 86_400.0)), None,

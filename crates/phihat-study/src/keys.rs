@@ -331,6 +331,21 @@ static LOOP: Section = Section {
             doc: "Torque-rate limit of the command; `\"robot\"` takes the robot's.",
         },
         Key {
+            name: "energy_max_j",
+            unit: "J",
+            shape: Shape::Number(Bounds::positive(1e9)),
+            need: Need::Optional("no limit"),
+            doc: "The most energy that all drives together may give the arm within `energy_window_s`: the last thing before a torque leaves scales down \
+                  what would give more. Lifting the arm counts.",
+        },
+        Key {
+            name: "energy_window_s",
+            unit: "s",
+            shape: Shape::Number(Bounds::positive(10.0)),
+            need: Need::Number(0.1),
+            doc: "The time that `energy_max_j` is counted in.",
+        },
+        Key {
             name: "beyond_drives",
             unit: "",
             shape: Shape::Word(&["refuse", "allow"]),

@@ -257,6 +257,8 @@ pub struct Control {
     pub torque_max: Option<Vec<f64>>,
     /// Torque-rate limit \[N·m/s\] per joint; `None`: no limit.
     pub torque_rate_max: Option<Vec<f64>>,
+    /// The most energy that all drives together may give the arm \[J\], and the time in which they may \[s\]; `None`: no limit.
+    pub energy: Option<(f64, f64)>,
     /// What becomes of a motion that needs more than the drives have.
     pub beyond_drives: DrivesBeyond,
 }

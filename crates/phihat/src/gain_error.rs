@@ -22,6 +22,10 @@ pub enum Gain {
     TorqueMax,
     /// A torque-rate limit.
     TorqueRateMax,
+    /// The most energy within a time.
+    EnergyMax,
+    /// The time that it is counted in.
+    EnergyWindow,
     /// A velocity limit.
     VelocityMax,
     /// An acceleration limit.
@@ -66,6 +70,8 @@ impl fmt::Display for Gain {
             Self::Period => f.write_str("period [s]"),
             Self::TorqueMax => f.write_str("torque limit [N m]"),
             Self::TorqueRateMax => f.write_str("torque-rate limit [N m/s]"),
+            Self::EnergyMax => f.write_str("energy limit [J]"),
+            Self::EnergyWindow => f.write_str("time of the energy limit [s]"),
             Self::VelocityMax => f.write_str("velocity limit [rad/s]"),
             Self::AccelerationMax => f.write_str("acceleration limit [rad/s^2]"),
             Self::JerkMax => f.write_str("jerk limit [rad/s^3]"),

@@ -19,6 +19,7 @@ mod designs;
 mod feed_forward;
 mod forms_agree;
 mod garbage;
+mod gate;
 mod governor;
 mod guard;
 mod identities;

@@ -102,7 +102,7 @@ fn tests(root: &Path) -> Result<(), String> {
     nextest(root, "default")
 }
 
-/// The tests that `.config/nextest.toml` leaves to `--all`.
+/// All tests, with the whole of what the gate tries a part of.
 fn every_test(root: &Path) -> Result<(), String> {
     nextest(root, "campaigns")
 }

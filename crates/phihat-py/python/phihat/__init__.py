@@ -26,7 +26,7 @@ from ._errors import (
     SampleRefused,
     StudyError,
 )
-from ._phihat import Controller, Gains, PositionGains, Robot, Sample, Supervisor
+from ._phihat import Controller, Gains, Gate, PositionGains, Robot, Sample, Supervisor
 from ._phihat import version as _version
 from ._crosscheck import Crosscheck, crosscheck
 from ._document import Study
@@ -49,6 +49,7 @@ __all__ = [
     "Error",
     "Gains",
     "GainsError",
+    "Gate",
     "Infeasible",
     "Law",
     "Link",

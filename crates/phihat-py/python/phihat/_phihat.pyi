@@ -533,6 +533,49 @@ class Controller:
         """Torque limit [N m]; infinite where there is none."""
 
 @final
+class Gate:
+    """The last thing before a torque leaves: behind gravity compensation, feed-forward and all else that computes on it.
+
+    Args:
+        rate_hz: samples per second.
+        torque_max: largest ``|tau|`` per joint [N m], infinite for none.
+        torque_rate_max: likewise for the change of torque [N m/s].
+        energy_max_j: the most energy that all drives together may give the arm within ``energy_window_s`` [J].
+    """
+
+    def __new__(
+        cls,
+        *,
+        rate_hz: float,
+        torque_max: Sequence[float],
+        torque_rate_max: Sequence[float] | None = None,
+        energy_max_j: float | None = None,
+        energy_window_s: float = 0.1,
+    ) -> Gate: ...
+    def release(self, q: _Array, tau: _Array) -> _Array:
+        """Let the torques of a sample out; call it once per period.
+
+        Args:
+            q: measured positions [rad]; what is not finite counts as the last one.
+            tau: torques that are asked for [N m]; one that is not finite becomes the last one.
+
+        Returns:
+            The torques to send [N m]: finite, within the limits of size and rate, and, where an energy is limited, scaled down along the
+            motion.
+        """
+
+    def hold(self, tau: _Array) -> None:
+        """Let the rate count from these torques [N m], with which something else holds the arm."""
+    @property
+    def saturated(self) -> NDArray[np.bool_]:
+        """Whether the torque limit, or that of the energy, acted on the last torque."""
+    @property
+    def rate_limited(self) -> NDArray[np.bool_]:
+        """Whether the torque-rate limit acted on the last torque."""
+    @property
+    def refused(self) -> NDArray[np.bool_]:
+        """Whether the last torque was not finite."""
+
 class Supervisor:
     """A controller under supervision: what a real arm needs around the law.
 

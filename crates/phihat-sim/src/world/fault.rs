@@ -45,6 +45,7 @@ pub(super) enum FrictionFault {
 pub(super) enum ReadingFault {
     Bias,
     Noise,
+    Torque,
 }
 
 /// What is wrong with a message of measurements.
@@ -68,6 +69,7 @@ impl Acts {
             FaultKind::Payload => Self::Payload,
             FaultKind::SensorBias => Self::Reading(ReadingFault::Bias),
             FaultKind::SensorNoise => Self::Reading(ReadingFault::Noise),
+            FaultKind::TorqueBias => Self::Reading(ReadingFault::Torque),
             FaultKind::SensorFreeze => Self::Message(MessageFault::Freeze),
             FaultKind::SensorNan => Self::Message(MessageFault::Nan),
             FaultKind::JointOrder => Self::Message(MessageFault::JointOrder),

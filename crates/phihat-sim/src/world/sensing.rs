@@ -167,6 +167,7 @@ impl Sensing {
                 match what {
                     ReadingFault::Bias => q += fault.size,
                     ReadingFault::Noise => q += fault.size * own.fault.normal(k),
+                    ReadingFault::Torque => tau_applied += fault.size,
                 }
             }
         }

@@ -1,0 +1,250 @@
+//! What a stop does to the arms of the repository, in the simulator. Wrong if the drives give energy to an arm that they should stop, or leave it in motion.
+//!
+//! Energy is counted here from positions, from the torque that acted, and from the gravity of the arm with what it carries at the time.
+
+use crate::support::read;
+use phihat::{Fault, Form, JointDesign, JointGains, Mode};
+use phihat_model::{Body, Workspace};
+use phihat_sim::{Outcome, Simulation};
+use phihat_study::Study;
+
+/// An arm: name, rate, nominal inertia, outer bandwidth, estimator bandwidth.
+const ARMS: [(&str, f64, &[f64], f64, f64); 4] = [
+    ("planar3r", 1000.0, &[0.42, 0.18, 0.14], 20.0, 70.0),
+    ("panda", 1000.0, &[1.78, 2.22, 1.02, 1.28, 0.247, 0.259, 0.212], 20.0, 50.0),
+    ("iiwa14", 1000.0, &[1.37, 2.43, 0.539, 0.827, 0.213, 0.209, 0.201], 20.0, 70.0),
+    ("ur5", 500.0, &[1.56, 2.35, 0.945, 0.349, 0.345, 0.117], 12.0, 40.0),
+];
+
+/// What causes the stop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Event {
+    Asked,
+    /// A share of the joint's torque, for so long.
+    Push(usize, f64, f64),
+    /// What is carried falls off.
+    Drop,
+    Lost(f64),
+    NotANumber(f64),
+    /// Measured torque is off by so much, for so long.
+    Torque(usize, f64, f64),
+    Reversed(usize),
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Case {
+    arm: usize,
+    literal: bool,
+    order: usize,
+    rate: Option<f64>,
+    event: Event,
+    brakes: bool,
+    speed: f64,
+    load: f64,
+    seed: u64,
+}
+
+const EVENT_S: f64 = 1.5;
+const END_S: f64 = 4.5;
+
+struct Dice(u64);
+
+impl Dice {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        usize::try_from(self.bits() % n as u64).unwrap()
+    }
+}
+
+fn case(dice: &mut Dice) -> Case {
+    let arm = dice.below(ARMS.len());
+    let joint = dice.below(ARMS[arm].2.len());
+    let event = match dice.below(9) {
+        0 => Event::Asked,
+        1..=3 => Event::Push(joint, dice.within(-0.7, 0.7), dice.within(0.02, 0.5)),
+        4 => Event::Drop,
+        5 => Event::Lost(dice.within(0.0, 0.5)),
+        6 => Event::NotANumber(dice.within(0.0, 0.5)),
+        7 => Event::Torque(joint, [1e5, -1e5, 1e3, 50.0][dice.below(4)], dice.within(0.0, 0.3)),
+        _ => Event::Reversed(joint),
+    };
+    Case {
+        arm,
+        literal: dice.below(3) == 0,
+        order: 1 + dice.below(2),
+        rate: (dice.below(2) == 0).then_some(1000.0),
+        event,
+        brakes: dice.below(2) == 0,
+        speed: dice.within(0.0, 0.8),
+        load: dice.within(0.1, 1.5),
+        seed: dice.bits() % 1000,
+    }
+}
+
+impl Case {
+    fn text(&self) -> String {
+        let (name, rate_hz, inertia, bandwidth, estimator) = ARMS[self.arm];
+        let robot = phihat_model::Robot::named(name).unwrap();
+        let event = |kind: &str, more: &str| {
+            format!("[[fault]]\nkind = \"{kind}\"\nstart_s = {EVENT_S}\n{more}\n")
+        };
+        let joint = |i: usize| &robot.joints[i].name;
+        let (fault, request) = match self.event {
+            Event::Asked => (
+                String::new(),
+                format!(
+                    "[[supervisor.request]]\nt_s = 0.0\nmode = \"arm\"\n[[supervisor.request]]\nt_s = 0.01\nmode = \"hold\"\n\
+                     [[supervisor.request]]\nt_s = 0.02\nmode = \"track\"\n[[supervisor.request]]\nt_s = {EVENT_S}\nmode = \"stop\"\n"
+                ),
+            ),
+            Event::Push(i, share, s) => {
+                let size = share * robot.joints[i].torque_max.unwrap_or(50.0);
+                let text = format!("joint = \"{}\"\nsize = {size:?}\nduration_s = {s:?}", joint(i));
+                (event("push", &text), String::new())
+            }
+            Event::Drop => (String::new(), String::new()),
+            Event::Lost(s) => (event("sample_loss", &format!("duration_s = {:?}", s.max(1e-3))), String::new()),
+            Event::NotANumber(s) => (event("sensor_nan", &format!("duration_s = {:?}", s.max(1e-3))), String::new()),
+            Event::Torque(i, size, s) => {
+                let text = format!("joint = \"{}\"\nsize = {size:?}\nduration_s = {:?}", joint(i), s.max(2e-3));
+                (event("torque_bias", &text), String::new())
+            }
+            Event::Reversed(i) => {
+                (event("drive_gain", &format!("joint = \"{}\"\nsize = -1.0", joint(i))), String::new())
+            }
+        };
+        let load_end = if self.event == Event::Drop { EVENT_S } else { 2.0 * END_S };
+        let rate = self.rate.map_or_else(String::new, |rate| format!("torque_rate_max_nm_s = {rate:?}\n"));
+        let brakes = if self.brakes { "brake_closing_s = 0.1\n" } else { "" };
+        let form = if self.literal { "literal" } else { "observer" };
+        let (frequency, substeps) = (0.3, if rate_hz < 600.0 { 8 } else { 4 });
+        let amplitude = self.speed / (core::f64::consts::TAU * frequency);
+        let body = Body { mass: self.load, com: [0.0; 3], inertia: [0.0; 6] };
+        let model = robot.plant_model().with_payload_on(&robot.tip, &body).unwrap();
+        let (q, mut preset) = (&robot.poses["ready"], vec![0.0; inertia.len()]);
+        model.gravity_torque(&mut Workspace::new(&model), q, &mut preset);
+        let payload = format!("payload = {{ mass_kg = {:?}, start_s = 0.0, end_s = {load_end:?} }}\n", self.load);
+        format!(
+            "duration_s = {END_S}\nseed = {}\n[robot]\nname = \"{name}\"\n[spec]\nsettle_s = 1.0\n[gains]\norder = {}\n\
+             bandwidth_rad_s = {bandwidth:?}\nestimator_bandwidth_rad_s = {estimator:?}\ninertia_kg_m2 = {inertia:?}\n\
+             [loop]\nrate_hz = {rate_hz:?}\ndelay_samples = 1\nform = \"{form}\"\n{rate}beyond_drives = \"allow\"\n[sensor]\nencoder_bits = 20\n\
+             velocity = \"differenced\"\n[world]\nsubsteps = {substeps}\nfriction = \"robot\"\n{payload}\
+             [supervisor]\nerror_stop_rad = 0.08\npreset_nm = {preset:?}\n{brakes}{request}{fault}[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = 0.5\n\
+             [[reference.sine]]\namplitude_rad = {amplitude:?}\nfrequency_hz = {frequency:?}\n",
+            self.seed, self.order
+        )
+    }
+
+    fn gains(&self, study: &Study) -> Vec<JointGains<f64>> {
+        let (_, rate_hz, inertia, bandwidth, estimator) = ARMS[self.arm];
+        let first = [estimator];
+        let second = [estimator * estimator, 2.0 * estimator];
+        let a: &[f64] = if self.order == 1 { &first } else { &second };
+        let form = if self.literal { Form::Literal } else { Form::Observer };
+        let joint = |inertia: &f64| {
+            let (kp, kd) = (bandwidth * bandwidth, 2.0 * bandwidth);
+            let period = 1.0 / rate_hz;
+            JointGains::new(&JointDesign { inertia: *inertia, kp, kd, a, period, form }).unwrap()
+        };
+        assert_eq!(study.robot.joints.len(), inertia.len());
+        inertia.iter().map(joint).collect()
+    }
+}
+
+/// What came of a case.
+#[derive(Debug, Default)]
+struct Stop {
+    stopped: bool,
+    /// Largest work of the drives, less what holds gravity, in 50 ms \[J\].
+    given: f64,
+    /// Largest such work from the stop on \[J\].
+    given_in_all: f64,
+    /// What the joints may give back \[J\].
+    reserves: f64,
+    /// When, and why.
+    at: usize,
+    fault: Option<Fault>,
+    fastest_at_stop: f64,
+    fastest_after: f64,
+    at_end: f64,
+}
+
+fn judged(case: &Case) -> Stop {
+    let study = read(&case.text());
+    let outcome: Outcome = Simulation::new(&study, &case.gains(&study)).unwrap().run(|_| ());
+    let trace = &outcome.trace;
+    let mode = &trace.supervision.as_ref().unwrap().mode;
+    let (_, _, inertia, ..) = ARMS[case.arm];
+    let reserves = inertia.iter().map(|m| 0.5 * m * 0.2 * 0.2).sum();
+    let at_end = trace.joints.iter().fold(0.0, |m: f64, j| m.max(j.dq.last().unwrap().abs()));
+    let mut stop = Stop { reserves, at_end, ..Stop::default() };
+    let Some(at) = mode.iter().position(|mode| *mode == Mode::SafeStop) else { return stop };
+    stop.stopped = true;
+    (stop.at, stop.fault) = (at, trace.supervision.as_ref().unwrap().fault[at]);
+    let fastest = |k: usize| trace.joints.iter().fold(0.0, |m: f64, j| m.max(j.dq[k].abs()));
+    stop.fastest_at_stop = fastest(at);
+    stop.fastest_after = (at..mode.len()).map(fastest).fold(0.0, f64::max);
+    let bare = study.robot.plant_model();
+    let body = Body { mass: case.load, com: [0.0; 3], inertia: [0.0; 6] };
+    let loaded = bare.clone().with_payload_on(&study.robot.tip, &body).unwrap();
+    let mut ws = [Workspace::new(&bare), Workspace::new(&loaded)];
+    let (n, period) = (trace.joints.len(), study.control.period_ns as f64 * 1e-9);
+    let (mut q, mut g, rest) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let mut works = Vec::new();
+    for k in at..mode.len() - 1 {
+        let carries = case.event != Event::Drop || (k as f64 * period) < EVENT_S;
+        let (model, ws) = if carries { (&loaded, &mut ws[1]) } else { (&bare, &mut ws[0]) };
+        for (i, joint) in trace.joints.iter().enumerate() {
+            q[i] = joint.q[k];
+        }
+        model.bias(ws, &q, &rest, &mut g);
+        let work = |i: usize| {
+            let joint = &trace.joints[i];
+            (joint.tau_applied[k] - g[i]) * (joint.q[k + 1] - joint.q[k])
+        };
+        works.push((0..n).map(work).sum::<f64>());
+    }
+    let width = (0.05 / period).round() as usize;
+    let sums = works.windows(width).map(|w| w.iter().sum::<f64>());
+    stop.given = sums.fold(0.0, f64::max);
+    let mut sum = 0.0;
+    for work in works {
+        sum += work;
+        stop.given_in_all = stop.given_in_all.max(sum);
+    }
+    stop
+}
+
+#[test]
+fn f32_a_stop_of_the_repositorys_arms_takes_energy_out_of_them() {
+    let all = if std::env::var_os("PHIHAT_ALL").is_some() { 400 } else { 24 };
+    let all = std::env::var("PHIHAT_STOPS").map_or(all, |n| n.parse().unwrap());
+    let mut dice = Dice(4);
+    let (mut stopped, mut misses) = (0, Vec::new());
+    for number in 0..all {
+        let case = case(&mut dice);
+        let stop = judged(&case);
+        stopped += usize::from(stop.stopped);
+        if std::env::var_os("PHIHAT_TELL").is_some() {
+            println!("{number}: {stop:?} {case:?}");
+        }
+        let bar = stop.reserves + 0.5;
+        if stop.stopped && (stop.given > bar || stop.at_end > 0.05) {
+            misses.push(format!("{number}: {stop:?}\n{case:?}"));
+        }
+    }
+    println!("{all} cases, {stopped} stopped, {} missed", misses.len());
+    assert!(misses.is_empty(), "{}\n{}", misses.len(), misses.join("\n"));
+    assert!(3 * stopped > all, "{stopped} of {all}");
+}
