@@ -61,7 +61,7 @@ const USAGE: &str = "usage:
   cargo xtask verbs [--beside PROGRAM] [--rounds N]
                                what the verbs that people wait for take, and another program's beside them, in turns (a minute)
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
-  cargo xtask stops [N]        N stops of random coupled arms under pushes, drops, lost samples, lies and reversed drives (10,000: a minute)
+  cargo xtask stops [N]        N stops of random coupled arms and N of the repository's arms, under pushes, drops, lost samples, lies and reversed drives (10,000: six minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
   cargo xtask table1           the full comparison of rivals, kept in docs/comparison (half an hour; resumes)
   cargo xtask fronts           a part of the comparison at equal noise, kept in docs/fronts (three hours; resumes)
@@ -123,10 +123,25 @@ fn main() -> ExitCode {
         }
         Some((verb, rest)) if verb == "stops" => {
             let number = rest.first().map_or("10000", String::as_str);
-            let test =
-                ["test", "--quiet", "-p", "phihat", "--test", "tests", "f31_", "--", "--nocapture"];
-            let mut cargo = std::process::Command::new("cargo");
-            shell::run(cargo.args(test).env("PHIHAT_STOPS", number).current_dir(shell::root()))
+            [("phihat", "f31_"), ("phihat-sim", "f32_a_stop")].into_iter().try_for_each(
+                |(package, name)| {
+                    let test = [
+                        "test",
+                        "--quiet",
+                        "-p",
+                        package,
+                        "--test",
+                        "tests",
+                        name,
+                        "--",
+                        "--nocapture",
+                    ];
+                    let mut cargo = std::process::Command::new("cargo");
+                    shell::run(
+                        cargo.args(test).env("PHIHAT_STOPS", number).current_dir(shell::root()),
+                    )
+                },
+            )
         }
         Some((verb, rest)) if verb == "mutants" => mutants::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "twice" => {

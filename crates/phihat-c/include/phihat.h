@@ -16,6 +16,7 @@
  *
  * phihat_controller is the law and its limits. phihat_supervisor puts around it what a real arm needs: a
  * guard for bad, late and lost samples, joint limits, modes with a latched safe stop, bumpless starts.
+ * phihat_gate is the last thing before a torque leaves, behind gravity compensation and whatever else is added.
  *
  * Real time: the functions ..._create() allocate, ..._destroy() free, nothing else touches the heap, waits,
  * or calls the system. Different handles may be used by different threads; one handle by one thread at a
@@ -178,6 +179,11 @@ typedef enum phihat_status {
  * A controller for an arm: gains, what they remember, and room for one sample.
  */
 typedef struct phihat_controller phihat_controller;
+
+/**
+ * A gate for an arm's torques, and room for one sample.
+ */
+typedef struct phihat_gate phihat_gate;
 
 /**
  * A controller under supervision, for an arm.
@@ -581,6 +587,40 @@ typedef struct phihat_report {
   uint32_t lost;
 } phihat_report;
 
+/**
+ * What a phihat_gate lets out.
+ */
+typedef struct phihat_gate_limits {
+  /**
+   * sizeof(phihat_gate_limits).
+   */
+  size_t size;
+  /**
+   * Number of joints, at least 1.
+   */
+  size_t joints;
+  /**
+   * Largest |tau|, positive, one per joint [N m]; INFINITY: no limit.
+   */
+  const double *torque_max_nm;
+  /**
+   * Largest change of tau per time, positive, one per joint [N m/s]; INFINITY: no limit.
+   */
+  const double *torque_rate_max_nm_s;
+  /**
+   * The most energy that all drives together may give the arm within energy_window_s, positive [J]; INFINITY: no limit.
+   */
+  double energy_max_j;
+  /**
+   * The time that energy_max_j is counted in, positive [s]; not looked at without one.
+   */
+  double energy_window_s;
+  /**
+   * Time between samples, positive [s].
+   */
+  double period_s;
+} phihat_gate_limits;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -737,6 +777,61 @@ enum phihat_status phihat_supervisor_step(struct phihat_supervisor *supervisor,
  * Name of an event, of which `bit` is the place, from 0; null where there is none.
  */
 const char *phihat_event_text(uint32_t bit);
+
+/**
+ * Makes a gate, behind drives that give no torque yet. Allocates; not for the control loop.
+ *
+ * A gate is the last thing before a torque leaves: behind gravity compensation, feed-forward and all else that computes on it.
+ *
+ * @param limits What it lets out.
+ * @param gate   Receives the handle; free it with phihat_gate_destroy().
+ * @param error  Receives what was wrong; set its size first. May be null.
+ *
+ * # Safety
+ *
+ * Every pointer is null or valid for what the header says of it.
+ */
+enum phihat_status phihat_gate_create(const struct phihat_gate_limits *limits,
+                                      struct phihat_gate **gate,
+                                      struct phihat_error *error);
+
+/**
+ * Frees a gate; null is allowed. The handle is gone afterwards.
+ *
+ * # Safety
+ *
+ * `gate` is null or came from phihat_gate_create() and was not freed before.
+ */
+void phihat_gate_destroy(struct phihat_gate *gate);
+
+/**
+ * From here on the rate counts from `tau`, the torques with which something else holds the arm, one per joint [N m]. What is not finite changes
+ * nothing.
+ *
+ * # Safety
+ *
+ * Every pointer is null or valid for what the header says of it.
+ */
+enum phihat_status phihat_gate_hold(struct phihat_gate *gate,
+                                    const double *tau);
+
+/**
+ * Lets the torques of a sample out; call it once per period, and send what it leaves in `command`, whatever it answers. Real time.
+ *
+ * `command->tau` holds what is asked for, and then what may be sent: finite, within range and rate, and, where an energy is limited, scaled down along the
+ * motion. A torque that is not finite becomes the last one, and its joint has the flag PHIHAT_REFUSED.
+ *
+ * @param gate    The handle.
+ * @param q       Measured position, one per joint [rad]; what is not finite counts as the last one.
+ * @param command Torques in and out; phi_hat is not looked at, flags may be null.
+ *
+ * # Safety
+ *
+ * Every pointer is null or valid for what the header says of it.
+ */
+enum phihat_status phihat_gate_release(struct phihat_gate *gate,
+                                       const double *q,
+                                       const struct phihat_command *command);
 
 #ifdef __cplusplus
 }  // extern "C"

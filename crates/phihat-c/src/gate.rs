@@ -72,7 +72,8 @@ pub unsafe extern "C" fn phihat_gate_create(
             let limits = Limits::new(finite(torque), finite(rate), of.period_s);
             outlets.push(Outlet::new(limits.map_err(|why| Refusal::gain(why).at(i))?));
         }
-        let tank = finite(of.energy_max_j).map(|most| Tank::new(most, of.energy_window_s, of.period_s));
+        let tank =
+            finite(of.energy_max_j).map(|most| Tank::new(most, of.energy_window_s, of.period_s));
         let tank = tank.transpose().map_err(Refusal::gain)?;
         let mut made = phihat_gate {
             gate: Gate::new(outlets, tank),

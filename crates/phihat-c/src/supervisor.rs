@@ -288,6 +288,7 @@ pub extern "C" fn phihat_event_text(bit: u32) -> *const core::ffi::c_char {
         c"funnel-over",
         c"held-back",
         c"torque-refused",
+        c"let-go",
     ];
     // The names are the core's; a test compares.
     let known = Events::ALL.len().min(NAMES.len());

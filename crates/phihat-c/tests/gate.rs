@@ -29,7 +29,10 @@ fn what_leaves_is_within_the_limits() {
     let mut handle = null_mut();
     let limits = limits();
     // SAFETY: all pointers are to living values.
-    assert_eq!(unsafe { phihat_gate_create(&raw const limits, &raw mut handle, null_mut()) }, Status::Ok);
+    assert_eq!(
+        unsafe { phihat_gate_create(&raw const limits, &raw mut handle, null_mut()) },
+        Status::Ok
+    );
     let (mut tau, mut flags) = ([50.0, f64::NAN], [0_u32; N]);
     let command = phihat_command {
         size: size_of::<phihat_command>(),
@@ -45,11 +48,17 @@ fn what_leaves_is_within_the_limits() {
         assert_eq!(status, Status::Refused);
         assert_eq!(tau.as_ptr().read(), 11.0);
         assert_eq!(tau.as_ptr().add(1).read(), 3.0);
-        assert_eq!((flags.as_ptr().read(), flags.as_ptr().add(1).read()), (PHIHAT_RATE_LIMITED, PHIHAT_REFUSED));
+        assert_eq!(
+            (flags.as_ptr().read(), flags.as_ptr().add(1).read()),
+            (PHIHAT_RATE_LIMITED, PHIHAT_REFUSED)
+        );
         assert_eq!(phihat_gate_release(handle, null(), &raw const command), Status::NullPointer);
         assert_eq!(phihat_gate_hold(null_mut(), tau.as_ptr()), Status::NullPointer);
         let other = phihat_command { joints: 3, ..command };
-        assert_eq!(phihat_gate_release(handle, [0.0; 3].as_ptr(), &raw const other), Status::WrongJoints);
+        assert_eq!(
+            phihat_gate_release(handle, [0.0; 3].as_ptr(), &raw const other),
+            Status::WrongJoints
+        );
         phihat_gate_destroy(handle);
         phihat_gate_destroy(null_mut());
     }
@@ -63,7 +72,11 @@ fn what_is_no_gate_is_refused_by_name() {
         (phihat_gate_limits { size: 8, ..good }, Status::WrongSize, ""),
         (phihat_gate_limits { joints: 0, ..good }, Status::WrongJoints, ""),
         (phihat_gate_limits { torque_max_nm: null(), ..good }, Status::NullPointer, ""),
-        (phihat_gate_limits { torque_max_nm: none.as_ptr(), ..good }, Status::BadGain, "torque_max_nm"),
+        (
+            phihat_gate_limits { torque_max_nm: none.as_ptr(), ..good },
+            Status::BadGain,
+            "torque_max_nm",
+        ),
         (phihat_gate_limits { energy_max_j: f64::NAN, ..good }, Status::BadGain, "energy_max_j"),
         (phihat_gate_limits { energy_max_j: 5.0, ..good }, Status::BadGain, "energy_window_s"),
     ];
@@ -77,10 +90,16 @@ fn what_is_no_gate_is_refused_by_name() {
             text: [0; 192],
         };
         // SAFETY: all pointers are to living values.
-        let status = unsafe { phihat_gate_create(&raw const limits, &raw mut handle, &raw mut error) };
+        let status =
+            unsafe { phihat_gate_create(&raw const limits, &raw mut handle, &raw mut error) };
         assert_eq!(status, wanted, "{member}");
         assert!(handle.is_null());
-        let said: String = error.member.iter().take_while(|c| **c != 0).map(|c| char::from(c.to_ne_bytes()[0])).collect();
+        let said: String = error
+            .member
+            .iter()
+            .take_while(|c| **c != 0)
+            .map(|c| char::from(c.to_ne_bytes()[0]))
+            .collect();
         assert!(said.contains(member), "{said}, not {member}");
     }
 }

@@ -117,7 +117,8 @@ fn a_record_becomes_a_design_that_holds() {
              [reference]\nkind = \"sines\"\ncenter_rad = 0.0\n[[reference.sine]]\namplitude_rad = 0.3\nfrequency_hz = [0.3, 0.4]\n"
         )
     };
-    let ends = if std::env::var_os("PHIHAT_ALL").is_some() { &["high", "low"][..] } else { &["low"] };
+    let ends =
+        if std::env::var_os("PHIHAT_ALL").is_some() { &["high", "low"][..] } else { &["low"] };
     for end in ends {
         let name = format!("{end}.toml");
         fs::write(folder.join(&name), again(end)).unwrap();

@@ -267,7 +267,9 @@ impl Link for FrankaLink {
     }
 
     fn send(&mut self, tau: Released<'_, f64>) {
-        let (Some(id), Ok(tau)) = (self.answers, <&[f64; JOINTS]>::try_from(tau.tau())) else { return };
+        let (Some(id), Ok(tau)) = (self.answers, <&[f64; JOINTS]>::try_from(tau.tau())) else {
+            return;
+        };
         let (sent, count) = &mut self.sent;
         if let Some(room) = sent.get_mut(*count % SENT) {
             *room = *tau;

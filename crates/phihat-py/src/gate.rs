@@ -33,17 +33,35 @@ impl Gate {
         let rates = torque_rate_max.unwrap_or_else(|| vec![f64::INFINITY; n]);
         if n == 0 || rates.len() != n {
             let limit = "one number per joint, as many in both";
-            let message = format!("torque_rate_max: {} numbers for {n} in torque_max; it must be {limit}", rates.len());
-            return Err(failure::argument(py, "torque_rate_max", None, rates.len(), limit, &message));
+            let message = format!(
+                "torque_rate_max: {} numbers for {n} in torque_max; it must be {limit}",
+                rates.len()
+            );
+            return Err(failure::argument(
+                py,
+                "torque_rate_max",
+                None,
+                rates.len(),
+                limit,
+                &message,
+            ));
         }
         let period = 1.0 / rate_hz;
         let finite = |x: f64| (x != f64::INFINITY).then_some(x);
         let refused = |why: GainError| {
             let (field, value) = match why {
-                GainError::NotPositive { gain: phihat::Gain::EnergyMax, value } => ("energy_max_j", value),
-                GainError::NotPositive { gain: phihat::Gain::EnergyWindow, value } => ("energy_window_s", value),
-                GainError::NotPositive { gain: phihat::Gain::TorqueMax, value } => ("torque_max", value),
-                GainError::NotPositive { gain: phihat::Gain::TorqueRateMax, value } => ("torque_rate_max", value),
+                GainError::NotPositive { gain: phihat::Gain::EnergyMax, value } => {
+                    ("energy_max_j", value)
+                }
+                GainError::NotPositive { gain: phihat::Gain::EnergyWindow, value } => {
+                    ("energy_window_s", value)
+                }
+                GainError::NotPositive { gain: phihat::Gain::TorqueMax, value } => {
+                    ("torque_max", value)
+                }
+                GainError::NotPositive { gain: phihat::Gain::TorqueRateMax, value } => {
+                    ("torque_rate_max", value)
+                }
                 _ => ("rate_hz", rate_hz),
             };
             let limit = "positive and finite";
@@ -54,7 +72,8 @@ impl Gate {
             Limits::new(finite(*torque), finite(*rate), period).map(Outlet::new).map_err(refused)
         };
         let outlets = torque_max.iter().zip(&rates).map(outlet).collect::<PyResult<Vec<_>>>()?;
-        let tank = energy_max_j.and_then(finite).map(|most| Tank::new(most, energy_window_s, period));
+        let tank =
+            energy_max_j.and_then(finite).map(|most| Tank::new(most, energy_window_s, period));
         let tank = tank.transpose().map_err(refused)?;
         Ok(Self {
             gate: phihat::Gate::new(outlets, tank),

@@ -173,6 +173,13 @@ fn error_stop(study: &Study, joint: usize) -> f64 {
     bound.map_or(0.2, |bound| (50.0 * bound).max(0.2))
 }
 
+/// The most dry friction that the robot's description states \[N·m\]: within it a joint that stands still is no dead drive.
+fn dry_friction(study: &Study, joint: usize) -> f64 {
+    let friction = &study.robot.joints[joint].friction;
+    let coulomb = friction.coulomb_range.map_or(friction.coulomb, |(_, most)| most);
+    coulomb + friction.sigmoid.map_or(0.0, |smooth| smooth.amplitude_nm.abs())
+}
+
 /// The options of one joint.
 fn joint(
     study: &Study,
@@ -206,7 +213,7 @@ fn joint(
         oscillation: per(&request.oscillation),
         first_motion: per(&request.first_motion).or_else(|| {
             let torque = study.limits(i).0?;
-            Some(FIRST_MOTION_SHARE * torque)
+            Some((FIRST_MOTION_SHARE * torque).max(1.5 * dry_friction(study, i)))
         }),
         stop: None,
         start: start(request, gains)?,

@@ -47,7 +47,10 @@ pub(crate) fn read(
         preview: node.flag_if("preview").unwrap_or(form == Form::Positions),
         torque_max: limits(node, arm, "torque_max_nm", torque)?,
         torque_rate_max: limits(node, arm, "torque_rate_max_nm_s", rate)?,
-        energy: node.number_if("energy_max_j").map(|most| Ok::<_, StudyError>((most, node.number("energy_window_s")?))).transpose()?,
+        energy: node
+            .number_if("energy_max_j")
+            .map(|most| Ok::<_, StudyError>((most, node.number("energy_window_s")?)))
+            .transpose()?,
         beyond_drives: match node.word("beyond_drives")? {
             "allow" => DrivesBeyond::Allow,
             _ => DrivesBeyond::Refuse,

@@ -1,7 +1,7 @@
 //! The gate. Wrong if a torque leaves that is not finite, beyond its range or its rate, or if drives give an arm more energy in a time than is stated.
 
 use crate::arm::Dice;
-use phihat::{Command, Gate, GainError, Limits, Measurement, Outlet, Tank};
+use phihat::{Command, GainError, Gate, Limits, Measurement, Outlet, Tank};
 
 const N: usize = 3;
 const T: f64 = 1e-3;
@@ -23,7 +23,7 @@ fn gate(energy: Option<(f64, f64)>) -> Gate<f64, [Outlet<f64>; N]> {
 /// Whatever is asked for and whatever is measured.
 #[test]
 fn f32_nothing_beyond_a_limit_leaves() {
-    let mut dice = Dice::new(32);
+    let mut dice = Dice(32);
     let wild = [f64::NAN, f64::INFINITY, -f64::INFINITY, 1e308, -1e308, 1e6, -0.0, 5e-324];
     let mut gate = gate(Some((2.0, 0.1)));
     let (mut last, mut wire) = ([0.0; N], [0.0; N]);
@@ -49,7 +49,7 @@ fn f32_nothing_beyond_a_limit_leaves() {
 #[test]
 fn what_is_within_every_limit_passes_to_the_last_bit() {
     let mut gate = gate(Some((1e6, 0.1)));
-    let mut dice = Dice::new(1);
+    let mut dice = Dice(1);
     let mut tau = [0.0; N];
     for k in 0..1000 {
         tau = tau.map(|tau: f64| (tau + dice.within(-0.9, 0.9)).clamp(-11.0, 11.0));

@@ -283,8 +283,8 @@ fn a_drive_is_judged_at_the_sample_that_its_rule_says() {
                 stopped = Some(k);
                 break;
             }
-            // During the first quarter of a second.
-            if k < 250 {
+            // During the first quarter of a second, but not while what held the arm before may still act.
+            if (10..250).contains(&k) {
                 past.push((m.tau_applied, step));
                 row = if suspicious(&past, 2.0) { row + 1 } else { 0 };
                 if row >= 15 && expected.is_none() {

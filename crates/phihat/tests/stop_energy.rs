@@ -12,8 +12,9 @@ use std::collections::VecDeque;
 
 use crate::arm::Dice;
 use phihat::{
-    Fault, Form, JointDesign, JointGains, JointOptions, Limits, Measurement, Mode, ModeRequest,
-    Options, PositionDesign, Reference, Request, Sample, Stamp, Supervisor, SupervisorState,
+    Events, Fault, Form, JointDesign, JointGains, JointOptions, Limits, Measurement, Mode,
+    ModeRequest, Options, PositionDesign, Reference, Request, Sample, Stamp, Supervisor,
+    SupervisorState,
 };
 
 const N: usize = 3;
@@ -268,7 +269,7 @@ fn play(case: &Case, dice: &mut Dice) -> Outcome {
             outcome.fault = answer.report.fault.map(|f| f.0);
             outcome.speed_at_stop = world.dq.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         }
-        outcome.released = answer.commands.iter().all(|c| c.tau == 0.0);
+        outcome.released |= answer.report.events.contains(Events::LET_GO);
         // A brake that is closed is not opened by the arm.
         brake_age = if outcome.stopped && answer.report.brake { brake_age + 1 } else { 0 };
         world.braked = k < 100 || world.braked && k > 100 || case.brakes && brake_age > 100;

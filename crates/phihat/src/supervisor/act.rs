@@ -67,7 +67,7 @@ impl<R: Real> JointRules<R> {
                 let [_, earlier] = memory.before_now;
                 let known = if learnt { earlier } else { memory.steady };
                 memory.held = whole(known, memory.fed);
-                memory.stopping = Stopping::default();
+                memory.stopping = Stopping { learns: !learnt, ..Stopping::default() };
             }
             Action::Release => memory.held = R::ZERO,
         }

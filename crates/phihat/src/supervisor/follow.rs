@@ -3,6 +3,7 @@
 use super::feed::Told;
 use super::memory::{JointMemory, whole};
 use super::moment::{Aim, Moment};
+use super::monitor::SUSPICIOUS_SAMPLES;
 use super::rules::JointRules;
 use crate::estimate::Estimate;
 use crate::gains::Built;
@@ -10,7 +11,7 @@ use crate::{Command, Events, Fault, Form, JointGains, Measurement, Real, Referen
 
 /// Share of the nominal joint's acceleration that a joint has to show at first motion: a load of twenty times the
 /// nominal inertia still does, a dead drive or a closed brake does not.
-const LEAST_ACCELERATION: f64 = 0.05;
+pub(crate) const LEAST_ACCELERATION: f64 = 0.05;
 
 /// What one joint's sample brought.
 #[derive(Debug, Clone, Copy, Default)]
@@ -57,7 +58,8 @@ impl<R: Real> JointRules<R> {
         }
         demand += memory.fading(now.blend_rate);
         if now.stops() {
-            demand = self.without_driving(memory, m, (demand, next.phi_hat), &mut news);
+            demand =
+                self.without_driving(memory, m, (demand, next.phi_hat, now.average), &mut news);
             demand = self.probed(memory, gains, m, demand, &mut news);
         }
         news.fault = news.fault.or(self.monitor(memory, gains, m, demand, now));
@@ -159,7 +161,8 @@ impl<R: Real> JointRules<R> {
             }
         }
         if now.first_motion && !now.stops() {
-            fault = fault.or(self.actuates(memory, gains, m, R::from_f64(1.0)));
+            fault =
+                fault.or(self.actuates(memory, gains, m, (R::from_f64(1.0), SUSPICIOUS_SAMPLES)));
         }
         fault
     }
@@ -170,12 +173,15 @@ impl<R: Real> JointRules<R> {
         memory: &mut JointMemory<R>,
         gains: &JointGains<R>,
         m: &Measurement<R>,
-        share: R,
+        (share, samples): (R, u32),
     ) -> Option<Fault> {
         let excitation = share * self.first_motion?;
         let step = m.dq - memory.measured.dq;
         let gain = R::from_f64(LEAST_ACCELERATION) * gains.inertia_inverse * gains.period;
-        memory.actuation.take(m.tau_applied, step, gain, excitation).then_some(Fault::Actuation)
+        memory
+            .actuation
+            .take((m.tau_applied, step), gain, (excitation, samples))
+            .then_some(Fault::Actuation)
     }
 
     /// The only way out: joint range, torque rate, torque; finite always.

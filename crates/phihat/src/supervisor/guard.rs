@@ -48,6 +48,7 @@ pub(crate) fn admit<R: Real>(
         let plausible = plausible || !finite;
         arrival.events |= Events::NOT_FINITE.when(!finite) | Events::IMPLAUSIBLE.when(!plausible);
         arrival.fresh = finite && plausible;
+        state.slipped |= !plausible;
         if !arrival.fresh {
             arrivals.missed(true);
         }

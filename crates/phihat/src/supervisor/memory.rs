@@ -39,6 +39,10 @@ pub struct ArmState {
     /// Samples for which what comes after a gap is waited for at most; and whether what was missed came and could not be believed.
     pub(crate) gap: u8,
     pub(crate) jumped: bool,
+    /// A position jumped further than the joint can have moved: it may have come to stay.
+    pub(crate) slipped: bool,
+    /// Samples of a stop in a row whose positions and velocities agree.
+    pub(crate) sound: u32,
 }
 
 /// What may still act on the joints' torque in a stop.

@@ -26,7 +26,7 @@ const HOT_SAMPLES: u32 = 8;
 
 /// Samples in a row in which the joint does not follow its torque that make a fault at first motion: while a load
 /// sets in it looks so for less.
-const SUSPICIOUS_SAMPLES: u32 = 15;
+pub(crate) const SUSPICIOUS_SAMPLES: u32 = 15;
 
 /// A position that does not change while the joint moves.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -107,7 +107,12 @@ pub(crate) struct Actuation<R> {
 impl<R: Real> Actuation<R> {
     /// Takes a torque and the velocity step it made; `gain` is `T/M` of the heaviest plausible joint,
     /// `excitation` the mean square of torque that is needed for a judgement. `true`: it does not.
-    pub(crate) fn take(&mut self, torque: R, step: R, gain: R, excitation: R) -> bool {
+    pub(crate) fn take(
+        &mut self,
+        (torque, step): (R, R),
+        gain: R,
+        (excitation, samples): (R, u32),
+    ) -> bool {
         self.count = if self.count < MEAN_SAMPLES { self.count + 1 } else { MEAN_SAMPLES };
         let rate = R::from_f64(1.0 / f64::from(self.count));
         let (x, y) = (torque - self.torque, step - self.step);
@@ -118,6 +123,11 @@ impl<R: Real> Actuation<R> {
         self.square = (keep * (self.square + rate * x * x)).snap();
         let wrong = self.square > excitation && self.both < gain * self.square;
         self.suspicion = if wrong { self.suspicion.saturating_add(1) } else { 0 };
-        self.suspicion >= SUSPICIOUS_SAMPLES
+        self.suspicion >= samples
+    }
+
+    /// Whether the joint accelerated the way the torque pushed.
+    pub(crate) fn follows(&self, gain: R) -> bool {
+        self.both > gain * self.square
     }
 }

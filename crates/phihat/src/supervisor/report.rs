@@ -62,6 +62,8 @@ events! {
     HELD_BACK = 19, "held-back";
     /// A measured torque is none that the drive can give: the last command counts in its place.
     TORQUE_REFUSED = 20, "torque-refused";
+    /// In a stop: a drive does not do what it is told, and its joint is let go.
+    LET_GO = 21, "let-go";
 }
 
 impl Events {

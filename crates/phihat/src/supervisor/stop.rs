@@ -1,11 +1,11 @@
 //! A safe stop: the law brings the arm to rest and holds it there, and gives it no energy on the way.
 
-use super::follow::JointNews;
+use super::follow::{JointNews, LEAST_ACCELERATION};
 use super::memory::JointMemory;
 use super::moment::Moment;
 use super::monitor::Actuation;
 use super::rules::JointRules;
-use super::stopping::{RESERVE_SPEED, REST_SAMPLES};
+use super::stopping::{RESERVE_SPEED, REST_SAMPLES, Stopping};
 use crate::{Events, Form, JointGains, Measurement, Real, Reference};
 
 /// Share of the largest speed below which a joint does not get faster: the rest is noise.
@@ -16,6 +16,23 @@ const PROBED_EXCITATION: f64 = 1.0 / 16.0;
 
 /// Samples with half of the torque, and with the whole, by which a drive is told from a push; a power of two.
 const PROBED_SAMPLES: u32 = 16;
+
+/// Samples in a row in which such a joint does not follow its torque that are a fault.
+const PROBED_SUSPICIOUS: u32 = 8;
+
+/// Samples after which a drive that was let go is tried for the first time, and for how many samples, half of them without torque: powers of two.
+const TRIED_FIRST: u32 = 64;
+const TRIED_SAMPLES: u32 = 48;
+const TRIED_HALF: u32 = 8;
+
+/// Speed below which what holds the arm is learnt anew \[rad/s\].
+const LEARNS_BELOW: f64 = 0.1;
+
+/// Share of the time that the mean of 50 ms takes: a fifth of a second.
+const LEARNS_SLOWER: f64 = 0.25;
+
+/// How often a stop began anew before that is done.
+const SINKS: u32 = 2;
 
 /// Samples in which the reserve held the torque back after which the stop begins anew from where the joint is.
 const ANEW_SAMPLES: u32 = 10;
@@ -87,6 +104,9 @@ impl<R: Real> JointRules<R> {
         demand: R,
         news: &mut JointNews,
     ) -> R {
+        if memory.stopping.let_go > 0 {
+            return self.tried_again(memory, gains, m);
+        }
         let stopping = &mut memory.stopping;
         let speed = m.dq.abs();
         // A torque that its rate limit has not yet taken back explains a speed.
@@ -104,10 +124,54 @@ impl<R: Real> JointRules<R> {
         }
         stopping.faster = stopping.faster.saturating_add(1);
         let half = stopping.faster & PROBED_SAMPLES == 0;
-        news.fault = news.fault.or(self.actuates(memory, gains, m, R::from_f64(PROBED_EXCITATION)));
+        let watched = (R::from_f64(PROBED_EXCITATION), PROBED_SUSPICIOUS);
+        if self.actuates(memory, gains, m, watched).is_some() {
+            memory.stopping.let_go = 1;
+            news.events |= Events::LET_GO;
+            return R::ZERO;
+        }
         let known = memory.held;
         let limited = demand.saturate(gains.limits.torque());
         if half { known + R::from_f64(0.5) * (limited - known) } else { demand }
+    }
+
+    /// The torque of a drive that did not do what it was told: none, and now and then, ever more seldom, a small one that brakes, by which a joint that
+    /// something had only pushed is taken back.
+    fn tried_again(
+        &self,
+        memory: &mut JointMemory<R>,
+        gains: &JointGains<R>,
+        m: &Measurement<R>,
+    ) -> R {
+        let age = memory.stopping.let_go;
+        memory.stopping.let_go = age.saturating_add(1);
+        // 64, 128, 256 … samples after it was let go.
+        let begun = 1_u32 << (31 - age.leading_zeros());
+        let since = age - begun;
+        if begun < TRIED_FIRST || since >= TRIED_SAMPLES || memory.stopping.taken_back {
+            return R::ZERO;
+        }
+        if since == 0 {
+            memory.actuation = Actuation::default();
+        }
+        // Twice what a watched joint needs at least.
+        let gain = R::from_f64(2.0 * LEAST_ACCELERATION) * gains.inertia_inverse * gains.period;
+        // What it was told, not what it says that it does: a wire that is turned round turns that, too.
+        let step = m.dq - memory.measured.dq;
+        memory.actuation.take((memory.law.tau, step), gain, (R::ZERO, u32::MAX));
+        let judged = since & TRIED_HALF.wrapping_mul(2).wrapping_sub(1) == TRIED_HALF * 2 - 1;
+        if judged && !memory.actuation.follows(gain) {
+            memory.stopping.let_go = begun + TRIED_SAMPLES;
+            return R::ZERO;
+        }
+        if since + 1 == TRIED_SAMPLES {
+            let (fastest, learns) = (m.dq.abs(), memory.stopping.learns);
+            memory.stopping = Stopping { fastest, taken_back: true, learns, ..Stopping::default() };
+            return R::ZERO;
+        }
+        let small = self.first_motion.map_or(R::ZERO, R::sqrt);
+        let brakes = if m.dq > R::ZERO { -small } else { small };
+        if since & TRIED_HALF == 0 { brakes } else { R::ZERO }
     }
 
     /// A torque demand that gives the joint no more energy than the stop took out of it.
@@ -127,10 +191,18 @@ impl<R: Real> JointRules<R> {
         &self,
         memory: &mut JointMemory<R>,
         m: &Measurement<R>,
-        (demand, phi_hat): (R, R),
+        (demand, phi_hat, average): (R, R, R),
         news: &mut JointNews,
     ) -> R {
         let moved = m.q - memory.measured.q;
+        // Where nothing pushed and a joint that all but stands sinks time and again, what held it before does not hold it here: it sank before it was
+        // measured again.
+        if memory.stopping.learns
+            && memory.stopping.anew >= SINKS
+            && m.dq.abs() <= R::from_f64(LEARNS_BELOW)
+        {
+            memory.held += R::from_f64(LEARNS_SLOWER) * average * (phi_hat - memory.held);
+        }
         let known = memory.held;
         let most = self.stop.unloaded_at(m.dq);
         let demand = phi_hat + (demand - phi_hat).saturate(most);
@@ -156,7 +228,10 @@ impl<R: Real> JointRules<R> {
         news.events |= Events::HELD_BACK;
         let share = if stopping.reserve > R::ZERO { stopping.reserve / gives } else { R::ZERO };
         stopping.held_back = stopping.held_back.saturating_add(1);
-        stopping.begun = stopping.held_back < ANEW_SAMPLES;
+        if stopping.held_back >= ANEW_SAMPLES {
+            stopping.begun = false;
+            stopping.anew = stopping.anew.saturating_add(1);
+        }
         known + share * drives
     }
 }

@@ -48,6 +48,10 @@ pub(crate) struct Stopping<R> {
     pub(crate) reserve: R,
     /// Samples in which the reserve held the torque back, since the stop began anew.
     pub(crate) held_back: u32,
+    /// How often it began anew for that.
+    pub(crate) anew: u32,
+    /// What holds the joint is learnt where it stands: nothing pushes it that would be taken for gravity.
+    pub(crate) learns: bool,
     /// Where the joint was, and for how many samples it has been there.
     pub(crate) rest: (R, u32),
     /// Speed beyond which the stop is one that drives \[rad/s\], and samples in a row beyond it.
@@ -55,6 +59,10 @@ pub(crate) struct Stopping<R> {
     pub(crate) faster: u32,
     /// The largest speed since then \[rad/s\].
     pub(crate) peak: R,
+    /// Samples since the drive did not do what it was told: it is without torque; 0: it does.
+    pub(crate) let_go: u32,
+    /// It was let go and taken back: that happens once.
+    pub(crate) taken_back: bool,
 }
 
 impl<R: Real> StopRules<R> {

@@ -69,6 +69,7 @@ pub fn supervise<R: Real>(
     }
     remember_before(arm, state, memories);
     let gap = after_a_gap(arm, state, memories, sample);
+    believe_again(arm, state, memories, sample, arrival.fresh);
     let known = arrival.fresh && !(gap && state.mode == Mode::SafeStop);
     events |= if known && arm.law_runs(state) {
         let now = moment(arm, state, &arrival, step.action);
@@ -96,7 +97,8 @@ impl<R: Real> ArmRules<R> {
     fn brakes(&self, state: &mut ArmState, memories: &[JointMemory<R>], rests: bool) -> bool {
         let late = state.in_mode >= self.stop_samples_max;
         let blind = state.arrivals.misses > self.hold_samples;
-        let driven = memories.iter().any(|m| m.stopping.faster > self.hold_samples);
+        let driven =
+            memories.iter().any(|m| m.stopping.let_go > 0 || m.stopping.faster > self.hold_samples);
         let asks = rests || late || blind || driven || state.trust == Trust::Nothing;
         state.braking = match state.braking {
             Some(samples) => Some(samples.saturating_add(1)),
@@ -154,6 +156,38 @@ fn goes_as_it_says<R: Real>(
     let most = R::from_f64(GAP_VELOCITY) * arm.period;
     let mut joints = memories.iter().zip(sample.joints);
     joints.all(|(memory, m)| (m.q - memory.measured.q - m.dq * arm.period).abs() <= most)
+}
+
+/// Samples in a row whose positions and velocities agree, after which sensors that could not be believed are believed again; and the speed
+/// below which a joint may stand still \[rad/s\].
+const SOUND_SAMPLES: u32 = 100;
+const STANDING: f64 = 0.02;
+
+/// Sensors that failed and are sound again are better than none: the law goes on with the stop. Where a position jumped, and may be off for
+/// good, a spring does, which counts from where the joint is.
+fn believe_again<R: Real>(
+    arm: &ArmRules<R>,
+    state: &mut ArmState,
+    memories: &mut [JointMemory<R>],
+    sample: &Sample<'_, R>,
+    fresh: bool,
+) {
+    if state.trust != Trust::Damper || state.mode != Mode::SafeStop {
+        return;
+    }
+    let moves = |(memory, m): (&JointMemory<R>, &Measurement<R>)| {
+        m.dq.abs() <= R::from_f64(STANDING) || (m.q - memory.measured.q).abs() > R::ZERO
+    };
+    let sound = fresh
+        && goes_as_it_says(arm, memories, sample)
+        && memories.iter().zip(sample.joints).all(moves);
+    state.sound = if sound { state.sound.saturating_add(1) } else { 0 };
+    if state.sound >= SOUND_SAMPLES {
+        state.trust = if state.slipped { Trust::Spring } else { Trust::Law };
+        for memory in memories {
+            memory.stopping.begun = false;
+        }
+    }
 }
 
 /// Keeps what the joints know for a later stop: it is from before what will have caused that. In a stop the brakes are closed after a while, and the
@@ -230,12 +264,15 @@ fn moment<R: Real>(
             Mode::Idle | Mode::Armed | Mode::Holding => Aim::Hold,
         },
         feeds: state.feeds && !stopping,
-        first_motion: state.engaged < arm.first_motion_samples,
+        first_motion: (ENGAGED_SAMPLES..arm.first_motion_samples).contains(&state.engaged),
         saturation: arm.saturation_samples,
         average: arm.average,
         dwell: arm.dwell_samples,
     }
 }
+
+/// Samples after the law took over in which another torque may still act: that of who held the arm before.
+const ENGAGED_SAMPLES: u32 = 10;
 
 /// Every joint's torque where the law runs on a fresh sample.
 fn run<R: Real>(
@@ -343,6 +380,7 @@ fn enter(state: &mut ArmState, mode: Mode, action: Action) {
         Action::Capture => {
             state.fault = None;
             state.trust = Trust::Law;
+            (state.slipped, state.sound) = (false, 0);
         }
         Action::Engage => {
             state.engaged = 0;
