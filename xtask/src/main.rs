@@ -29,6 +29,7 @@ mod rules;
 mod screenshots;
 mod shell;
 mod shown;
+mod stops;
 mod tools;
 mod twice;
 mod venv;
@@ -121,28 +122,7 @@ fn main() -> ExitCode {
             let bench = ["bench", "--quiet", "-p", "phihat", "--bench", "soak", "--", samples];
             shell::cargo(&shell::root(), &bench)
         }
-        Some((verb, rest)) if verb == "stops" => {
-            let number = rest.first().map_or("10000", String::as_str);
-            [("phihat", "f31_"), ("phihat-sim", "f32_a_stop")].into_iter().try_for_each(
-                |(package, name)| {
-                    let test = [
-                        "test",
-                        "--quiet",
-                        "-p",
-                        package,
-                        "--test",
-                        "tests",
-                        name,
-                        "--",
-                        "--nocapture",
-                    ];
-                    let mut cargo = std::process::Command::new("cargo");
-                    shell::run(
-                        cargo.args(test).env("PHIHAT_STOPS", number).current_dir(shell::root()),
-                    )
-                },
-            )
-        }
+        Some((verb, rest)) if verb == "stops" => stops::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "mutants" => mutants::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "twice" => {
             twice::run(&shell::root(), rest.first().map(String::as_str))

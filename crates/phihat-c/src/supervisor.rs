@@ -266,7 +266,7 @@ pub unsafe extern "C" fn phihat_supervisor_step(
 /// Name of an event, of which `bit` is the place, from 0; null where there is none.
 #[unsafe(no_mangle)]
 pub extern "C" fn phihat_event_text(bit: u32) -> *const core::ffi::c_char {
-    const NAMES: [&core::ffi::CStr; 21] = [
+    const NAMES: [&core::ffi::CStr; 22] = [
         c"missed",
         c"duplicate",
         c"reordered",

@@ -29,10 +29,8 @@ fn what_leaves_is_within_the_limits() {
     let mut handle = null_mut();
     let limits = limits();
     // SAFETY: all pointers are to living values.
-    assert_eq!(
-        unsafe { phihat_gate_create(&raw const limits, &raw mut handle, null_mut()) },
-        Status::Ok
-    );
+    let made = unsafe { phihat_gate_create(&raw const limits, &raw mut handle, null_mut()) };
+    assert_eq!(made, Status::Ok);
     let (mut tau, mut flags) = ([50.0, f64::NAN], [0_u32; N]);
     let command = phihat_command {
         size: size_of::<phihat_command>(),
@@ -46,8 +44,8 @@ fn what_leaves_is_within_the_limits() {
         assert_eq!(phihat_gate_hold(handle, [10.0, 3.0].as_ptr()), Status::Ok);
         let status = phihat_gate_release(handle, [0.0; N].as_ptr(), &raw const command);
         assert_eq!(status, Status::Refused);
-        assert_eq!(tau.as_ptr().read(), 11.0);
-        assert_eq!(tau.as_ptr().add(1).read(), 3.0);
+        assert_eq!(tau.as_ptr().read().to_bits(), 11.0_f64.to_bits());
+        assert_eq!(tau.as_ptr().add(1).read().to_bits(), 3.0_f64.to_bits());
         assert_eq!(
             (flags.as_ptr().read(), flags.as_ptr().add(1).read()),
             (PHIHAT_RATE_LIMITED, PHIHAT_REFUSED)

@@ -11,7 +11,7 @@ use crate::failure;
 #[pyclass(module = "phihat")]
 #[derive(Debug)]
 pub(crate) struct Gate {
-    gate: phihat::Gate<f64, Vec<Outlet<f64>>>,
+    inner: phihat::Gate<f64, Vec<Outlet<f64>>>,
     measurements: Vec<Measurement<f64>>,
     commands: Vec<Command<f64>>,
     held: Vec<f64>,
@@ -76,7 +76,7 @@ impl Gate {
             energy_max_j.and_then(finite).map(|most| Tank::new(most, energy_window_s, period));
         let tank = tank.transpose().map_err(refused)?;
         Ok(Self {
-            gate: phihat::Gate::new(outlets, tank),
+            inner: phihat::Gate::new(outlets, tank),
             measurements: vec![Measurement::default(); n],
             commands: vec![Command::default(); n],
             held: vec![0.0; n],
@@ -91,13 +91,13 @@ impl Gate {
         tau: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let n = self.commands.len();
-        let Self { gate, measurements, commands, held } = self;
+        let Self { inner, measurements, commands, held } = self;
         per_joint("q", q, n, |i, x| measurements[i].q = x)?;
         per_joint("tau", tau, n, |i, x| held[i] = x)?;
         for (command, tau) in commands.iter_mut().zip(held) {
             *command = Command { tau: *tau, ..Command::default() };
         }
-        gate.release(measurements, commands);
+        inner.release(measurements, commands);
         Ok(PyArray1::from_iter(py, commands.iter().map(|command| command.tau)))
     }
 
@@ -105,7 +105,7 @@ impl Gate {
     fn hold(&mut self, tau: &Bound<'_, PyAny>) -> PyResult<()> {
         let held = &mut self.held;
         per_joint("tau", tau, held.len(), |i, x| held[i] = x)?;
-        self.gate.holding(&self.held);
+        self.inner.holding(&self.held);
         Ok(())
     }
 

@@ -4,8 +4,8 @@
 
 use crate::support::read;
 use phihat::{Events, Fault, Form, JointDesign, JointGains, Mode};
-use phihat_model::{Body, Workspace};
-use phihat_sim::{Outcome, Simulation};
+use phihat_model::{Body, Robot, Workspace};
+use phihat_sim::{Outcome, Simulation, Trace};
 use phihat_study::Study;
 
 /// An arm: name, rate, nominal inertia, outer bandwidth, estimator bandwidth.
@@ -95,12 +95,47 @@ fn case(dice: &mut Dice) -> Case {
 impl Case {
     fn text(&self) -> String {
         let (name, rate_hz, inertia, bandwidth, estimator) = ARMS[self.arm];
-        let robot = phihat_model::Robot::named(name).unwrap();
+        let robot = Robot::named(name).unwrap();
+        let (fault, request) = self.event(&robot);
+        let load_end = if self.event == Event::Drop { EVENT_S } else { 2.0 * END_S };
+        // A torque that has to grow first holds no arm: a robot with such a limit adds what holds it.
+        let (rate, adds) = self.rate.map_or_else(Default::default, |rate| {
+            let adds = "[profile]\nname = \"robot\"\nadds_gravity = true\n";
+            (format!("torque_rate_max_nm_s = {rate:?}\n"), adds)
+        });
+        let brakes = if self.brakes { "brake_closing_s = 0.1\n" } else { "" };
+        let form = if self.literal { "literal" } else { "observer" };
+        let (frequency, substeps) = (0.3, if rate_hz < 600.0 { 8 } else { 4 });
+        let amplitude = self.speed / (core::f64::consts::TAU * frequency);
+        let body = Body { mass: self.load, com: [0.0; 3], inertia: [0.0; 6] };
+        let model = robot.plant_model().with_payload_on(&robot.tip, &body).unwrap();
+        let (q, mut preset) = (&robot.poses["ready"], vec![0.0; inertia.len()]);
+        model.gravity_torque(&mut Workspace::new(&model), q, &mut preset);
+        if self.rate.is_some() {
+            preset.fill(0.0);
+        }
+        let payload = format!(
+            "payload = {{ mass_kg = {:?}, start_s = 0.0, end_s = {load_end:?} }}\n",
+            self.load
+        );
+        format!(
+            "duration_s = {END_S}\nseed = {}\n[robot]\nname = \"{name}\"\n[spec]\nsettle_s = 1.0\n[gains]\norder = {}\n\
+             bandwidth_rad_s = {bandwidth:?}\nestimator_bandwidth_rad_s = {estimator:?}\ninertia_kg_m2 = {inertia:?}\n\
+             [loop]\nrate_hz = {rate_hz:?}\ndelay_samples = 1\nform = \"{form}\"\n{rate}beyond_drives = \"allow\"\n[sensor]\nencoder_bits = 20\n\
+             velocity = \"differenced\"\n[world]\nsubsteps = {substeps}\nfriction = \"robot\"\n{payload}{adds}\
+             [supervisor]\nerror_stop_rad = 0.08\npreset_nm = {preset:?}\n{brakes}{request}{fault}[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = 0.5\n\
+             [[reference.sine]]\namplitude_rad = {amplitude:?}\nfrequency_hz = {frequency:?}\n",
+            self.seed, self.order
+        )
+    }
+
+    /// What goes wrong, and what a person asks for.
+    fn event(&self, robot: &Robot) -> (String, String) {
         let event = |kind: &str, more: &str| {
             format!("[[fault]]\nkind = \"{kind}\"\nstart_s = {EVENT_S}\n{more}\n")
         };
         let joint = |i: usize| &robot.joints[i].name;
-        let (fault, request) = match self.event {
+        match self.event {
             Event::Asked => (
                 String::new(),
                 format!(
@@ -132,37 +167,7 @@ impl Case {
                 event("drive_gain", &format!("joint = \"{}\"\nsize = -1.0", joint(i))),
                 String::new(),
             ),
-        };
-        let load_end = if self.event == Event::Drop { EVENT_S } else { 2.0 * END_S };
-        // A torque that has to grow first holds no arm: a robot with such a limit adds what holds it.
-        let (rate, adds) = self.rate.map_or_else(Default::default, |rate| {
-            let adds = "[profile]\nname = \"robot\"\nadds_gravity = true\n";
-            (format!("torque_rate_max_nm_s = {rate:?}\n"), adds)
-        });
-        let brakes = if self.brakes { "brake_closing_s = 0.1\n" } else { "" };
-        let form = if self.literal { "literal" } else { "observer" };
-        let (frequency, substeps) = (0.3, if rate_hz < 600.0 { 8 } else { 4 });
-        let amplitude = self.speed / (core::f64::consts::TAU * frequency);
-        let body = Body { mass: self.load, com: [0.0; 3], inertia: [0.0; 6] };
-        let model = robot.plant_model().with_payload_on(&robot.tip, &body).unwrap();
-        let (q, mut preset) = (&robot.poses["ready"], vec![0.0; inertia.len()]);
-        model.gravity_torque(&mut Workspace::new(&model), q, &mut preset);
-        if self.rate.is_some() {
-            preset.fill(0.0);
         }
-        let payload = format!(
-            "payload = {{ mass_kg = {:?}, start_s = 0.0, end_s = {load_end:?} }}\n",
-            self.load
-        );
-        format!(
-            "duration_s = {END_S}\nseed = {}\n[robot]\nname = \"{name}\"\n[spec]\nsettle_s = 1.0\n[gains]\norder = {}\n\
-             bandwidth_rad_s = {bandwidth:?}\nestimator_bandwidth_rad_s = {estimator:?}\ninertia_kg_m2 = {inertia:?}\n\
-             [loop]\nrate_hz = {rate_hz:?}\ndelay_samples = 1\nform = \"{form}\"\n{rate}beyond_drives = \"allow\"\n[sensor]\nencoder_bits = 20\n\
-             velocity = \"differenced\"\n[world]\nsubsteps = {substeps}\nfriction = \"robot\"\n{payload}{adds}\
-             [supervisor]\nerror_stop_rad = 0.08\npreset_nm = {preset:?}\n{brakes}{request}{fault}[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = 0.5\n\
-             [[reference.sine]]\namplitude_rad = {amplitude:?}\nfrequency_hz = {frequency:?}\n",
-            self.seed, self.order
-        )
     }
 
     fn gains(&self, study: &Study) -> Vec<JointGains<f64>> {
@@ -196,7 +201,7 @@ struct Stop {
     fault: Option<Fault>,
     /// And in the end.
     last: Option<Fault>,
-    fastest_at_stop: f64,
+    fastest_before: f64,
     fastest_after: f64,
     /// By how much a reversed drive made the arm faster before its torque went \[rad/s\], and whether it is without torque at the end.
     driven: f64,
@@ -209,7 +214,7 @@ fn judged(case: &Case) -> Stop {
     let outcome: Outcome = Simulation::new(&study, &case.gains(&study)).unwrap().run(|_| ());
     let trace = &outcome.trace;
     let mode = &trace.supervision.as_ref().unwrap().mode;
-    let (_, _, inertia, ..) = ARMS[case.arm];
+    let (_, rate_hz, inertia, ..) = ARMS[case.arm];
     let reserves = inertia.iter().map(|m| 0.5 * m * 0.2 * 0.2).sum();
     let at_end = trace.joints.iter().fold(0.0, |m: f64, j| m.max(j.dq.last().unwrap().abs()));
     let mut stop = Stop { reserves, at_end, ..Stop::default() };
@@ -218,24 +223,39 @@ fn judged(case: &Case) -> Stop {
     let fault = &trace.supervision.as_ref().unwrap().fault;
     (stop.at, stop.fault, stop.last) = (at, fault[at], fault[fault.len() - 1]);
     let fastest = |k: usize| trace.joints.iter().fold(0.0, |m: f64, j| m.max(j.dq[k].abs()));
-    stop.fastest_at_stop = fastest(at);
+    stop.fastest_before = trace.joints.iter().fold(0.0, |m: f64, j| m.max(j.dq[at].abs()));
     stop.fastest_after = (at..mode.len()).map(fastest).fold(0.0, f64::max);
     if let Event::Reversed(_) = case.event {
         let events = &trace.supervision.as_ref().unwrap().events;
         let let_go = events.iter().position(|events| events.contains(Events::LET_GO));
         let last = let_go.unwrap_or(mode.len() - 1).max(at);
-        stop.driven = (at..=last).map(fastest).fold(0.0, f64::max) - stop.fastest_at_stop;
+        stop.driven = (at..=last).map(fastest).fold(0.0, f64::max) - stop.fastest_before;
         stop.released = let_go.is_some();
     }
+    let (works, counted) = works(case, &study, trace, at);
+    let width = if rate_hz < 600.0 { 25 } else { 50 };
+    let late = works.get(counted - at..).unwrap_or_default();
+    stop.given = late.windows(width).map(|w| w.iter().sum::<f64>()).fold(0.0, f64::max);
+    let sums = works.iter().scan(0.0, |sum, work| {
+        *sum += work;
+        Some(*sum)
+    });
+    stop.given_in_all = sums.fold(0.0, f64::max);
+    stop
+}
+
+/// Work of the drives less what holds gravity, per sample from the stop on \[J\], and the sample from which on it counts.
+fn works(case: &Case, study: &Study, trace: &Trace, at: usize) -> (Vec<f64>, usize) {
     let bare = study.robot.plant_model();
     let body = Body { mass: case.load, com: [0.0; 3], inertia: [0.0; 6] };
     let loaded = bare.clone().with_payload_on(&study.robot.tip, &body).unwrap();
     let mut ws = [Workspace::new(&bare), Workspace::new(&loaded)];
     let (n, period) = (trace.joints.len(), study.control.period_ns as f64 * 1e-9);
+    let samples = trace.joints[0].q.len();
     let (mut q, mut g, rest) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     let mut works = Vec::new();
     let mut counted = at;
-    for k in at..mode.len() - 1 {
+    for k in at..samples - 1 {
         let carries = case.event != Event::Drop || (k as f64 * period) < EVENT_S;
         let (model, ws) = if carries { (&loaded, &mut ws[1]) } else { (&bare, &mut ws[0]) };
         for (i, joint) in trace.joints.iter().enumerate() {
@@ -267,18 +287,11 @@ fn judged(case: &Case) -> Stop {
         {
             let off = |i: usize| (trace.joints[i].tau_applied[k] - g[i]).abs();
             let most = (0..n).map(off).fold(0.0, f64::max);
-            counted = k + 1 + (1.2 * most / (rate * period)).ceil() as usize;
+            let taken_back = (0..).take_while(|n| f64::from(*n) * rate * period < 1.2 * most);
+            counted = k + 1 + taken_back.count();
         }
     }
-    let width = (0.05 / period).round() as usize;
-    let late = works.get(counted - at..).unwrap_or_default();
-    stop.given = late.windows(width).map(|w| w.iter().sum::<f64>()).fold(0.0, f64::max);
-    let mut sum = 0.0;
-    for work in works {
-        sum += work;
-        stop.given_in_all = stop.given_in_all.max(sum);
-    }
-    stop
+    (works, counted)
 }
 
 #[test]

@@ -145,9 +145,7 @@ impl<R: Real, J: AsRef<[Outlet<R>]> + AsMut<[Outlet<R>]>> Gate<R, J> {
         let joints = self.outlets.as_mut().iter_mut().zip(measured).zip(commands);
         for ((outlet, m), command) in joints {
             let mut demand = command.tau;
-            if let Some(share) = share
-                && demand * outlet.moved(m) > R::ZERO
-            {
+            if let Some(share) = share.filter(|_| demand * outlet.moved(m) > R::ZERO) {
                 demand = share * demand;
                 command.status.saturated = true;
             }

@@ -1,7 +1,7 @@
 //! The guard: what is let in, and what stops an arm before the law runs.
 
 use super::arrivals::Arrival;
-use super::memory::{ArmState, JointMemory};
+use super::memory::{ArmState, JointMemory, Trust};
 use super::sample::{Request, Rules, Sample};
 use crate::{Events, Fault, Mode, Real, Reference};
 
@@ -48,7 +48,9 @@ pub(crate) fn admit<R: Real>(
         let plausible = plausible || !finite;
         arrival.events |= Events::NOT_FINITE.when(!finite) | Events::IMPLAUSIBLE.when(!plausible);
         arrival.fresh = finite && plausible;
-        state.slipped |= !plausible;
+        if !plausible {
+            state.regains = Trust::Spring;
+        }
         if !arrival.fresh {
             arrivals.missed(true);
         }

@@ -39,8 +39,8 @@ pub struct ArmState {
     /// Samples for which what comes after a gap is waited for at most; and whether what was missed came and could not be believed.
     pub(crate) gap: u8,
     pub(crate) jumped: bool,
-    /// A position jumped further than the joint can have moved: it may have come to stay.
-    pub(crate) slipped: bool,
+    /// What sensors that are sound again are good for: where a position jumped, it may be off for good.
+    pub(crate) regains: Trust,
     /// Samples of a stop in a row whose positions and velocities agree.
     pub(crate) sound: u32,
 }

@@ -146,7 +146,7 @@ impl<R: Real> JointRules<R> {
         let age = memory.stopping.let_go;
         memory.stopping.let_go = age.saturating_add(1);
         // 64, 128, 256 … samples after it was let go.
-        let begun = 1_u32 << (31 - age.leading_zeros());
+        let begun = 1_u32 << age.ilog2();
         let since = age - begun;
         if begun < TRIED_FIRST || since >= TRIED_SAMPLES || memory.stopping.taken_back {
             return R::ZERO;

@@ -183,7 +183,7 @@ fn believe_again<R: Real>(
         && memories.iter().zip(sample.joints).all(moves);
     state.sound = if sound { state.sound.saturating_add(1) } else { 0 };
     if state.sound >= SOUND_SAMPLES {
-        state.trust = if state.slipped { Trust::Spring } else { Trust::Law };
+        state.trust = state.regains;
         for memory in memories {
             memory.stopping.begun = false;
         }
@@ -380,7 +380,7 @@ fn enter(state: &mut ArmState, mode: Mode, action: Action) {
         Action::Capture => {
             state.fault = None;
             state.trust = Trust::Law;
-            (state.slipped, state.sound) = (false, 0);
+            (state.regains, state.sound) = (Trust::Law, 0);
         }
         Action::Engage => {
             state.engaged = 0;
