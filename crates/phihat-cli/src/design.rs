@@ -148,6 +148,9 @@ impl Design {
             if let Some(certificate) = &gains.certificate {
                 println!("{}", table::certificate(certificate, gains));
             }
+            if let Some(stop) = table::stop(study, gains) {
+                println!("{stop}");
+            }
             if !gains.limit.is_empty() {
                 println!("{}", table::limit(gains));
             }

@@ -326,3 +326,21 @@ fn a_motion_beyond_the_drives_is_refused_by_design_and_run_with_a_remedy() {
     let answer = phihat(&folder, &["design", "meant.toml"]);
     assert!(!answer.err.contains("beyond_drives"), "{}", answer.err);
 }
+
+/// What a safe stop does at most is said where there is a supervisor, and only there.
+#[test]
+fn a_design_says_what_a_stop_does() {
+    let folder = folder("design-stop");
+    fs::write(folder.join("plain.toml"), swing(1.5)).unwrap();
+    fs::write(folder.join("watched.toml"), format!("{}[supervisor]\n", swing(1.5))).unwrap();
+    let [plain, watched] = ["plain.toml", "watched.toml"].map(|study| {
+        let answer = phihat(&folder, &["design", study]);
+        assert_eq!(answer.code, 0, "{}", answer.err);
+        answer.out
+    });
+    assert!(!plain.contains("a safe stop"), "{plain}");
+    assert!(
+        watched.contains("a safe stop from so fast") && watched.contains("rests after"),
+        "{watched}"
+    );
+}

@@ -12,6 +12,7 @@ mod facts;
 mod first_motion;
 mod franka;
 mod links;
+mod lying;
 mod no_allocation;
 mod referred;
 mod same_trace;

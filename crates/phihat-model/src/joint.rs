@@ -28,6 +28,11 @@ pub struct Joint {
 }
 
 impl Joint {
+    /// Whether it turns, and does not slide.
+    pub fn turns(&self) -> bool {
+        self.kind != JointKind::Prismatic
+    }
+
     /// Rotor inertia \[kg·m²\] at a place of its interval.
     pub fn armature_at(&self, place: Rotor) -> f64 {
         let (low, high) = self.armature_range.unwrap_or((self.armature, self.armature));

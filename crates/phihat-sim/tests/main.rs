@@ -12,6 +12,7 @@ mod abreast;
 mod accuracy;
 mod batch;
 mod blocks;
+mod cases;
 mod driver;
 mod held;
 mod imperfections;

@@ -1,5 +1,6 @@
 //! Reference samples from a CSV file: columns by joint name, checked row by row.
 
+use core::f64::consts::TAU;
 use std::io::{BufRead, BufReader, Read};
 
 use phihat_model::input;
@@ -76,7 +77,10 @@ impl<'f, R: BufRead> Table<'f, R> {
             if self.line.trim().is_empty() {
                 continue;
             }
-            let (time, row) = self.row(&columns, arm.joints.count())?;
+            let (time, mut row) = self.row(&columns, arm.joints.count())?;
+            if let Some(before) = q.last() {
+                take_the_near_way(arm, before, &mut row);
+            }
             self.check_time(t.last().copied(), time)?;
             let before = t.last().copied().zip(q.last().map(Vec::as_slice));
             self.check_row(arm, &columns, before, (time, &row))?;
@@ -225,7 +229,13 @@ impl<'f, R: BufRead> Table<'f, R> {
                 let Some((t, from)) = before else { continue };
                 let speed = (q - from[j]).abs() / (time - t);
                 let Some(limit) = arm.too_fast(j, speed) else { continue };
-                format!("{speed:.4} rad/s since the row before, beyond its limit {limit}")
+                let turned = arm.robot.joints[j].turns() && (q - from[j]).abs() > WHOLE_TURN;
+                let turn = if turned {
+                    ": a jump of a whole turn, from one side of ±π to the other"
+                } else {
+                    ""
+                };
+                format!("{speed:.4} rad/s since the row before, beyond its limit {limit}{turn}")
             };
             let column = columns.iter().position(|&column| column == Column::Joint(j));
             let message = format!("joint `{name}`: {fact}");
@@ -251,6 +261,18 @@ impl<'f, R: BufRead> Table<'f, R> {
             line_text: self.line.trim_end().into(),
         };
         StudyError::new(kind, place, "", message)
+    }
+}
+
+/// How far a reading that starts over goes at least \[rad\].
+const WHOLE_TURN: f64 = 0.9 * TAU;
+
+/// Positions of joints without ends become those nearest to the row before: a file may start over at ±π.
+fn take_the_near_way(arm: &StudyArm, before: &[f64], row: &mut [f64]) {
+    for ((joint, from), q) in arm.robot.joints.iter().zip(before).zip(row) {
+        if joint.turns() && joint.position.is_none() {
+            *q += TAU * ((from - *q) / TAU).round();
+        }
     }
 }
 

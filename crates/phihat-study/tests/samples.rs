@@ -50,6 +50,33 @@ fn columns_are_found_by_name() {
     assert_eq!(samples("office", office), expected);
 }
 
+/// A recording of a joint without ends starts over at ±π; what is followed does not.
+#[test]
+fn a_joint_without_ends_takes_the_near_way() {
+    let text = "t_s,axis\n0,3.0\n1,3.1\n2,-3.1\n3,-3.0\n4,3.1\n5,3.0\n";
+    let folder = Folder::new("near", text.as_bytes());
+    let urdf = r#"<robot name="axis"><link name="base"/>
+<joint name="axis" type="continuous"><parent link="base"/><child link="load"/><axis xyz="0 0 1"/><limit effort="40" velocity="4"/></joint>
+<link name="load"><inertial><mass value="2"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.3"/></inertial></link></robot>"#;
+    std::fs::write(folder.0.join("axis.urdf"), urdf).unwrap();
+    let study = "duration_s = 5.0\n[robot]\nfile = 'axis.urdf'\n[spec]\nsettle_s = 1.0\n[gains]\nbandwidth_rad_s = 10\n\
+                 estimator_bandwidth_rad_s = 30\ninertia_kg_m2 = 0.3\n[reference]\nkind = 'csv'\nfile = 'ref.csv'\n";
+    let study = read_in(study, &folder.0).unwrap_or_else(|error| panic!("{}", error.render()));
+    let Reference::Samples { q, .. } = study.reference else { panic!("samples") };
+    let turn = core::f64::consts::TAU;
+    for (row, wanted) in q.iter().zip([3.0, 3.1, turn - 3.1, turn - 3.0, 3.1, 3.0]) {
+        assert!((row[0] - wanted).abs() < 1e-12, "{q:?}");
+    }
+}
+
+/// A joint that has ends does not turn round: the row is named, and what it looks like.
+#[test]
+fn a_jump_of_a_whole_turn_is_told_as_such() {
+    let text = "t_s,joint1,joint2,joint3\n0,3.1,0.2,0.3\n0.5,-3.1,0.2,0.3\n5,-3.0,0.2,0.3\n";
+    let why = Folder::new("turn", text.as_bytes()).read().unwrap_err().to_string();
+    assert!(why.contains("joint `joint1`") && why.contains("whole turn"), "{why}");
+}
+
 #[test]
 fn bad_files_are_refused_at_their_line() {
     let cases: &[(&str, usize, usize, &str)] = &[

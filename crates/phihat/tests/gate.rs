@@ -22,7 +22,7 @@ fn gate(energy: Option<(f64, f64)>) -> Gate<f64, [Outlet<f64>; N]> {
 
 /// Whatever is asked for and whatever is measured.
 #[test]
-fn f32_nothing_beyond_a_limit_leaves() {
+fn f33_nothing_beyond_a_limit_leaves() {
     let mut dice = Dice(32);
     let wild = [f64::NAN, f64::INFINITY, -f64::INFINITY, 1e308, -1e308, 1e6, -0.0, 5e-324];
     let mut gate = gate(Some((2.0, 0.1)));
@@ -64,7 +64,7 @@ fn what_is_within_every_limit_passes_to_the_last_bit() {
 
 /// A joint of 0.5 kg·m² that is driven with all that it has, without a rate limit: what the drives give is the joint's kinetic energy.
 #[test]
-fn f32_no_more_energy_leaves_within_any_time_than_is_stated() {
+fn f33_no_more_energy_leaves_within_any_time_than_is_stated() {
     for (most, within) in [(0.5, 0.05), (2.0, 0.1), (10.0, 1.0)] {
         let limits = Limits::new(Some(87.0), None, T).unwrap();
         let mut gate = Gate::new([Outlet::new(limits)], Some(Tank::new(most, within, T).unwrap()));

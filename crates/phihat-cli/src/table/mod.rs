@@ -9,6 +9,7 @@ mod identified;
 mod limit;
 mod metrics;
 mod robots;
+mod stop;
 
 use phihat_report::kit::{MILLI, unit_of};
 
@@ -20,6 +21,7 @@ pub(crate) use identified::identified;
 pub(crate) use limit::limit;
 pub(crate) use metrics::{metrics, tip, tube, verdict};
 pub(crate) use robots::{chains, joints, robots};
+pub(crate) use stop::stop;
 
 /// A figure with so many decimals; one that is below the last of them with two significant digits: it is not nothing.
 pub(crate) fn figure(value: f64, decimals: usize) -> String {

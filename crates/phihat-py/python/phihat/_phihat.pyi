@@ -26,6 +26,7 @@ class _CoupledGains(TypedDict):
 __all__ = [
     "Controller",
     "Gains",
+    "Gate",
     "Plant",
     "PositionGains",
     "Robot",
@@ -576,6 +577,7 @@ class Gate:
     def refused(self) -> NDArray[np.bool_]:
         """Whether the last torque was not finite."""
 
+@final
 class Supervisor:
     """A controller under supervision: what a real arm needs around the law.
 

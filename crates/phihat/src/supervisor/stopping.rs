@@ -105,6 +105,19 @@ impl<R: Real> StopRules<R> {
     }
 }
 
+impl<R: Real> JointGains<R> {
+    /// The deceleration and jerk of a safe stop \[rad/s², rad/s³\] where [`JointOptions::stop`](crate::JointOptions::stop) states none: a quarter of what the torque and rate
+    /// limits give the nominal inertia, or, without limits, what `K_p` gives at an error of 0.2 rad. It comes to rest from a speed `v` after `v²/2A + vA/2J`.
+    pub fn stop_limits(&self) -> MotionLimits {
+        allowed(self, self.period.to_f64())
+    }
+
+    /// Energy that the drive may give the joint beyond what it took in a safe stop, `½ M̄ (0.2 rad/s)²` \[J\].
+    pub fn stop_reserve(&self) -> f64 {
+        0.5 * self.inertia.to_f64() * RESERVE_SPEED * RESERVE_SPEED
+    }
+}
+
 /// The deceleration that torque limits allow, or the outer loop where there are none.
 fn allowed<R: Real>(gains: &JointGains<R>, period: f64) -> MotionLimits {
     let [inertia, kp, kd, torque, step] =
