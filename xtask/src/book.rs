@@ -42,8 +42,13 @@ const FIGURES: [(&str, &str, &str); 6] = [
 ];
 
 /// Pages whose commands take more than a quarter of a minute: the gate leaves them to `--all`.
-const LONG: [&str; 4] =
-    ["tutorial.md", "how-to/own-arm.md", "how-to/franka.md", "how-to/export.md"];
+const LONG: [&str; 5] = [
+    "tutorial.md",
+    "how-to/own-arm.md",
+    "how-to/franka.md",
+    "how-to/export.md",
+    "how-to/budget.md",
+];
 
 /// Documents outside of the book whose links are followed too.
 const DOCUMENTS: [&str; 11] = [

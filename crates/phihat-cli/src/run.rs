@@ -211,6 +211,9 @@ pub(crate) fn show(done: &Done, folder: &Path, report: Option<&Path>) {
 
 fn figures(done: &Done) {
     println!("{} · {}", done.study.name, done.study.title);
+    if let Some(stopped) = &done.metrics.stopped {
+        println!("{}", stopped.sentence());
+    }
     println!("{}", table::metrics(&done.metrics));
     if let Some(tip) = table::tip(&done.metrics) {
         println!("{tip}");

@@ -8,6 +8,7 @@
 
 mod support;
 
+mod endings;
 mod facts;
 mod first_motion;
 mod franka;

@@ -61,7 +61,7 @@ pub(crate) fn simulate(
     let run = move || Ok(Box::new(Session::new(study, &origin, given, uncertified)?.run(|_| ())));
     let ran = patiently(py, run)?.map_err(|e: SessionError| failure::session(py, &e))?;
     let (done, trace) = *ran;
-    Ok(Trace { done, trace })
+    Ok(Trace { done: Box::new(done), trace })
 }
 
 /// Reads the record of a run.
@@ -69,7 +69,7 @@ pub(crate) fn simulate(
 pub(crate) fn recorded(py: Python<'_>, folder: PathBuf) -> PyResult<Trace> {
     let read = py.detach(|| phihat_session::recorded(&folder));
     let (done, trace) = read.map_err(|e| failure::session(py, &e))?;
-    Ok(Trace { done, trace })
+    Ok(Trace { done: Box::new(done), trace })
 }
 
 /// Makes the page of a recorded trace again.
@@ -151,13 +151,13 @@ pub(crate) fn reproduce(
 #[pyclass(frozen, module = "phihat")]
 #[derive(Debug)]
 pub(crate) struct Trace {
-    done: Done,
+    done: Box<Done>,
     trace: phihat_sim::Trace,
 }
 
 impl Trace {
     pub(crate) fn new(done: Done, trace: phihat_sim::Trace) -> Self {
-        Self { done, trace }
+        Self { done: Box::new(done), trace }
     }
 }
 

@@ -110,6 +110,7 @@ fn heading(record: &Record<'_>) -> Markup {
                 " · simulated"
             }
             (verdict_box(&verdict(record.metrics, record.tube)))
+            @if let Some(stopped) = &record.metrics.stopped { p.verdict.outside { strong { (line(&stopped.sentence())) } "." } }
         }
     }
 }
@@ -156,6 +157,9 @@ fn verdict_box(verdict: &Verdict) -> Markup {
         },
         Verdict::Broken { sentence } => p.verdict.outside {
             strong { "Outside its tube:" } " " (sentence) "."
+        },
+        Verdict::NotFollowed { untracked, steady } => p.verdict.outside {
+            strong { "Not followed:" } " in " (untracked) " of " (steady) " samples of the steady part the supervisor did not let the arm follow its motion."
         },
         Verdict::Outside { joints, broken } => div.verdict.outside {
             p { strong { "Outside spec on " (broken.len()) " of " (joints)

@@ -50,6 +50,8 @@ pub(crate) enum Verdict {
     Limited { joints: usize, closest: String, limited: String },
     /// The run left a tube that no such run leaves.
     Broken { sentence: String },
+    /// They do, where the arm followed its motion; it did not always.
+    NotFollowed { untracked: u64, steady: u64 },
     /// Some do not; one phrase per joint.
     Outside { joints: usize, broken: Vec<String> },
     /// The record says "outside", its figures do not.
@@ -119,6 +121,10 @@ pub(crate) fn verdict(metrics: &Metrics, tube: Option<&TubeRun>) -> Verdict {
     let joints = metrics.joints.len();
     match worst {
         _ if !broken.is_empty() => Verdict::Outside { joints, broken },
+        _ if metrics.untracked_steady_samples > 0 => Verdict::NotFollowed {
+            untracked: metrics.untracked_steady_samples,
+            steady: metrics.steady_samples,
+        },
         None => Verdict::NothingStated,
         Some(_) if !metrics.within_spec => Verdict::Contradiction,
         Some((_, closest)) => match limits_acted(metrics) {

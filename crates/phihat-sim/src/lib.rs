@@ -102,7 +102,7 @@ pub use error::{OutOfReach, SimError};
 pub use feedforward::{FeedForward, fed_along};
 pub use forecast::forecast;
 pub use integrator::{Acceleration, Rk4, integrate_adaptive};
-pub use metrics::{JointMetrics, Measured, Metrics};
+pub use metrics::{JointMetrics, Measured, Metrics, Stopped};
 pub use motion::Motion;
 pub use observed::Observed;
 pub use overload::{Lack, Overload, overload};

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::recorder::Recorder;
 use crate::tip::{TipMeasured, TipMetrics};
-use crate::trace::{JointTrace, Trace};
+use crate::trace::{JointTrace, Supervision, Trace};
 
 /// Figures of one joint over a run. "Steady" means: after `Spec::settle`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -59,6 +59,35 @@ pub struct JointMetrics {
     pub phi_error_steady_max_nm: f64,
 }
 
+/// When and why a supervisor stopped the arm for the first time, and how it stood at the end.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Stopped {
+    /// When \[s\].
+    pub t_s: f64,
+    /// The fault, by its name; `None`: somebody asked for the stop.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fault: Option<String>,
+    /// When the brakes were asked for \[s\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub brake_s: Option<f64>,
+    /// The mode at the end, by its name.
+    pub mode: String,
+}
+
+impl Stopped {
+    /// One sentence, for people.
+    pub fn sentence(&self) -> String {
+        let why = self
+            .fault
+            .as_ref()
+            .map_or_else(|| "asked for".to_owned(), |fault| fault.replace('-', " "));
+        let brake = self
+            .brake_s
+            .map_or_else(String::new, |t| format!("; the brakes were asked for at t = {t:.3} s"));
+        format!("STOPPED at t = {:.3} s: {why}{brake}; in {} at the end", self.t_s, self.mode)
+    }
+}
+
 /// Figures of a run, joint by joint: what a person reads first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Metrics {
@@ -75,6 +104,9 @@ pub struct Metrics {
     /// Samples of the steady part in which the arm was to follow its motion and did not: its supervisor had stopped it, or never let it begin.
     #[serde(default)]
     pub untracked_steady_samples: u64,
+    /// The supervisor stopped the arm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stopped: Option<Box<Stopped>>,
     /// Whether every stated bound holds on every joint, and the arm followed its motion.
     pub within_spec: bool,
     /// One entry per joint, in the robot's order.
@@ -129,6 +161,7 @@ impl Measured {
             steady_samples: 0,
             limited_steady_share: 0.0,
             untracked_steady_samples: 0,
+            stopped: None,
             within_spec: false,
             joints,
             tip: None,
@@ -150,6 +183,7 @@ impl Measured {
         self.metrics.samples += trace.len() as u64;
         self.metrics.steady_samples += (trace.len() - first) as u64;
         if let Some(supervision) = &trace.supervision {
+            stopped(&mut self.metrics.stopped, &trace.t_ns, supervision);
             let modes = trace.t_ns.iter().zip(&supervision.mode).skip(first);
             let untracked = modes.filter(|(t, mode)| **mode != Mode::Tracking && self.tracks(**t));
             self.metrics.untracked_steady_samples += untracked.count() as u64;
@@ -208,6 +242,24 @@ impl Measured {
             && metrics.joints.iter().all(JointMetrics::within_spec);
         metrics
     }
+}
+
+/// Takes in what the supervisor did in the next samples.
+fn stopped(known: &mut Option<Box<Stopped>>, t_ns: &[u64], supervision: &Supervision) {
+    let seconds = |k: usize| t_ns[k] as f64 * 1e-9;
+    let first = || supervision.mode.iter().position(|mode| *mode == Mode::SafeStop);
+    let from = match known {
+        Some(_) => Some(0),
+        None => first(),
+    };
+    let (Some(from), Some(last)) = (from, supervision.mode.last()) else { return };
+    let own = known.get_or_insert_with(|| {
+        let fault = supervision.fault[from].map(|fault| fault.name().to_owned());
+        Box::new(Stopped { t_s: seconds(from), fault, brake_s: None, mode: String::new() })
+    });
+    let asked = || (from..t_ns.len()).find(|k| supervision.brake[*k]).map(seconds);
+    own.brake_s = own.brake_s.or_else(asked);
+    last.name().clone_into(&mut own.mode);
 }
 
 impl Recorder for Measured {

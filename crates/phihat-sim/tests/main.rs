@@ -14,6 +14,7 @@ mod batch;
 mod blocks;
 mod cases;
 mod driver;
+mod false_alarms;
 mod held;
 mod imperfections;
 mod interface;

@@ -15,16 +15,19 @@ struct Column {
     decimals: usize,
     value: fn(&JointMetrics) -> f64,
     bound: fn(&JointMetrics) -> Option<f64>,
+    /// Of the steady part alone.
+    steady: bool,
 }
 
 const COLUMNS: [Column; 9] = [
-    Column::free("rms e", "mrad", 4, |j| j.error_rms_rad * MILLI),
+    Column::free(("rms e", "mrad", 4), true, |j| j.error_rms_rad * MILLI),
     Column {
         heading: "max |e|",
         unit: "mrad",
         decimals: 3,
         value: |j| j.error_steady_max_rad * MILLI,
         bound: |j| j.error_spec_rad.map(|b| b * MILLI),
+        steady: true,
     },
     Column {
         heading: "max |∫e|",
@@ -32,6 +35,7 @@ const COLUMNS: [Column; 9] = [
         decimals: 3,
         value: |j| j.error_integral_steady_max_rad_s * MILLI,
         bound: |j| j.error_integral_spec_rad_s.map(|b| b * MILLI),
+        steady: true,
     },
     Column {
         heading: "max |ė|",
@@ -39,6 +43,7 @@ const COLUMNS: [Column; 9] = [
         decimals: 1,
         value: |j| j.velocity_error_steady_max_rad_s * MILLI,
         bound: |j| j.velocity_error_spec_rad_s.map(|b| b * MILLI),
+        steady: true,
     },
     Column {
         heading: "peak |τ|",
@@ -46,6 +51,7 @@ const COLUMNS: [Column; 9] = [
         decimals: 1,
         value: |j| j.tau_max_nm,
         bound: |j| j.tau_limit_nm,
+        steady: false,
     },
     Column {
         heading: "max |Δτ|",
@@ -53,20 +59,20 @@ const COLUMNS: [Column; 9] = [
         decimals: 2,
         value: |j| j.tau_step_max_nm,
         bound: |j| j.tau_step_limit_nm,
+        steady: false,
     },
-    Column::free("limited", "% steady", 2, |j| 1e2 * j.limited_steady_share),
-    Column::free("max |φ|", "N·m", 2, |j| j.phi_max_nm),
-    Column::free("max |φ−φ̂|", "N·m", 2, |j| j.phi_error_steady_max_nm),
+    Column::free(("limited", "% steady", 2), true, |j| 1e2 * j.limited_steady_share),
+    Column::free(("max |φ|", "N·m", 2), false, |j| j.phi_max_nm),
+    Column::free(("max |φ−φ̂|", "N·m", 2), true, |j| j.phi_error_steady_max_nm),
 ];
 
 impl Column {
     const fn free(
-        heading: &'static str,
-        unit: &'static str,
-        decimals: usize,
+        (heading, unit, decimals): (&'static str, &'static str, usize),
+        steady: bool,
         value: fn(&JointMetrics) -> f64,
     ) -> Self {
-        Self { heading, unit, decimals, value, bound: |_| None }
+        Self { heading, unit, decimals, value, bound: |_| None, steady }
     }
 
     /// The bound, if all joints share one: it then stands in the heading.
@@ -83,7 +89,11 @@ impl Column {
         }
     }
 
-    fn cell(&self, joint: &JointMetrics, shared: bool) -> String {
+    fn cell(&self, joint: &JointMetrics, (shared, settled): (bool, bool)) -> String {
+        // A run that ended before its steady part has no such figure, and a zero would be one.
+        if self.steady && !settled {
+            return "–".to_owned();
+        }
         let value = (self.value)(joint);
         let figure = figure(value, self.decimals);
         let figure = in_unit(figure, self.unit, joint.slides);
@@ -112,7 +122,10 @@ pub(crate) fn metrics(metrics: &Metrics) -> Fitted {
     let headers: Vec<String> = std::iter::once("joint".to_owned()).chain(headers).collect();
     let mut table = plain_table(headers);
     for joint in joints {
-        let cells = COLUMNS.iter().zip(&shared).map(|(c, s)| c.cell(joint, s.is_some()));
+        let cells = COLUMNS
+            .iter()
+            .zip(&shared)
+            .map(|(c, s)| c.cell(joint, (s.is_some(), metrics.steady_samples > 0)));
         table.add_row(std::iter::once(joint.name.clone()).chain(cells));
     }
     align(&mut table);

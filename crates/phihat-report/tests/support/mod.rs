@@ -211,6 +211,7 @@ fn metrics(traces: &[JointTrace], samples: usize) -> Metrics {
         steady_samples: (samples - steady) as u64,
         limited_steady_share: 0.0,
         untracked_steady_samples: 0,
+        stopped: None,
         within_spec: joints.iter().all(holds),
         joints,
         tip: None,
