@@ -2,7 +2,7 @@
 
 use crate::{Command, Gain, GainError, Limits, Measurement, Real, Status};
 
-/// Torques \[N·m\] that a [`Gate`] let out: only a gate makes them, and nothing can compute on them.
+/// Torques \[N·m\] that a [`Gate`] let out, on their way to a wire: only a gate makes them. An entry that no joint has is the caller's own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Released<'a, R>(&'a [R]);
 
@@ -15,13 +15,22 @@ impl<'a, R: Copy> Released<'a, R> {
     /// The same torques in the order of another wire: torque `i` at `out[places[i]]`, every other entry as it is. A place that `out` lacks is
     /// left out.
     pub fn placed<'b>(self, places: &[usize], out: &'b mut [R]) -> Released<'b, R> {
-        for (tau, place) in self.0.iter().zip(places) {
-            if let Some(entry) = out.get_mut(*place) {
-                *entry = *tau;
-            }
-        }
-        Released(out)
+        placed(self.0.iter().copied(), places, out)
     }
+}
+
+/// Value `i` at `out[places[i]]`.
+fn placed<'a, R>(
+    values: impl Iterator<Item = R>,
+    places: &[usize],
+    out: &'a mut [R],
+) -> Released<'a, R> {
+    for (value, place) in values.zip(places) {
+        if let Some(entry) = out.get_mut(*place) {
+            *entry = value;
+        }
+    }
+    Released(out)
 }
 
 /// One joint of a [`Gate`]: its limits, and what it let through last.
@@ -164,12 +173,7 @@ impl<R: Real, J: AsRef<[Outlet<R>]> + AsMut<[Outlet<R>]>> Gate<R, J> {
     /// What was let out last, in the order of a wire: torque `i` at `out[places[i]]`, every other entry as it is. A place that `out` lacks is
     /// left out.
     pub fn torques<'a>(&self, places: &[usize], out: &'a mut [R]) -> Released<'a, R> {
-        for (outlet, place) in self.outlets.as_ref().iter().zip(places) {
-            if let Some(entry) = out.get_mut(*place) {
-                *entry = outlet.tau;
-            }
-        }
-        Released(out)
+        placed(self.outlets().iter().map(|outlet| outlet.tau), places, out)
     }
 
     /// Share of the torques along the motion that the tank lets out; `None`: all.

@@ -20,7 +20,7 @@ const PROBED_SAMPLES: u32 = 16;
 /// Samples in a row in which such a joint does not follow its torque that are a fault.
 const PROBED_SUSPICIOUS: u32 = 8;
 
-/// Samples after which a drive that was let go is tried for the first time, and for how many samples, half of them without torque: powers of two.
+/// Samples after which a drive that was let go is tried for the first time, and for how many samples, 8 with a small torque and 8 without in turn: the first and the last are powers of two.
 const TRIED_FIRST: u32 = 64;
 const TRIED_SAMPLES: u32 = 48;
 const TRIED_HALF: u32 = 8;
@@ -135,7 +135,7 @@ impl<R: Real> JointRules<R> {
         if half { known + R::from_f64(0.5) * (limited - known) } else { demand }
     }
 
-    /// The torque of a drive that did not do what it was told: none, and now and then, ever more seldom, a small one that brakes, by which a joint that
+    /// The torque of a drive that did not do what it was told: none, and now and then, ever more seldom, the small one that a first motion is judged by, against the motion, by which a joint that
     /// something had only pushed is taken back.
     fn tried_again(
         &self,
@@ -159,7 +159,7 @@ impl<R: Real> JointRules<R> {
         // What it was told, not what it says that it does: a wire that is turned round turns that, too.
         let step = m.dq - memory.measured.dq;
         memory.actuation.take((memory.law.tau, step), gain, (R::ZERO, u32::MAX));
-        let judged = since & TRIED_HALF.wrapping_mul(2).wrapping_sub(1) == TRIED_HALF * 2 - 1;
+        let judged = (since + 1).is_multiple_of(2 * TRIED_HALF);
         if judged && !memory.actuation.follows(gain) {
             memory.stopping.let_go = begun + TRIED_SAMPLES;
             return R::ZERO;
