@@ -5,17 +5,11 @@
 use std::fs;
 use std::path::Path;
 
+use crate::support::ARMS;
 use phihat::{Form, JointDesign, JointGains, Mode};
 use phihat_model::{Body, Robot, Workspace};
 use phihat_sim::{Motion, Outcome, Simulation};
 use phihat_study::{LawRequest, Study};
-
-const ARMS: [(&str, f64, &[f64], f64, f64); 4] = [
-    ("planar3r", 1000.0, &[0.42, 0.18, 0.14], 20.0, 70.0),
-    ("panda", 1000.0, &[1.78, 2.22, 1.02, 1.28, 0.247, 0.259, 0.212], 20.0, 50.0),
-    ("iiwa14", 1000.0, &[1.37, 2.43, 0.539, 0.827, 0.213, 0.209, 0.201], 20.0, 70.0),
-    ("ur5", 500.0, &[1.56, 2.35, 0.945, 0.349, 0.345, 0.117], 12.0, 40.0),
-];
 
 fn gains(
     inertia: &[f64],

@@ -2,19 +2,11 @@
 //!
 //! Energy is counted here from positions, from the torque that acted, and from the gravity of the arm with what it carries at the time.
 
-use crate::support::read;
+use crate::support::{ARMS, read};
 use phihat::{Events, Fault, Form, JointDesign, JointGains, Mode};
 use phihat_model::{Body, Robot, Workspace};
 use phihat_sim::{Outcome, Simulation, Trace};
 use phihat_study::Study;
-
-/// An arm: name, rate, nominal inertia, outer bandwidth, estimator bandwidth.
-const ARMS: [(&str, f64, &[f64], f64, f64); 4] = [
-    ("planar3r", 1000.0, &[0.42, 0.18, 0.14], 20.0, 70.0),
-    ("panda", 1000.0, &[1.78, 2.22, 1.02, 1.28, 0.247, 0.259, 0.212], 20.0, 50.0),
-    ("iiwa14", 1000.0, &[1.37, 2.43, 0.539, 0.827, 0.213, 0.209, 0.201], 20.0, 70.0),
-    ("ur5", 500.0, &[1.56, 2.35, 0.945, 0.349, 0.345, 0.117], 12.0, 40.0),
-];
 
 /// What causes the stop.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -10,6 +10,14 @@ use phihat_study::Study;
 /// Inertia of the rod about its hinge \[kg·m²\].
 pub(crate) const ROD_INERTIA: f64 = 0.52;
 
+/// The arms of the repository: name, rate, nominal inertia, outer bandwidth, estimator bandwidth.
+pub(crate) const ARMS: [(&str, f64, &[f64], f64, f64); 4] = [
+    ("planar3r", 1000.0, &[0.42, 0.18, 0.14], 20.0, 70.0),
+    ("panda", 1000.0, &[1.78, 2.22, 1.02, 1.28, 0.247, 0.259, 0.212], 20.0, 50.0),
+    ("iiwa14", 1000.0, &[1.37, 2.43, 0.539, 0.827, 0.213, 0.209, 0.201], 20.0, 70.0),
+    ("ur5", 500.0, &[1.56, 2.35, 0.945, 0.349, 0.345, 0.117], 12.0, 40.0),
+];
+
 /// A study of the rod; `rest` is appended to the text.
 pub(crate) fn rod_study(top: &str, rest: &str) -> Study {
     let spec = if rest.contains("[spec]") { "" } else { "[spec]\nsettle_s = 0.001\n" };
