@@ -89,7 +89,7 @@ impl Order {
         }
     }
 
-    /// Torques of the study in the link's order; joints that are not the study's are left alone.
+    /// Torques of the study in the link's order; joints that are not the study's get none.
     pub fn scatter<'a>(
         &self,
         gate: &Gate<f64, Vec<Outlet<f64>>>,

@@ -64,7 +64,7 @@ fn shipped_studies_are_driven_as_they_are_simulated() {
         ("weak_drive.toml", 4.0, false),
         ("stiction.toml", 3.0, false),
     ];
-    let few = if std::env::var_os("PHIHAT_ALL").is_some() { 7 } else { 4 };
+    let few = if std::env::var_os("PHIHAT_ALL").is_some() { 7 } else { 3 };
     for (name, duration_s, lossy) in studies.into_iter().take(few) {
         let lost = same(&shipped(&folder, name, duration_s), On::Sim);
         assert_eq!(lost > 0, lossy, "{name}: {lost} samples lost");

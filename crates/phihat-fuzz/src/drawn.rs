@@ -8,7 +8,7 @@ use proptest::prelude::any;
 use proptest::test_runner::{Config, RngSeed, TestCaseError, TestError, TestRunner};
 
 /// How many are drawn where `PHIHAT_FUZZ_CASES` does not say, and where `PHIHAT_ALL` is set.
-const CASES: u32 = 2_000;
+const CASES: u32 = 1_000;
 const ALL_CASES: u32 = 5_000;
 
 /// Plays up to `most` bytes, many times: `PHIHAT_FUZZ_CASES` says how often, `PHIHAT_FUZZ_SEED` which ones.

@@ -20,7 +20,7 @@ import pytest
 from panda_py import libfranka
 
 PROGRAM = Path(os.environ.get("PHIHAT_PROGRAM", Path(__file__).parents[3] / "target/release/phihat"))
-CYCLES = 10_000
+CYCLES = 10_000 if "PHIHAT_ALL" in os.environ else 3_000
 
 
 @pytest.fixture(autouse=True)

@@ -20,6 +20,10 @@ STOPS = int(os.environ.get("PHIHAT_STOPS", "200" if "PHIHAT_ALL" in os.environ e
 PERIOD = 1e-3
 EVENT, END = 1200, 4200
 TORQUE = 87.0
+NOMINAL = 0.5
+"""Nominal inertia of a joint, as a share of its entry on the diagonal of the inertia matrix."""
+RATIO = (0.18, 6.0)
+"""Range of true over nominal inertia, in any direction, in which the law below is stable: what a stop supposes."""
 
 
 @dataclass
@@ -53,18 +57,20 @@ def supervised(model: Any, data: Any, case: Case) -> phihat.Supervisor:
     mass = np.zeros((model.nv, model.nv))
     mujoco.mj_forward(model, data)
     mujoco.mj_fullM(model, data, mass)
-    estimator = [60.0] if case.order == 1 else [2500.0, 100.0]
-    gains = phihat.Gains(
-        rate_hz=1000.0, inertia=list(np.diag(mass)), kp=[400.0] * model.nv, kd=[40.0] * model.nv, a=[estimator] * model.nv
-    )
     n = model.nv
+    estimator = [60.0] if case.order == 1 else [1600.0, 80.0]
+    nominal = NOMINAL * np.diag(mass)
+    gains = phihat.Gains(rate_hz=1000.0, inertia=list(nominal), kp=[400.0] * n, kd=[80.0] * n, a=[estimator] * n)
     return phihat.Supervisor(
         gains, torque_max=[TORQUE] * n, velocity_max=[4.0] * n, error_stop=[0.08] * n, first_motion=[4.0] * n, saturation=0.5
     )
 
 
-def played(case: Case) -> tuple[bool, float, float, float]:
-    """Whether it stopped; the most kinetic energy that it got in 50 ms beside a push, and the reserves [J]; the speed at the end [rad/s]."""
+def played(case: Case) -> tuple[bool, float, float, float] | None:
+    """Whether it stopped; the most kinetic energy that it got in 50 ms beside a push, and the reserves [J]; the speed at the end [rad/s].
+
+    None: the law is not stable where the stop begins, and nothing is promised.
+    """
     model = load(case.arm, case.load)
     data = mujoco.MjData(model)
     center = middle(model)
@@ -73,7 +79,8 @@ def played(case: Case) -> tuple[bool, float, float, float]:
     n = model.nv
     inertia = np.zeros((n, n))
     mujoco.mj_fullM(model, data, inertia)
-    reserves = 0.5 * float(np.diag(inertia).sum()) * 0.2**2
+    nominal = NOMINAL * np.diag(inertia)
+    reserves = 0.5 * float(nominal.sum()) * 0.2**2
     preset = np.array(data.qfrc_bias)
     tau, before, acted = preset.copy(), center.copy(), preset.copy()
     quantum, seen, omega = 2 * np.pi / 2**20, 0, 2 * np.pi * 0.4
@@ -82,6 +89,11 @@ def played(case: Case) -> tuple[bool, float, float, float]:
     for k in range(END):
         t = max(0.0, (k - 200) * PERIOD)
         after = 0 <= k - EVENT < case.samples
+        if k == EVENT:
+            mujoco.mj_fullM(model, data, inertia)
+            ratios = np.linalg.eigvals(inertia / nominal[:, None]).real
+            if ratios.min() < RATIO[0] or ratios.max() > RATIO[1]:
+                return None
         if case.event == "drop" and k == EVENT:
             model.body_mass[hand] = 1e-6
             model.body_inertia[hand] = 1e-9
@@ -141,15 +153,19 @@ def played(case: Case) -> tuple[bool, float, float, float]:
 
 @pytest.mark.parametrize("part", range(2))
 def test_a_stop_takes_energy_out_of_the_arm_and_leaves_it_at_rest(part: int) -> None:
-    stops, misses = 0, []
+    stops, without, misses = 0, 0, []
     for number in range(part, STOPS, 2):
         case = drawn(number)
-        stopped, gained, reserves, speed = played(case)
+        outcome = played(case)
+        if outcome is None:
+            without += 1
+            continue
+        stopped, gained, reserves, speed = outcome
         stops += stopped
         # Gravity is another one than half a second before, and acts on an arm that is not measured.
         most = reserves + (3.0 if case.event in ("lost", "nan", "drop") else 0.5)
         if stopped and (gained > most or speed > 0.1):
             misses.append((number, case, round(gained, 3), round(reserves, 3), round(speed, 3)))
-    print(stops, "stopped")
+    print(stops, "stopped,", without, "without a promise")
     assert not misses, "\n".join(map(str, misses))
-    assert 5 * stops > STOPS / 2
+    assert 5 * stops > STOPS / 2 and 5 * without < STOPS / 2

@@ -2,7 +2,7 @@
 
 use crate::{Command, Gain, GainError, Limits, Measurement, Real, Status};
 
-/// Torques \[N·m\] that a [`Gate`] let out, on their way to a wire: only a gate makes them. An entry that no joint has is the caller's own.
+/// Torques \[N·m\] that a [`Gate`] let out, on their way to a wire: only a gate makes them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Released<'a, R>(&'a [R]);
 
@@ -12,19 +12,23 @@ impl<'a, R: Copy> Released<'a, R> {
         self.0
     }
 
-    /// The same torques in the order of another wire: torque `i` at `out[places[i]]`, every other entry as it is. A place that `out` lacks is
+    /// The same torques in the order of another wire: torque `i` at `out[places[i]]`, every other entry 0. A place that `out` lacks is
     /// left out.
-    pub fn placed<'b>(self, places: &[usize], out: &'b mut [R]) -> Released<'b, R> {
+    pub fn placed<'b>(self, places: &[usize], out: &'b mut [R]) -> Released<'b, R>
+    where
+        R: Real,
+    {
         placed(self.0.iter().copied(), places, out)
     }
 }
 
-/// Value `i` at `out[places[i]]`.
-fn placed<'a, R>(
+/// Value `i` at `out[places[i]]`, 0 elsewhere.
+fn placed<'a, R: Real>(
     values: impl Iterator<Item = R>,
     places: &[usize],
     out: &'a mut [R],
 ) -> Released<'a, R> {
+    out.fill(R::ZERO);
     for (value, place) in values.zip(places) {
         if let Some(entry) = out.get_mut(*place) {
             *entry = value;
@@ -170,7 +174,7 @@ impl<R: Real, J: AsRef<[Outlet<R>]> + AsMut<[Outlet<R>]>> Gate<R, J> {
         }
     }
 
-    /// What was let out last, in the order of a wire: torque `i` at `out[places[i]]`, every other entry as it is. A place that `out` lacks is
+    /// What was let out last, in the order of a wire: torque `i` at `out[places[i]]`, every other entry 0. A place that `out` lacks is
     /// left out.
     pub fn torques<'a>(&self, places: &[usize], out: &'a mut [R]) -> Released<'a, R> {
         placed(self.outlets().iter().map(|outlet| outlet.tau), places, out)

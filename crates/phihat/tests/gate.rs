@@ -121,10 +121,10 @@ fn what_held_the_arm_before_is_where_the_rate_begins() {
     gate.release(&measured([0.0; N]), &mut asked);
     let out = asked.map(|command| command.tau.to_bits());
     assert_eq!(out, [21.0, 1.0, 4.0].map(f64::to_bits));
-    let mut wire = [7.0; 5];
+    let mut wire = [f64::NAN; 5];
     let out: Vec<u64> =
         gate.torques(&[4, 0, 9], &mut wire).tau().iter().map(|t| t.to_bits()).collect();
-    assert_eq!(out, [1.0, 7.0, 7.0, 7.0, 21.0].map(f64::to_bits));
+    assert_eq!(out, [1.0, 0.0, 0.0, 0.0, 21.0].map(f64::to_bits));
 }
 
 #[test]
