@@ -109,8 +109,8 @@ fn heading(record: &Record<'_>) -> Markup {
                 " · " @if record.gains.is_some() { (line(&run.form)) " form" } @else { "another controller" } " at " (stated(run.rate_hz)) " Hz · seed " (run.seed)
                 " · simulated"
             }
-            (verdict_box(&verdict(record.metrics, record.tube)))
             @if let Some(stopped) = &record.metrics.stopped { p.verdict.outside { strong { (line(&stopped.sentence())) } "." } }
+            (verdict_box(&verdict(record.metrics, record.tube)))
         }
     }
 }

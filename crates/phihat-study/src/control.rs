@@ -29,6 +29,10 @@ pub(crate) fn read(
     arm: &StudyArm,
     (period_ns, has_gains): (u64, bool),
 ) -> Result<Control, StudyError> {
+    if node.has("energy_window_s") && !node.has("energy_max_j") {
+        let message = "is the time of loop.energy_max_j, which is not stated";
+        node.note(node.error(Kind::Conflict, "energy_window_s", message))?;
+    }
     let robot = &arm.robot.joints;
     let torque = robot.iter().map(|joint| joint.torque_max);
     let rate = robot.iter().map(|joint| joint.torque_rate_max);

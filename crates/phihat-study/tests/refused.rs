@@ -168,6 +168,8 @@ const LOOP_AND_SENSOR: &[Case] = &[
     ),
     (19, "form = 'literl'", "loop.form", UnknownName, "did you mean `literal`?"),
     (20, "delay_samples = 9", "loop.delay_samples", OutOfRange, "9 is out of range: 0 to 8"),
+    (20, "energy_max_j = 0", "loop.energy_max_j", OutOfRange, "0 is out of range: above 0"),
+    (20, "energy_window_s = 0.1", "loop.energy_window_s", Conflict, "energy_max_j, which is not"),
     (20, "delay_ms = 1", "loop.delay_ms", WrongUnit, "write `delay_samples`"),
     (23, "encoder_bits = 0", "sensor.encoder_bits", OutOfRange, "1 to 32"),
     (23, "encoder_bits = [18, 33, 18]", "sensor.encoder_bits[1]", OutOfRange, "1 to 32"),
