@@ -75,6 +75,7 @@ struct Robot
   std::shared_ptr<controller_interface::ChainableControllerInterface> plugin = make_plugin();
   Names joints;
   Numbers position, velocity, effort;
+  double brake = 7.0;
   std::vector<hardware_interface::StateInterface> states;
   std::vector<hardware_interface::CommandInterface> commands;
   std::vector<hardware_interface::CommandInterface> references;
@@ -91,6 +92,7 @@ struct Robot
       states.emplace_back(names[i], "velocity", &velocity[i]);
       commands.emplace_back(names[i], "effort", &effort[i]);
     }
+    commands.emplace_back("brake", "engaged", &brake);
     set("joints", names);
   }
 
@@ -344,9 +346,97 @@ void targets(const std::string & folder)
   robot.commands[1].blocked = false;
   run(500);
   const auto told = robot.diagnosis();
-  CHECK(value(told, "torques not written since activation") == "3");
+  CHECK(value(told, "commands not written since activation") == "3");
   CHECK(value(told, "mode") == "tracking");
 #endif
+}
+
+/// The hardware's brakes: closed before the arm is held, open while it is, asked for in the very cycle in which the supervisor asks, closed where nobody looks
+/// after the arm; and an interface that nobody named is left alone.
+void brakes(const std::string & folder)
+{
+  const auto prepared = [&](bool named) {
+      auto robot = std::make_unique<Robot>(Names{"shoulder", "elbow"});
+      robot->limits();
+      robot->set("gains_file", folder + "/observer.json");
+      if (named) {
+        robot->set("brake_interface", std::string("brake/engaged"));
+        robot->set("brake_closing_s", 0.05);
+      }
+      CHECK(robot->configure() == CallbackReturn::SUCCESS);
+      CHECK(robot->activate() == CallbackReturn::SUCCESS);
+      return robot;
+    };
+  const auto is = [](double value, double expected) {return value >= expected && value <= expected;};
+  auto robot = prepared(true);
+  CHECK(robot->plugin->command_interface_configuration().names == (Names{"shoulder/effort", "elbow/effort", "brake/engaged"}));
+  // No sample has come: no torque, and the brakes hold the arm.
+  robot->lose(0);
+  CHECK(robot->update(1000000) == return_type::OK && is(robot->brake, 1.0) && is(robot->effort[0], 0.0));
+  robot->found();
+  robot->position = {0.0, 0.0};
+  unsigned long allocated = 0;
+  const auto run = [&](int samples) {
+      for (int k = 0; k < samples; ++k) {
+        const unsigned long before = allocations;
+        CHECK(robot->update(1000000) == return_type::OK);
+        allocated += allocations - before;
+        // What the hardware is told is what the supervisor says of the same cycle.
+        const bool wanted = value(robot->diagnosis(), "brakes wanted") == "yes";
+        CHECK(is(robot->brake, wanted ? 1.0 : 0.0));
+      }
+    };
+  run(100);
+  CHECK(value(robot->diagnosis(), "mode") == "holding" && is(robot->brake, 0.0));
+  // A joint that is faster than its limit, and gets no better: a safe stop, and the brakes within the second that a stop may take.
+  robot->velocity = {9.0, 0.0};
+  int taken = 0;
+  for (; taken < 1100 && !is(robot->brake, 1.0); ++taken) {
+    run(1);
+  }
+  CHECK(value(robot->diagnosis(), "mode") == "safe-stop" && is(robot->brake, 1.0));
+  CHECK(value(robot->diagnosis(), "brakes told by") == "brake/engaged");
+  std::printf("brakes: asked for %d samples after the fault\n", taken);
+  // They stay closed, and the law gives way to them.
+  robot->velocity = {0.0, 0.0};
+  run(200);
+  CHECK(is(robot->brake, 1.0) && is(robot->effort[0], 0.0) && is(robot->effort[1], 0.0));
+  CHECK(allocated == 0);
+  CHECK(robot->activate() == CallbackReturn::SUCCESS);
+  run(20);
+  CHECK(value(robot->diagnosis(), "mode") == "holding" && is(robot->brake, 0.0));
+#ifdef PHIHAT_DOUBLE_JAZZY
+  // A command that does not go out is told, and is tried again.
+  robot->commands[2].blocked = true;
+  CHECK(robot->plugin->on_deactivate({}) == CallbackReturn::SUCCESS);
+  CHECK(is(robot->brake, 0.0) && has(rclcpp::logged().back(), "brake/engaged could not be set to 1"));
+  robot->commands[2].blocked = false;
+  CHECK(robot->activate() == CallbackReturn::SUCCESS);
+  run(20);
+#endif
+  CHECK(robot->plugin->on_deactivate({}) == CallbackReturn::SUCCESS);
+  CHECK(is(robot->brake, 1.0) && is(robot->effort[0], 0.0));
+
+  // Not named: not claimed, not written.
+  robot = prepared(false);
+  CHECK(robot->plugin->command_interface_configuration().names.size() == 2);
+  CHECK(robot->update(1000000) == return_type::OK && is(robot->brake, 7.0));
+  CHECK(value(robot->diagnosis(), "brakes told by") == "none");
+  CHECK(robot->plugin->on_deactivate({}) == CallbackReturn::SUCCESS && is(robot->brake, 7.0));
+
+  // A manager that hands over another interface in its place.
+  robot = prepared(true);
+  std::vector<hardware_interface::LoanedCommandInterface> out;
+  std::vector<hardware_interface::LoanedStateInterface> in;
+  for (std::size_t i : {0, 1, 1}) {
+    out.emplace_back(robot->commands[i]);
+  }
+  for (auto & state : robot->states) {
+    in.emplace_back(state);
+  }
+  robot->plugin->assign_interfaces(std::move(out), std::move(in));
+  CHECK(robot->plugin->on_activate({}) == CallbackReturn::FAILURE);
+  CHECK(has(rclcpp::logged().back(), "the interfaces are not shoulder/effort, elbow/effort, brake/engaged"));
 }
 
 /// Everything that on_configure refuses, and that it says why.
@@ -380,6 +470,9 @@ void refused(const std::string & folder)
   const std::string text = contents(file), seeing = contents(folder + "/positions.json");
   const auto instead = [&](const std::string & from, const std::string & to) {return replaced(text, from, to);};
   const auto filtered = [&](const std::string & to) {return replaced(seeing, "[{\"rates\": [0.001, 0.13]", to);};
+  const auto braked = [](const std::string & name, double closing) {
+      return [=](Robot & r) {r.set("brake_interface", name); r.set("brake_closing_s", closing);};
+    };
   struct Case
   {
     std::string said, expected;
@@ -399,6 +492,12 @@ void refused(const std::string & folder)
     {why(own, [](Robot & r) {r.set("reference.jerk_max_rad_s3", Numbers());}), "every reference is shaped"},
     {why(own, [](Robot & r) {r.set("preset_nm", Numbers{0.0, NOTHING});}), "joint elbow: preset_nm"},
     {why(own, [](Robot & r) {r.set("torque_delay_samples", int64_t{65});}), "torque_delay_samples is 65"},
+    {why(own, [](Robot & r) {r.set("brake_closing_s", 0.1);}), "brake_interface names no command interface"},
+    {why(own, braked("brake/engaged", 0.0)), "brake_closing_s is 0.000000; with brake_interface brake/engaged, more than 0 s"},
+    {why(own, braked("brake/engaged", NOTHING)), "brake_closing_s is nan"},
+    {why(own, braked("brake/engaged", 11.0)), "at most 10 s"},
+    {why(own, braked("brake", 0.1)), "brake_interface is brake; the name of a command interface"},
+    {why(own, braked("brake/", 0.1)), "brake_interface is brake/; the name of a command interface"},
     {why(own, [&](Robot & r) {r.set("gains_file", written("gains: 1"));}), "line 1, column 1"},
     {why(own, [&](Robot & r) {r.set("gains_file", written("{\"format\": \"urdf\"}"));}), "not gains"},
     {why(own, [&](Robot & r) {r.set("gains_file", written(text.substr(0, text.size() / 2)));}), "line "},
@@ -430,8 +529,8 @@ void refused(const std::string & folder)
   CHECK(robot.activate() == CallbackReturn::SUCCESS);
   std::vector<hardware_interface::LoanedCommandInterface> out;
   std::vector<hardware_interface::LoanedStateInterface> in;
-  for (auto & command : robot.commands) {
-    out.emplace_back(command);
+  for (std::size_t i : {0, 1}) {
+    out.emplace_back(robot.commands[i]);
   }
   for (std::size_t i : {2, 3, 0, 1}) {
     in.emplace_back(robot.states[i]);
@@ -488,6 +587,7 @@ int main(int argc, char ** argv)
   record(folder, "observer");
   record(folder, "positions");
   targets(folder);
+  brakes(folder);
   refused(folder);
   certified(folder);
   std::printf("%d failures\n", failures);

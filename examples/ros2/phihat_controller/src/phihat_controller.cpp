@@ -85,6 +85,8 @@ CallbackReturn PhihatController::on_init()
     auto_declare<bool>("uncertified", false);
     auto_declare<int64_t>("torque_delay_samples", -1);
     auto_declare<Numbers>("preset_nm", {});
+    auto_declare<std::string>("brake_interface", "");
+    auto_declare<double>("brake_closing_s", 0.0);
     for (const LimitParameter & limit : LIMITS) {
       auto_declare<Numbers>(limit.name, {});
     }
@@ -213,6 +215,30 @@ void PhihatController::read_limits()
   }
   supervision_.size = sizeof supervision_;
   phihat_supervision_default(static_cast<uint64_t>(std::llround(1e9 / gains_.rate_hz)), &supervision_);
+  read_brake();
+}
+
+void PhihatController::read_brake()
+{
+  const double closing = get_node()->get_parameter("brake_closing_s").as_double();
+  brake_ = get_node()->get_parameter("brake_interface").as_string();
+  // With a closing time the law gives way to the brakes: somebody has to close them.
+  if (brake_.empty() && closing == 0.0) {
+    return;
+  }
+  if (brake_.empty()) {
+    throw std::runtime_error("brake_closing_s is set, and brake_interface names no command interface that closes the brakes");
+  }
+  if (!std::isfinite(closing) || closing <= 0.0 || closing > 10.0) {
+    throw std::runtime_error(
+      "brake_closing_s is " + std::to_string(closing) + "; with brake_interface " + brake_ +
+      ", more than 0 s and at most 10 s are expected");
+  }
+  const std::size_t slash = brake_.rfind('/');
+  if (slash == std::string::npos || slash == 0 || slash + 1 == brake_.size()) {
+    throw std::runtime_error("brake_interface is " + brake_ + "; the name of a command interface is expected, as brake/engaged");
+  }
+  supervision_.brake_closing_s = closing;
 }
 
 PhihatController::Supervisor PhihatController::supervisor() const
@@ -235,6 +261,9 @@ controller_interface::InterfaceConfiguration PhihatController::command_interface
   claimed.type = controller_interface::interface_configuration_type::INDIVIDUAL;
   for (const std::string & joint : gains_.names) {
     claimed.names.push_back(joint + "/effort");
+  }
+  if (!brake_.empty()) {
+    claimed.names.push_back(brake_);
   }
   return claimed;
 }
@@ -307,8 +336,12 @@ CallbackReturn PhihatController::on_activate(const rclcpp_lifecycle::State &)
 
 CallbackReturn PhihatController::on_deactivate(const rclcpp_lifecycle::State &)
 {
+  if (!write_brake(true)) {
+    RCLCPP_ERROR(get_node()->get_logger(), "%s could not be set to 1: the brakes are not asked for", brake_.c_str());
+  }
   // A torque that nobody looks after any more would accelerate the arm without end.
-  for (auto & effort : command_interfaces_) {
+  for (std::size_t i = 0; i < gains_.names.size() && i < command_interfaces_.size(); ++i) {
+    auto & effort = command_interfaces_[i];
     if (!write_to(effort, 0.0)) {
       RCLCPP_ERROR(get_node()->get_logger(), "%s could not be set to zero", effort.get_name().c_str());
     }
@@ -408,6 +441,13 @@ void PhihatController::command()
   }
 }
 
+/// Tells the hardware whether the brakes are to be closed; whether it went out. Without an interface there is nobody to tell.
+bool PhihatController::write_brake(bool closed)
+{
+  const std::size_t at = gains_.names.size();
+  return brake_.empty() || at >= command_interfaces_.size() || write_to(command_interfaces_[at], closed ? 1.0 : 0.0);
+}
+
 return_type PhihatController::update_and_write_commands(const rclcpp::Time &, const rclcpp::Duration & period)
 {
   if (!supervisor_) {
@@ -445,10 +485,14 @@ return_type PhihatController::update_and_write_commands(const rclcpp::Time &, co
   phihat_report report{};
   report.size = sizeof report;
   if (phihat_supervisor_step(supervisor_.get(), &sample, &request, &command, &report) != PHIHAT_STATUS_OK) {
+    write_brake(true);
     return return_type::ERROR;
   }
   mode_ = report.mode;
   this->command();
+  if (!write_brake(report.brake != 0)) {
+    ++news_.unwritten;
+  }
   tell(report);
   return return_type::OK;
 }
@@ -522,10 +566,11 @@ void PhihatController::diagnose()
   add("fault joint", blamed);
   add("request refused", report.refusal != nullptr ? report.refusal : "");
   add("brakes wanted", report.brake != 0 ? "yes" : "no");
+  add("brakes told by", brake_.empty() ? "none" : brake_);
   add("samples missed in a row", std::to_string(report.misses));
   add("samples missed of the last 64", std::to_string(report.lost));
   add("samples missed since activation", std::to_string(told.lost));
-  add("torques not written since activation", std::to_string(told.unwritten));
+  add("commands not written since activation", std::to_string(told.unwritten));
   std::vector<std::string> events;
   for (uint32_t bit = 0; phihat_event_text(bit) != nullptr; ++bit) {
     if ((told.events >> bit & 1u) != 0) {

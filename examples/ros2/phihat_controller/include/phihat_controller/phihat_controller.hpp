@@ -21,7 +21,7 @@
 namespace phihat_ros
 {
 
-/// Commands `<joint>/effort`, reads `<joint>/position` and `<joint>/velocity`.
+/// Commands `<joint>/effort`, reads `<joint>/position` and `<joint>/velocity`. Where the hardware has an interface for its brakes, commands that too.
 ///
 /// Chained, it follows what another controller writes into `<joint>/position`, `/velocity`, `/acceleration` of this
 /// one. Alone, it moves to the targets of `~/reference`. In both cases the reference is shaped to the stated limits.
@@ -60,7 +60,7 @@ private:
   struct Told
   {
     phihat_report report{};
-    /// Since activation: every event that there was, samples that did not come, torques that did not go out.
+    /// Since activation: every event that there was, samples that did not come, commands that did not go out.
     uint32_t events = 0;
     uint64_t lost = 0;
     uint64_t unwritten = 0;
@@ -71,12 +71,14 @@ private:
 
   void read_parameters();
   void read_limits();
+  void read_brake();
   Supervisor supervisor() const;
   void receive(const sensor_msgs::msg::JointState & target);
   void diagnose();
   bool sense();
   bool refer();
   void command();
+  bool write_brake(bool closed);
   void tell(const phihat_report & report);
 
   // What on_configure found.
@@ -85,6 +87,8 @@ private:
   phihat_supervision supervision_{};
   std::vector<double> preset_;
   std::size_t delay_ = 0;
+  /// Full name of the command interface of the brakes, 1 closed and 0 open; empty: there is none. It is claimed behind the joints.
+  std::string brake_;
 
   // The node's side.
   rclcpp::Subscription<sensor_msgs::msg::JointState>::SharedPtr subscription_;
