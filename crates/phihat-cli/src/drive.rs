@@ -13,6 +13,7 @@ use serde_json::json;
 
 use crate::failure::Failure;
 use crate::first_motion::{First, announced, verdict};
+use crate::interrupt::Asked;
 use crate::ros2::{Ros, counted};
 use crate::run::{TraceFile, document, show, write_layout};
 use crate::shown::Shown;
@@ -168,7 +169,8 @@ impl Drive {
 #[inline(never)]
 fn driven(prepared: Prepared, folder: &Path) -> Result<Box<Driven>, Failure> {
     let page = folder.join("report.html");
-    let mut shown = Shown::stoppable(BAR, UNTOUCHED.to_owned(), &STOP);
+    let asked = Asked { stop: &STOP, parks: prepared.parks() };
+    let mut shown = Shown::stoppable(BAR, UNTOUCHED.to_owned(), asked);
     let leave = Leave { folder, page: Some(&page) };
     Ok(Box::new(prepared.drive(leave, &mut shown, &STOP)?))
 }

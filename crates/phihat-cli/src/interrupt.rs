@@ -18,9 +18,21 @@ struct Work {
     words: String,
     /// Files that are worth nothing unless they are finished.
     unfinished: Vec<PathBuf>,
-    /// Whether it can be asked to come to an end by itself; then the next Ctrl-C ends the program.
-    asked: Option<&'static AtomicBool>,
+    /// Whether it can be asked to come to an end by itself; then the next Ctrl-C ends the program, unless the request was taken back meanwhile.
+    asked: Option<Asked>,
 }
+
+/// What a request to come to an end sets, and what is said of each.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Asked {
+    pub(crate) stop: &'static AtomicBool,
+    /// Whether the first request parks an arm with which nothing is wrong, and is taken back then: the next one stops it on the way.
+    pub(crate) parks: bool,
+}
+
+const STOPS: &str = "interrupted: the arm is being stopped, then the record is written; once more ends at once, without a record";
+const PARKS: &str = "interrupted: the arm is being parked, or stopped if something is wrong, then the record is written; once more stops it on the way, or ends at once, \
+                     without a record, where it is being stopped";
 
 static AT_WORK: Mutex<Option<Work>> = Mutex::new(None);
 static ONCE: Once = Once::new();
@@ -42,7 +54,7 @@ pub(crate) fn removes(
     bar: &ProgressBar,
     words: String,
     unfinished: Vec<PathBuf>,
-    asked: Option<&'static AtomicBool>,
+    asked: Option<Asked>,
 ) {
     if !COMMAND.load(Ordering::Relaxed) {
         return;
@@ -51,11 +63,12 @@ pub(crate) fn removes(
         Some(Work { bar: bar.clone(), words, unfinished, asked });
     ONCE.call_once(|| {
         let _ = ctrlc::set_handler(|| {
-            match &*AT_WORK.lock().unwrap_or_else(PoisonError::into_inner) {
+            match &mut *AT_WORK.lock().unwrap_or_else(PoisonError::into_inner) {
                 Some(Work { bar, asked: Some(asked), .. })
-                    if !asked.swap(true, Ordering::Relaxed) =>
+                    if !asked.stop.swap(true, Ordering::Relaxed) =>
                 {
-                    bar.suspend(|| eprintln!("interrupted: the arm is being stopped, then the record is written; once more ends at once, without a record"));
+                    let parks = core::mem::take(&mut asked.parks);
+                    bar.suspend(|| eprintln!("{}", if parks { PARKS } else { STOPS }));
                     return;
                 }
                 Some(Work { bar, words, unfinished, .. }) => {

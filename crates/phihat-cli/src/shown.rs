@@ -1,13 +1,12 @@
 //! How far a command is, on the terminal; and what Ctrl-C says meanwhile.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use phihat_session::{Done, Watch};
 
-use crate::interrupt;
+use crate::interrupt::{self, Asked};
 use crate::terminal::is_quiet;
 
 /// A progress bar that looks on.
@@ -18,7 +17,7 @@ pub(crate) struct Shown {
     /// Whether the command was told to begin again.
     fresh: bool,
     /// What Ctrl-C asks to stop, where that can be asked.
-    asked: Option<&'static AtomicBool>,
+    asked: Option<Asked>,
     /// Tells what a run came to.
     says: Option<fn(&Done)>,
 }
@@ -46,7 +45,7 @@ impl Shown {
     }
 
     /// A bar of this look over work that can be asked to stop.
-    pub(crate) fn stoppable(template: &str, words: String, asked: &'static AtomicBool) -> Self {
+    pub(crate) fn stoppable(template: &str, words: String, asked: Asked) -> Self {
         Self { asked: Some(asked), ..Self::bar(template, words) }
     }
 

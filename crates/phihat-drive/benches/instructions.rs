@@ -94,7 +94,14 @@ fn driven<L: Link>(mut link: L, (study, mut control): (&Study, ControlSide), sam
     let room = usize::try_from(samples).unwrap();
     let (mut tape, _reader) = ring(7, room, true);
     let stop = AtomicBool::new(false);
-    let plan = Plan { samples, stop_samples: 1, stop: &stop, fault_samples: None, targets: None };
+    let plan = Plan {
+        samples,
+        stop_samples: 1,
+        stop: &stop,
+        fault_samples: None,
+        targets: None,
+        park: None,
+    };
     link.start().unwrap();
     let tally = cycles(&mut link, &mut control, &mut tape, &mut desk, &plan);
     assert_eq!((tally.end, tally.cycles), (End::Complete, samples));

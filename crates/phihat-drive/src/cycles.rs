@@ -2,8 +2,9 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use phihat::{Mode, Report};
+use phihat::{Mode, Reference, Report};
 use phihat_sim::{ControlSide, Row, Sample};
+use serde::Serialize;
 
 use crate::hooks::Targets;
 use crate::link::{Link, LinkFault, Wait};
@@ -55,6 +56,40 @@ pub struct Plan<'a> {
     pub fault_samples: Option<u64>,
     /// Where others ask the arm to go, if they may.
     pub targets: Option<&'a Targets>,
+    /// Where the arm goes before its torque does.
+    pub park: Option<Park<'a>>,
+}
+
+/// Where an arm without brakes goes at the end of a drive in which nothing went wrong. One entry per joint, in the study's order.
+#[derive(Debug, Clone, Copy)]
+pub struct Park<'a> {
+    /// Positions \[rad, m\].
+    pub q: &'a [f64],
+    /// Velocity, acceleration and jerk that the supervisor shapes the way to.
+    pub limits: &'a [Vec<f64>; 3],
+}
+
+/// What came of parking.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Parked {
+    /// Samples on the way.
+    pub samples: u64,
+    /// Whether the reference came to rest there; if not, the arm was stopped on the way.
+    pub reached: bool,
+}
+
+impl Parked {
+    /// What is wrong with it.
+    pub(crate) fn doubt(self) -> Option<String> {
+        (!self.reached).then(|| "stopped on the way to where it parks".to_owned())
+    }
+
+    /// A line about it: label and value.
+    pub(crate) fn words(self, period_ns: u64) -> (String, String) {
+        let seconds = (self.samples * period_ns) as f64 * 1e-9;
+        let words = if self.reached { "there" } else { "stopped on the way" };
+        ("parked".to_owned(), format!("{words} after {seconds:.3} s"))
+    }
 }
 
 /// What came of a loop.
@@ -70,6 +105,8 @@ pub struct Tally {
     pub tracked: u64,
     /// Samples after the study's end, until the supervisor asked for the brakes.
     pub stopping: u64,
+    /// What came of parking; `None`: the study states no place, or something was wrong.
+    pub parked: Option<Parked>,
     /// What the link said of the end.
     pub finished: Result<(), LinkFault>,
 }
@@ -138,7 +175,8 @@ const AHEAD_NS: u64 = 1_000_000_000;
 /// Runs the loop to its end. Nothing is allocated or locked here, and the system is not called but by the link.
 ///
 /// A stop that is asked for is the supervisor's safe stop, until it asks for the brakes; without a supervisor the loop ends at once.
-/// At the study's end an arm that is not simulated is stopped in the same way.
+/// At the study's end an arm that is not simulated is stopped in the same way. Where the plan has a place to park and the arm tracks without a fault, it goes there
+/// first; that takes the request back, so that the next one stops it on the way.
 pub fn cycles<L: Link>(
     link: &mut L,
     control: &mut ControlSide,
@@ -146,14 +184,22 @@ pub fn cycles<L: Link>(
     desk: &mut Desk,
     plan: &Plan<'_>,
 ) -> Tally {
-    let mut tally =
-        Tally { end: End::Complete, cycles: 0, lost: 0, tracked: 0, stopping: 0, finished: Ok(()) };
+    let mut tally = Tally {
+        end: End::Complete,
+        cycles: 0,
+        lost: 0,
+        tracked: 0,
+        stopping: 0,
+        parked: None,
+        finished: Ok(()),
+    };
     let (mut stopping, mut faulted) = (false, None);
     let (begun, period_ns) = (link.now_ns(), link.facts().period_ns);
     while tally.cycles < plan.samples {
         // The first sample is answered: a record has one at least.
         if !stopping && tally.cycles > 0 && plan.stop.load(Ordering::Relaxed) {
-            stopping = control.stop();
+            let parks = plan.park.is_some() && is_well(control.report());
+            stopping = !parks && control.stop();
             if !stopping {
                 tally.end = End::Asked;
                 break;
@@ -198,13 +244,108 @@ pub fn cycles<L: Link>(
     if tally.end == End::Complete && faulted.is_some() && !link.facts().tells.truth {
         tally.end = End::Faulted;
     }
-    if matches!(tally.end, End::Complete | End::Unread) && !link.facts().tells.truth {
-        come_to_rest(link, control, desk, plan, &mut tally);
+    come_to_an_end(link, control, desk, (plan, stopping), &mut tally);
+    tally
+}
+
+/// What follows the last sample of a drive: the way to park, the stop, and the last torque.
+fn come_to_an_end<L: Link>(
+    link: &mut L,
+    control: &mut ControlSide,
+    desk: &mut Desk,
+    (plan, stopping): (&Plan<'_>, bool),
+    tally: &mut Tally,
+) {
+    let truth = link.facts().tells.truth;
+    let ends = match tally.end {
+        End::Asked => !stopping,
+        End::Complete => !truth,
+        _ => false,
+    };
+    if let Some(place) = plan.park.filter(|_| ends && is_well(control.report())) {
+        park(link, control, desk, (plan, place), tally);
+    }
+    let rests = match tally.end {
+        End::Complete | End::Unread => !truth,
+        End::Asked | End::Faulted => tally.parked.is_some(),
+        End::Fault(_) | End::Over => false,
+    };
+    if rests {
+        come_to_rest(link, control, desk, plan, tally);
     }
     if !matches!(tally.end, End::Fault(_) | End::Over) {
         tally.finished = link.finish(desk.order.scatter(control.gate(), &mut desk.out));
     }
-    tally
+}
+
+/// How often longer than by its limits the way to park may take, and how much longer \[ns\].
+const PARK_TIMES: f64 = 2.0;
+const PARK_NS: f64 = 2e9;
+
+/// How near its place a reference is there \[rad, m\], and how slow \[rad/s, m/s\].
+const THERE: f64 = 1e-4;
+
+/// Takes the arm to where it parks; that is not recorded. A fault, a person's next request, or a way that takes too long ends it where the arm is.
+fn park<L: Link>(
+    link: &mut L,
+    control: &mut ControlSide,
+    desk: &mut Desk,
+    (plan, place): (&Plan<'_>, Park<'_>),
+    tally: &mut Tally,
+) {
+    if !control.refer_to(place.q) {
+        return;
+    }
+    // What asked for this is heard.
+    plan.stop.store(false, Ordering::Relaxed);
+    let most = place.samples(control.references(), link.facts().period_ns);
+    let mut parked = Parked { samples: 0, reached: false };
+    while parked.samples < most && !plan.stop.load(Ordering::Relaxed) && !parked.reached {
+        parked.samples += 1;
+        match desk.cycle(link, control) {
+            Ok(cycle) if is_well(cycle.report.as_ref()) => {
+                let mut joints = control.references().iter().zip(place.q);
+                parked.reached =
+                    joints.all(|(at, q)| (at.q - q).abs() <= THERE && at.dq.abs() <= THERE);
+            }
+            Ok(cycle) => {
+                let fault = cycle.report.is_some_and(|report| report.fault.is_some());
+                tally.end = if fault { End::Faulted } else { tally.end };
+                break;
+            }
+            Err(end) => {
+                let fault = matches!(end, End::Fault(_));
+                tally.end = if fault { end } else { tally.end };
+                break;
+            }
+        }
+    }
+    tally.parked = Some(parked);
+}
+
+impl Park<'_> {
+    /// The most samples that the way from these references may take.
+    fn samples(&self, from: &[Reference<f64>], period_ns: u64) -> u64 {
+        let [velocity, acceleration, jerk] = self.limits;
+        let limits = velocity.iter().zip(acceleration).zip(jerk);
+        let takes = from.iter().zip(self.q).zip(limits).map(|((at, q), ((v, a), j))| {
+            // Up to speed and back, twice where it goes the other way, and what is between.
+            (at.q - q).abs() / v + 3.0 * (v / a + a / j)
+        });
+        let most = PARK_TIMES * takes.fold(0.0, f64::max) * 1e9 + PARK_NS;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "positive; what is too large is most"
+        )]
+        let samples = (most / period_ns.max(1) as f64) as u64;
+        samples
+    }
+}
+
+/// Whether an arm follows its motion without a fault.
+fn is_well(report: Option<&Report>) -> bool {
+    report.is_some_and(|report| report.mode == Mode::Tracking && report.fault.is_none())
 }
 
 /// A safe stop after the last sample, which is not recorded.

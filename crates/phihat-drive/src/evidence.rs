@@ -95,6 +95,8 @@ impl Evidence {
                     break;
                 }
                 thread::sleep(REST);
+                // Whoever looks on is asked to while an arm is parked or stopped, too.
+                seen(count);
             }
         }
         self.close();

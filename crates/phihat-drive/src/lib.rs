@@ -66,7 +66,7 @@ use elsewhere as system;
 #[cfg(target_os = "linux")]
 use linux as system;
 
-pub use cycles::{Desk, End, Plan, Tally, cycles};
+pub use cycles::{Desk, End, Park, Parked, Plan, Tally, cycles};
 pub use error::DriveError;
 pub use evidence::Evidence;
 pub use facts::{Adds, Clock, Facts, Mismatch, Stops, Tells};

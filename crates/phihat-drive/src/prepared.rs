@@ -13,7 +13,7 @@ use phihat_sim::{Abort, ControlSide, Ended, Motion, StopReason};
 use phihat_study::Study;
 use serde_json::{Value, json};
 
-use crate::cycles::{Desk, End, Plan, Tally, cycles};
+use crate::cycles::{Desk, End, Park, Parked, Plan, Tally, cycles};
 use crate::error::DriveError;
 use crate::evidence::Evidence;
 use crate::facts::{Clock, Facts};
@@ -89,8 +89,9 @@ pub struct Driven {
 impl Driven {
     /// Whether the arm followed its motion to the end, kept every bound, and no promise about it is broken.
     pub fn good(&self) -> bool {
-        let Tally { end, finished, tracked, .. } = self.tally;
-        self.done.good() && end == End::Complete && finished.is_ok() && tracked > 0
+        let Tally { end, finished, tracked, parked, .. } = self.tally;
+        let parked = parked.is_none_or(|parked| parked.reached);
+        self.done.good() && end == End::Complete && finished.is_ok() && tracked > 0 && parked
     }
 }
 
@@ -248,6 +249,11 @@ impl Prepared {
         shapes && self.first.is_none()
     }
 
+    /// Whether the arm is parked where nothing is wrong at the end: its study states where, which that of a first motion never does.
+    pub fn parks(&self) -> bool {
+        park(self.study()).is_some()
+    }
+
     /// What is said before the drive.
     pub fn warnings(&self) -> &[String] {
         self.session.warnings()
@@ -280,7 +286,9 @@ impl Prepared {
             let (at, checks, options, names) = (&at[..], &checks[..], &options, &names[..]);
             let supervisor = study.supervisor.as_ref();
             let braked = supervisor.is_some_and(|asked| asked.brake_closing.is_some());
-            let mut way = Way { at, checks, options, stop, names, samples, braked, tap, targets };
+            let park = park(&study);
+            let mut way =
+                Way { at, checks, options, stop, names, samples, braked, park, tap, targets };
             let driven = match (robot, &options.on) {
                 (Some(robot), _) => way.drive(robot, control, watch, take),
                 (None, On::SimRealTime) => {
@@ -295,6 +303,12 @@ impl Prepared {
         let (tally, document, facts) = kept.ok_or(DriveError::Control)?;
         Ok(Driven { done, tally, document, facts })
     }
+}
+
+/// Where the arm parks.
+fn park(study: &Study) -> Option<Park<'_>> {
+    let supervisor = study.supervisor.as_deref()?;
+    Some(Park { q: supervisor.park.as_deref()?, limits: supervisor.motion.as_ref()? })
 }
 
 /// The command that makes the record again.
@@ -324,6 +338,7 @@ struct Way<'a> {
     samples: u64,
     /// Whether the study says that the arm has brakes.
     braked: bool,
+    park: Option<Park<'a>>,
     tap: Option<Box<dyn Tap>>,
     targets: Option<&'a Targets>,
 }
@@ -367,7 +382,8 @@ impl Way<'_> {
         let held_otherwise = !facts.tells.truth && (self.braked || facts.adds.gravity);
         let fault_samples = (held_otherwise || self.options.first.is_some()).then_some(most);
         let (samples, stop) = (self.samples, self.stop);
-        let plan = Plan { samples, stop_samples, stop, fault_samples, targets: self.targets };
+        let (targets, park) = (self.targets, self.park);
+        let plan = Plan { samples, stop_samples, stop, fault_samples, targets, park };
         let processor = self.options.processor;
         // Threads inherit their place from the one that starts them: only the control thread changes its own.
         let control_thread = move || {
@@ -420,6 +436,7 @@ impl Way<'_> {
             "lost": tally.lost,
             "tracked": tally.tracked,
             "stop_samples": tally.stopping,
+            "parked": tally.parked,
             "supervisor_faults": faults,
             "timing": { "wake_up_late": late, "controller": took },
         });
@@ -433,11 +450,13 @@ impl Way<'_> {
             .chain((tally.end == End::Asked).then(|| "stopped by a person".to_owned()))
             .chain((tally.tracked == 0).then(|| "the arm never followed its motion".to_owned()))
             .chain(fault.map(|why| format!("the link ended the drive: {why}")))
+            .chain(tally.parked.and_then(Parked::doubt))
             .collect();
         let mut facts = vec![
             ("driven".to_owned(), self.at.to_owned()),
             ("samples lost".to_owned(), format!("{} of {}", tally.lost, tally.cycles)),
         ];
+        facts.extend(tally.parked.map(|parked| parked.words(link.period_ns)));
         for (label, times) in [("woke late", late), ("controller took", took)] {
             facts.extend(times.map(|times| {
                 let (p50, p99, max) = (times.p50_us, times.p99_us, times.max_us);

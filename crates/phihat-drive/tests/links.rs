@@ -115,7 +115,8 @@ fn driven<L: Link>(
     let order = Order::new(&names, facts.joints.as_deref(), facts.width).unwrap();
     let mut desk = Desk::new(order, names.len());
     let (mut tape, mut reader) = ring(names.len(), usize::try_from(samples).unwrap(), false);
-    let plan = Plan { samples, stop_samples: 2000, stop, fault_samples: None, targets: None };
+    let plan =
+        Plan { samples, stop_samples: 2000, stop, fault_samples: None, targets: None, park: None };
     let tally = cycles(link, &mut control, &mut tape, &mut desk, &plan);
     drop(tape);
     // Read twice: once to look at it, once as the record is made.

@@ -166,7 +166,8 @@ fn driven(
     let mut desk = Desk::new(order, names.len());
     let (mut tape, mut reader) = ring(names.len(), usize::try_from(samples).unwrap(), false);
     let stop = AtomicBool::new(false);
-    let plan = Plan { samples, stop_samples: 500, stop: &stop, fault_samples, targets: None };
+    let plan =
+        Plan { samples, stop_samples: 500, stop: &stop, fault_samples, targets: None, park: None };
     let tally = cycles(link, &mut control, &mut tape, &mut desk, &plan);
     drop(tape);
     let (mut read, mut rows) = (Vec::new(), Vec::new());

@@ -15,5 +15,6 @@ mod franka;
 mod links;
 mod lying;
 mod no_allocation;
+mod parking;
 mod referred;
 mod same_trace;

@@ -59,6 +59,7 @@ fn allocations(text: &str, cycles_wanted: usize, wasteful: bool) -> u64 {
         stop: &stop,
         fault_samples: None,
         targets: None,
+        park: None,
     };
     let mut tally = None;
     // One sample of a thousand allocates.
@@ -97,8 +98,14 @@ fn an_arm_that_is_led_allocates_nothing() {
         begun.fetch_or(number == 1000, Ordering::Relaxed);
     });
     let (samples, fault_samples) = (8000, None);
-    let plan =
-        Plan { samples, stop_samples: 0, stop: &stop, fault_samples, targets: Some(&targets) };
+    let plan = Plan {
+        samples,
+        stop_samples: 0,
+        stop: &stop,
+        fault_samples,
+        targets: Some(&targets),
+        park: None,
+    };
     let goal = [0.6, 1.0, 0.7];
     assert!(!targets.ask(&[0.0; 2]) && targets.ask(&goal));
     std::thread::scope(|scope| {

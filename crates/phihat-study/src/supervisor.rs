@@ -48,6 +48,8 @@ pub struct SupervisorRequest {
     pub saturation: f64,
     /// How long the brakes take to close \[s\]; `None`: there are none.
     pub brake_closing: Option<f64>,
+    /// Where an arm without brakes is taken before its torque goes \[rad\]; only with `motion`.
+    pub park: Option<Vec<f64>>,
     /// Missed samples that are bridged.
     pub hold_samples: u32,
     /// Missed samples that stop the arm.
@@ -129,6 +131,7 @@ pub(crate) fn read(
         dwell: node.number("dwell_s")?,
         saturation: node.number("saturation_s")?,
         brake_closing: node.number_if("brake_closing_s"),
+        park: park(node, arm)?,
         hold_samples: node.small_count("hold_samples")?,
         stop_samples: node.small_count("stop_samples")?,
         start_mismatch_max: node.number("start_mismatch_max_rad")?,
@@ -184,6 +187,23 @@ fn soft_zone(node: &Node<'_>, arm: &StudyArm) -> Result<Option<Vec<f64>>, StudyE
         }
     }
     Ok(zone)
+}
+
+/// Of an arm without brakes, on a way that is shaped.
+fn park(node: &Node<'_>, arm: &StudyArm) -> Result<Option<Vec<f64>>, StudyError> {
+    let Some(key) = ["park_rad", "park"].into_iter().find(|key| node.has(key)) else {
+        return Ok(None);
+    };
+    if node.has("brake_closing_s") {
+        let message = "an arm with brakes, `brake_closing_s`, is held by them where it is";
+        node.note(node.error(Kind::Conflict, key, message))?;
+    }
+    let limits = "reference_velocity_max_rad_s";
+    if !node.has(limits) {
+        let message = format!("the way there needs limits: `{limits}` and the two keys beside it");
+        node.note(node.error(Kind::Conflict, key, message))?;
+    }
+    arm.position(node, "park_rad", "park").map(Some)
 }
 
 fn requests(node: &Node<'_>, duration: f64) -> Result<Vec<(f64, RequestedMode)>, StudyError> {

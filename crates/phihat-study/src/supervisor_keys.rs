@@ -175,6 +175,21 @@ pub(crate) static SUPERVISOR: Section = Section {
             doc: "The arm has brakes that close when the supervisor asks for them, and hold it after this time. An arm without brakes is held by the law for as \
                   long as it is measured.",
         },
+        Key {
+            name: "park_rad",
+            unit: "rad",
+            shape: Shape::PerJoint(Bounds::within(100.0), &[]),
+            need: Need::Optional("`park`, or the arm is held where it is"),
+            doc: "Where `phihat drive` takes an arm without brakes before it takes the torque away: at the end of the motion and on the first Ctrl-C, where nothing is \
+                  wrong. The way is shaped to the limits of the reference, which it needs; it has to be free, and the arm supported at its end.",
+        },
+        Key {
+            name: "park",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Optional("`park_rad`, or the arm is held where it is"),
+            doc: "The same as a named pose of the robot.",
+        },
         samples("hold_samples", 5, "Missed samples for which the last torque is held."),
         samples("stop_samples", 20, "Missed samples in a row that stop the arm."),
         number(

@@ -64,3 +64,28 @@ fn a_slower_start_is_read_and_refused_where_there_is_no_estimator_to_slow() {
         "{error}"
     );
 }
+
+/// How fast an arm goes to where it parks.
+const SHAPED: &str = "reference_velocity_max_rad_s = 0.5\nreference_acceleration_max_rad_s2 = 2.0\nreference_jerk_max_rad_s3 = 20.0\n";
+
+#[test]
+fn where_an_arm_parks_is_read_as_positions_or_by_name() {
+    let parks = |text: &str| study(&format!("{SHAPED}{text}")).map(|s| s.supervisor.unwrap().park);
+    assert_eq!(parks("").unwrap(), None);
+    assert_eq!(parks("park_rad = [0.1, -0.2, 0.3]").unwrap(), Some(vec![0.1, -0.2, 0.3]));
+    let named = study(SHAPED).unwrap().robot.poses["ready"].clone();
+    assert_eq!(parks("park = \"ready\"").unwrap(), Some(named));
+    for (text, key, why) in [
+        ("park = \"redy\"", "supervisor.park", "did you mean `ready`"),
+        ("park_rad = [0.1, 0.2]", "supervisor.park_rad", "3"),
+        ("park_rad = [0.1, 0.2, 50.0]", "supervisor.park_rad", "joint3"),
+        ("park_rad = [0.0, 0.0, nan]", "supervisor.park_rad", "finite"),
+        ("park = \"ready\"\npark_rad = 0.0", "supervisor.park", "park_rad"),
+        ("park = \"ready\"\nbrake_closing_s = 0.1", "supervisor.park", "with brakes"),
+    ] {
+        let error = parks(text).unwrap_err().render();
+        assert!(error.contains(key) && error.contains(why), "{text}: {error}");
+    }
+    let error = study("park = \"ready\"").unwrap_err().render();
+    assert!(error.contains("reference_velocity_max_rad_s"), "{error}");
+}

@@ -71,6 +71,8 @@ impl List {
             // What stops the arm, and what holds it then.
             saturation: _,
             brake_closing: _,
+            // After the motion that the claims are about.
+            park: _,
             // Nothing without losses and refused samples, which are listed.
             hold_samples: _,
             stop_samples: _,

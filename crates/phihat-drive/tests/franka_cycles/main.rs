@@ -80,6 +80,7 @@ fn driven(count: u64, protocol: Protocol) -> (u64, [f64; 2], u64) {
         stop: &stop,
         fault_samples: None,
         targets: None,
+        park: None,
     };
     let reading = thread::spawn(move || errors(reader, count));
     let before = resident();

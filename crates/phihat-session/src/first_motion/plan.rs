@@ -75,7 +75,9 @@ pub fn first_study(
         start.retain(|key, _| key == "torque_nm");
     }
     if let Some(supervisor) = table.get_mut("supervisor").and_then(Value::as_table_mut) {
-        supervisor.retain(|key, _| !key.starts_with("reference_") && key != "request");
+        // Under gains that nobody designed, it goes nowhere else.
+        let elsewhere = |key: &str| ["reference_", "park"].iter().any(|own| key.starts_with(own));
+        supervisor.retain(|key, _| !elsewhere(key) && key != "request");
     }
     let mut put = |keys: &[&str], value: Value| set(&mut table, keys, value);
     put(&["title"], Value::from(format!("First motion of {}", study.robot.name)));
