@@ -247,7 +247,7 @@ impl Link for FrankaLink {
         if missing > u64::from(GAP_MOST) {
             return Wait::Fault(LinkFault::Silent(GAP_MOST));
         }
-        self.due += 1;
+        self.due = self.due.saturating_add(1);
         let echo = self.unrounded(&state.tau_j_d);
         let tau = self.applied(echo);
         if missing > 0 {

@@ -5,29 +5,13 @@
 
 use std::sync::atomic::AtomicBool;
 
-use crate::support::{PLAIN, SUPERVISED, names, sides, study};
+use crate::support::{Dice, PLAIN, SUPERVISED, names, sides, study};
 use phihat::{Mode, Released};
 use phihat_drive::{
     Cycle, Desk, End, Facts, Link, LinkFault, Order, Plan, SimLink, Tally, Wait, cycles, ring,
 };
 use phihat_sim::Sample;
 use phihat_study::Study;
-
-struct Dice(u64);
-
-impl Dice {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        usize::try_from(self.bits() % n as u64).unwrap()
-    }
-}
 
 /// Numbers that are none, or too large, or almost right.
 const WILD: [f64; 14] = [

@@ -14,6 +14,7 @@ mod first_motion;
 mod franka;
 mod links;
 mod lying;
+mod lying_bytes;
 mod no_allocation;
 mod parking;
 mod referred;

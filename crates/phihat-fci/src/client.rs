@@ -2,7 +2,7 @@
 
 use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::net::{IpAddr, SocketAddr, TcpStream, ToSocketAddrs as _, UdpSocket};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::command::RobotCommand;
 use crate::error::FciError;
@@ -186,25 +186,26 @@ impl Client {
     ///
     /// # Errors
     ///
-    /// [`FciError::Silent`]: none came for as long as a state may take.
+    /// [`FciError::Silent`]: none came for as long as a state may take, whatever else came meanwhile.
     pub fn receive(&mut self) -> Result<RobotState, FciError> {
         let network = || FciError::network("waiting for a state");
         self.udp.set_nonblocking(true).map_err(network())?;
-        let mut found = None;
-        while let Some(state) = self.take()? {
+        let (mut found, mut useless) = (None, None);
+        while let Some(state) = self.take(&mut useless)? {
             found = Some(state);
         }
         self.udp.set_nonblocking(false).map_err(network())?;
         let state = match found {
             Some(state) => state,
-            None => self.take()?.ok_or(FciError::Silent(self.patience))?,
+            None => self.take(&mut useless)?.ok_or(FciError::Silent(self.patience))?,
         };
         self.state = Some(state);
         Ok(state)
     }
 
-    /// The next state that is newer than the last; `None`: there is none yet.
-    fn take(&mut self) -> Result<Option<RobotState>, FciError> {
+    /// The next state that is newer than the last; `None`: there is none yet, or since `useless` packets come that are none.
+    #[expect(clippy::disallowed_methods, reason = "how long a state may take is its subject")]
+    fn take(&mut self, useless: &mut Option<Instant>) -> Result<Option<RobotState>, FciError> {
         loop {
             let (length, from) = match self.udp.recv_from(&mut self.bytes) {
                 Ok(received) => received,
@@ -212,15 +213,18 @@ impl Client {
                 Err(why) if is_no_data(&why) => return Ok(None),
                 Err(why) => return Err(FciError::network("waiting for a state")(why)),
             };
-            if from.ip() != self.robot || self.sender.is_some_and(|sender| sender != from) {
-                continue;
+            if from.ip() == self.robot && self.sender.is_none_or(|sender| sender == from) {
+                let state =
+                    RobotState::read(self.protocol, self.bytes.get(..length).unwrap_or_default())?;
+                self.sender = Some(from);
+                if state.id > self.newest {
+                    self.newest = state.id;
+                    return Ok(Some(state));
+                }
             }
-            let state =
-                RobotState::read(self.protocol, self.bytes.get(..length).unwrap_or_default())?;
-            self.sender = Some(from);
-            if state.id > self.newest {
-                self.newest = state.id;
-                return Ok(Some(state));
+            // Old states and packets of others may come in time for ever.
+            if useless.get_or_insert_with(Instant::now).elapsed() > self.patience {
+                return Ok(None);
             }
         }
     }

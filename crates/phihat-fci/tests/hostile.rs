@@ -103,7 +103,7 @@ fn a_version_that_is_not_spoken_is_told_which_is() {
     assert_eq!(why, "version 8 of the interface; spoken are 5 and 10");
 }
 
-/// A robot that answers the request to connect, sends one state, and answers the next request with these bytes.
+/// A robot that answers the request to connect, sends one state, and answers the next request with these bytes; without any, it sends that state for ever.
 fn liar(answer: Vec<u8>, state: usize) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap().to_string();
@@ -119,6 +119,14 @@ fn liar(answer: Vec<u8>, state: usize) -> String {
             *first = 1;
         }
         udp.send_to(&message, ("127.0.0.1", port)).unwrap();
+        if answer.is_empty() {
+            // The same state again and again, until the client is gone.
+            tcp.set_nonblocking(true).unwrap();
+            while !matches!(tcp.read(&mut [0]), Ok(0)) {
+                let _ = udp.send_to(&message, ("127.0.0.1", port));
+                thread::sleep(Duration::from_millis(1));
+            }
+        }
         let mut request = [0; 12];
         if tcp.read_exact(&mut request).is_ok() {
             let _ = tcp.write_all(&answer);
@@ -155,4 +163,14 @@ fn a_client_refuses_a_robot_that_lies() {
     assert_eq!(asked(head(1 << 20)).unwrap(), "<");
     let refused = asked([11, 1, 13].into_iter().flat_map(u32::to_le_bytes).chain([1]).collect());
     assert!(matches!(refused, Err(FciError::Refused { status: 1, .. })), "{refused:?}");
+}
+
+/// States that are old come in time for ever: to the client the robot is silent.
+#[test]
+fn a_robot_whose_number_stands_still_is_silent() {
+    let patience = Duration::from_millis(100);
+    let address = liar(Vec::new(), Protocol::V10.state_bytes());
+    let mut client = Client::connect_patient(&address, Protocol::V10, patience).unwrap();
+    let told = client.receive();
+    assert!(matches!(told, Err(FciError::Silent(waited)) if waited == patience), "{told:?}");
 }

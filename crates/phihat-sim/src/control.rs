@@ -200,6 +200,9 @@ impl ControlSide {
             command.tau = *torque;
         }
         self.gate.holding(held);
+        if let Some(echo) = &mut self.echo {
+            echo.holding(held);
+        }
         if let Brain::Outside { tau, .. } = &mut self.brain {
             tau.copy_from_slice(held);
         }
@@ -267,6 +270,9 @@ impl ControlSide {
         };
         self.answer(t, sample);
         self.gate.release(&sample.joints, &mut self.commands);
+        if let Some(echo) = &mut self.echo {
+            echo.sent(&self.commands);
+        }
         self.endless = endless;
     }
 

@@ -13,12 +13,11 @@ const ROUNDING: f64 = 1e-6;
 /// The robot compares a command with the last one that arrived, not with the last one sent. Its echo says
 /// which that was; while no fresh echo comes, it is the last echo or any command sent since. The limit is
 /// the intersection of the intervals around all of these, never empty as each was chosen so. An echo of what was never sent is
-/// not believed: the robot can only have accepted what it was sent.
+/// not believed: the robot can only have accepted what it was sent, or what held the arm before. The first echo says what that
+/// was, where a first command could be within one step of it.
 #[derive(Debug)]
 pub(crate) struct Echo {
     step: f64,
-    /// Largest torque per joint \[N·m\].
-    most: Vec<f64>,
     sequence: Option<u64>,
     /// Least and greatest command that may have been accepted last, per joint.
     possible: Vec<(f64, f64)>,
@@ -30,8 +29,14 @@ impl Echo {
         let rate = study.interface.profile.torque_rate_max.filter(|_| study.interface.kept)?;
         let period = study.control.period_ns as f64 * 1e-9;
         let joints = study.robot.joints.len();
-        let most = (0..joints).map(|i| study.limits(i).0.unwrap_or(f64::INFINITY)).collect();
-        Some(Self { step: rate * period, most, sequence: None, possible: vec![(0.0, 0.0); joints] })
+        Some(Self { step: rate * period, sequence: None, possible: vec![(0.0, 0.0); joints] })
+    }
+
+    /// Something holds the arm with these torques \[N·m\] until the first command.
+    pub(crate) fn holding(&mut self, held: &[f64]) {
+        for (possible, tau) in self.possible.iter_mut().zip(held) {
+            *possible = (*tau, *tau);
+        }
     }
 
     /// Limits the commands that answer a sample.
@@ -43,9 +48,8 @@ impl Echo {
             if fresh {
                 let echo = sample.accepted[i];
                 let slack = ROUNDING * (1.0 + echo.abs());
-                let was_sent = echo >= possible.0 - slack && echo <= possible.1 + slack;
-                // What holds the arm before the first command is the robot's to say.
-                if was_sent || first && echo.abs() <= self.most[i] {
+                let more = if first { self.step } else { 0.0 } + slack;
+                if echo >= possible.0 - more && echo <= possible.1 + more {
                     *possible = (echo, echo);
                 }
             }
@@ -54,6 +58,12 @@ impl Echo {
                 command.tau = if command.tau > high { high } else { low };
                 command.status.rate_limited = true;
             }
+        }
+    }
+
+    /// These commands were sent: from here on the robot may have accepted them.
+    pub(crate) fn sent(&mut self, commands: &[Command<f64>]) {
+        for (possible, command) in self.possible.iter_mut().zip(commands) {
             *possible = (possible.0.min(command.tau), possible.1.max(command.tau));
         }
     }

@@ -115,6 +115,35 @@ friction = "robot"
 payload = { frame = "panda_link8", mass_kg = 0.5, com_m = [0.0, 0.0, 0.05] }
 "#;
 
+/// Numbers that look like chance, the same ones every time (splitmix64).
+#[derive(Debug)]
+pub(crate) struct Dice(pub(crate) u64);
+
+impl Dice {
+    pub(crate) fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    pub(crate) fn below(&mut self, n: usize) -> usize {
+        usize::try_from(self.bits() % n as u64).unwrap()
+    }
+
+    /// Puts things in another order.
+    pub(crate) fn shuffle<T>(&mut self, things: &mut [T]) {
+        for last in (1..things.len()).rev() {
+            things.swap(last, self.below(last + 1));
+        }
+    }
+
+    pub(crate) fn byte(&mut self) -> u8 {
+        self.bits().to_le_bytes()[7]
+    }
+}
+
 pub(crate) fn study(text: &str) -> Study {
     let mut study = Study::from_text(text, "test.toml", Path::new("")).unwrap();
     phihat_sim::derive_substeps(&mut study);
