@@ -6,17 +6,20 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
+use indicatif::ProgressBar;
 use phihat_fci::{Event, PORT, Pace};
 use phihat_session::{ServeOptions, ServeWatch, ServedMotion};
 use serde_json::json;
 
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::run::TraceFile;
 
 /// Serve a study's world as a Franka, to any program made for one.
 ///
 /// A client of libfranka (protocol 5: 0.9; protocol 10: 0.18 and later) connects, and tells the study's arm its torques. Each motion begins
-/// the study's world anew, at its start, and leaves trace.parquet, metrics.json, run.json and report.html in out/STUDY/ when it ends. The robot
+/// the study's world anew, at its start, and leaves trace.parquet, metrics.json, run.json and report.html in out/STUDY/ when it ends; the
+/// trace is written as it comes, so that memory does not grow with a motion's length. The robot
 /// stops as one does: on a torque that jumps, on a joint that is too fast, on commands that stay away, by the study's
 /// profile and the arm's own limits. In lock-step, the next state comes when the command for the last one came: the
 /// same torques give the same trace, bit for bit, however slow the client is.
@@ -145,7 +148,13 @@ impl ServeWatch for Told {
         }
     }
 
+    fn begun(&mut self, unfinished: &[PathBuf]) {
+        let words = "nothing is left of the motion that was going on".to_owned();
+        interrupt::removes(&ProgressBar::hidden(), words, unfinished.to_owned(), None);
+    }
+
     fn motion(&mut self, motion: &ServedMotion) {
+        interrupt::done();
         let ServedMotion { ending, cycles, packets, record } = motion;
         let page = record.as_ref().map(|(_, page)| page);
         let verdict = record.as_ref().map(|(done, _)| done.verdict());

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use phihat_design::requested_gains;
-use phihat_sim::{Abort, Stepped, Trace};
+use phihat_sim::{Abort, SimError, Stepped, Trace};
 use phihat_study::Study;
 
 use crate::design;
@@ -35,10 +35,19 @@ impl OutsideRun {
     ///
     /// [`SessionError`]: the study cannot be simulated.
     pub fn new(
-        mut study: Box<Study>,
+        study: Box<Study>,
         path: &Path,
         inertia: Option<Vec<f64>>,
         command: String,
+    ) -> Result<Self, SessionError> {
+        Self::begun((study, path), inertia, command, Stepped::new)
+    }
+
+    fn begun(
+        (mut study, path): (Box<Study>, &Path),
+        inertia: Option<Vec<f64>>,
+        command: String,
+        stepped: fn(&Study, &[f64]) -> Result<Stepped, SimError>,
     ) -> Result<Self, SessionError> {
         let stated = requested_gains(&study);
         let stated = stated.map(|gains| gains.joints.iter().map(|j| j.inertia_kg_m2).collect());
@@ -55,12 +64,13 @@ impl OutsideRun {
         if study.supervisor.is_some() {
             warnings.push(lacks("the study's supervisor is not in it"));
         }
-        let run = Stepped::new(&study, &inertia).map_err(|e| SessionError::at(path, e))?;
+        let run = stepped(&study, &inertia).map_err(|e| SessionError::at(path, e))?;
         Ok(Self { study, command, warnings, inertia, run })
     }
 
     /// Begins a run behind a robot's interface that somebody else keeps the rules of: limits of the study's controller, and what its
-    /// profile stops on, do not act here. What the profile adds, clamps and filters does.
+    /// profile stops on, do not act here. What the profile adds, clamps and filters does. It has room for a block of its record: see
+    /// [`Stepped::hand_over`].
     ///
     /// # Errors
     ///
@@ -72,7 +82,7 @@ impl OutsideRun {
         let profile = &mut bare.interface.profile;
         (profile.torque_rate_max, profile.first_torque_max) = (None, None);
         profile.losses_max = None;
-        let mut new = Self::new(bare, path, None, command)?;
+        let mut new = Self::begun((bare, path), None, command, Stepped::in_blocks)?;
         // What is recorded is the study as it was given.
         let (filter, designed) =
             (new.study.sensor.velocity_filter_hz, new.study.sensor.velocity_filter_designed);
@@ -94,13 +104,25 @@ impl OutsideRun {
 
     /// The record of a run as far as it came: what stopped it, if the robot did, and what is to be said of it.
     pub fn stop(self, abort: Option<Abort>, more: Vec<String>) -> (Done, Trace) {
+        let seen = RunObserver::new(&self.study, None);
+        self.stop_seen(seen, abort, more)
+    }
+
+    /// The same of a run whose samples were seen up to those that it still holds, which are handed back.
+    pub(crate) fn stop_seen(
+        self,
+        mut seen: RunObserver<'_>,
+        abort: Option<Abort>,
+        more: Vec<String>,
+    ) -> (Done, Trace) {
         let Self { study, command, mut warnings, run, .. } = self;
         let (trace, mut ended) = run.end();
         ended.abort = ended.abort.or(abort);
         warnings.extend(more);
         warnings.extend(ended.abort.as_ref().map(words::stopped));
-        let mut seen = RunObserver::new(&study, None);
-        seen.block(&trace);
+        if !trace.is_empty() {
+            seen.block(&trace);
+        }
         let RunFigures { metrics, drawing, tube } = seen.finish(&study.sha256);
         let divergence = ended.divergence;
         let run = run_info(&study, OUTSIDE, (command, warnings), divergence.as_ref());

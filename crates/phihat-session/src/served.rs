@@ -2,14 +2,11 @@
 
 use std::net::{IpAddr, SocketAddr};
 use std::path::{Path, PathBuf};
-use std::thread::JoinHandle;
 
 use phihat_fci::{
-    Ending, Event, FciError, Host, JOINTS, NO_POSE, Pace, Packets, Reflex, RobotSide, Rules,
-    Sensed, World,
+    Ending, Event, FciError, Host, JOINTS, NO_POSE, Pace, Packets, RobotSide, Rules, Sensed, World,
 };
 use phihat_model::{FrameId, JointKind, Model, Workspace};
-use phihat_sim::{Abort, StopReason};
 use phihat_study::Study;
 use thiserror::Error;
 
@@ -17,8 +14,7 @@ use crate::design;
 use crate::error::SessionError;
 use crate::layout::TraceKind;
 use crate::outside::OutsideRun;
-use crate::page::write_report;
-use crate::record::Done;
+use crate::served_record::{Place, Recorder, ServedMotion, Written};
 
 /// What serving a study is told.
 #[derive(Debug, Clone)]
@@ -44,21 +40,13 @@ pub trait ServeWatch {
     /// A client comes, goes, or is sent away.
     fn event(&mut self, event: Event);
 
+    /// From here on these files are on their way, and worth nothing unless the motion that is recorded there comes to its end.
+    fn begun(&mut self, unfinished: &[PathBuf]) {
+        let _ = unfinished;
+    }
+
     /// A motion has ended. Without a record: no command ever acted.
     fn motion(&mut self, motion: &ServedMotion);
-}
-
-/// A motion of a client's.
-#[derive(Debug)]
-pub struct ServedMotion {
-    /// How it ended.
-    pub ending: Ending,
-    /// Cycles that the world went on.
-    pub cycles: u64,
-    /// What became of the packets since serving began.
-    pub packets: Packets,
-    /// The record, and its page.
-    pub record: Option<(Box<Done>, PathBuf)>,
 }
 
 /// A study that is listened for clients of.
@@ -74,7 +62,6 @@ struct ServedWorld {
     study: Box<Study>,
     path: PathBuf,
     folder: PathBuf,
-    trace: TraceKind,
     command: String,
     /// The world of the motion; `None`: it was taken for its record.
     run: Option<OutsideRun>,
@@ -83,8 +70,9 @@ struct ServedWorld {
     stepped: u64,
     left: Option<u64>,
     done: bool,
-    /// The record of the motion before, on its way to the disk.
-    writing: Option<JoinHandle<Result<ServedMotion, SessionError>>>,
+    recorder: Recorder,
+    /// Whether the record of the motion before is on its way to the disk.
+    writing: bool,
 }
 
 /// What the robot knows of its arm: gravity's torque and where its hand is.
@@ -109,7 +97,9 @@ impl ServeOptions {
         let folder = self.out.clone().unwrap_or_else(default);
         let model = description(&study)?;
         let side = RobotSide::new(rules(&study), model);
-        let world = ServedWorld::new(study, &self.study, (folder, self.trace), self.cycles)?;
+        let waits = matches!(self.pace, Pace::LockStep { .. });
+        let place = (folder, self.trace, waits);
+        let world = ServedWorld::new(study, &self.study, place, self.cycles)?;
         let host = Host::listen(self.listen, self.port, self.pace, side);
         Ok(Serve { host: host.map_err(SessionError::other)?, world })
     }
@@ -237,7 +227,7 @@ impl ServedWorld {
     fn new(
         study: Box<Study>,
         path: &Path,
-        (folder, trace): (PathBuf, TraceKind),
+        (folder, kind, waits): (PathBuf, TraceKind, bool),
         cycles: Option<u64>,
     ) -> Result<Self, SessionError> {
         let command = format!("phihat serve {} --fci", path.display());
@@ -249,13 +239,14 @@ impl ServedWorld {
             model,
             adds_gravity: study.interface.profile.adds_gravity,
         };
-        let (path, done) = (path.to_owned(), false);
+        let place = Place { study: Box::new(run.study().clone()), folder: folder.clone(), kind };
+        let recorder = Recorder::new(place, waits);
+        let (path, done, writing) = (path.to_owned(), false, false);
         let (run, sensed) = (Some(run), Sensed::default());
         Ok(Self {
             study,
             path,
             folder,
-            trace,
             command,
             run,
             robot,
@@ -263,7 +254,8 @@ impl ServedWorld {
             stepped: 0,
             left: cycles,
             done,
-            writing: None,
+            recorder,
+            writing,
         })
     }
 
@@ -297,6 +289,7 @@ impl ServedWorld {
         if let Some(OutsideRun { run, .. }) = &mut self.run {
             // As many as joints: that was looked at first.
             let _ = run.step(torque);
+            self.recorder.take(run);
             self.stepped += 1;
             self.left = self.left.map(|left| left.saturating_sub(1));
         }
@@ -306,42 +299,14 @@ impl ServedWorld {
         self.left == Some(0) || self.run.as_ref().is_none_or(|run| run.run.is_over())
     }
 
-    /// Begins to write the record of a motion.
+    /// Hands the rest of a motion over to be written.
     fn ended(&mut self, ending: Ending, packets: Packets) {
         self.done = self.left == Some(0);
-        let (run, cycles) = (self.run.take().filter(|_| self.stepped > 0), self.stepped);
-        let (folder, trace) = (self.folder.clone(), self.trace);
-        let write = move || {
-            let mut motion = ServedMotion { ending, cycles, packets, record: None };
-            motion.record = run.map(|run| record(run, ending, (&folder, trace))).transpose()?;
-            Ok(motion)
-        };
-        self.writing = Some(std::thread::spawn(write));
+        let run = self.run.take().filter(|_| self.stepped > 0);
+        let cycles = self.stepped;
+        self.recorder.ended(ServedMotion { ending, cycles, packets, record: None }, run);
+        self.writing = true;
     }
-}
-
-/// Leaves the record of a motion, with its page.
-fn record(
-    run: OutsideRun,
-    ending: Ending,
-    (folder, kind): (&Path, TraceKind),
-) -> Result<(Box<Done>, PathBuf), SessionError> {
-    let t = run.run.t();
-    let interface = run.study().interface.profile.name.clone();
-    let reason = match ending {
-        Ending::Reflex(reflex) => Some(StopReason::Robot(reflex.name())),
-        Ending::Disconnected => Some(StopReason::Robot(Reflex::Communication.name())),
-        Ending::Finished | Ending::Stopped | Ending::Over => None,
-    };
-    let abort = reason.map(|reason| Abort { t, interface, joint: None, reason });
-    let more = match ending {
-        _ if run.run.is_over() => Vec::new(),
-        ending => vec![format!("the motion ended at t = {t} s: {ending}")],
-    };
-    let (done, trace) = run.stop(abort, more);
-    done.write(&trace, folder, kind)?;
-    let page = write_report(&done.record(), &folder.join("report.html"))?;
-    Ok((Box::new(done), page))
 }
 
 impl RobotGeometry {
@@ -375,12 +340,20 @@ struct Watched<'a> {
 }
 
 impl Watched<'_> {
-    /// Tells of a motion whose record is written, or is about to be.
-    fn keep(&mut self, writing: JoinHandle<Result<ServedMotion, SessionError>>) {
-        match writing.join() {
-            Ok(Ok(motion)) => self.watch.motion(&motion),
-            Ok(Err(why)) => self.failure = Some(why),
-            Err(panic) => std::panic::resume_unwind(panic),
+    /// Tells what became of the records; with `wait`, until that of the motion before is written.
+    fn hear(&mut self, wait: bool) {
+        while let Some(told) = self.world.recorder.told(wait && self.world.writing) {
+            match told {
+                Written::Begun(files) => self.watch.begun(&files),
+                Written::Motion(motion) => {
+                    self.world.writing = false;
+                    self.watch.motion(&motion);
+                }
+                Written::Failed(why) => {
+                    self.world.writing = false;
+                    self.failure = Some(why);
+                }
+            }
         }
     }
 }
@@ -405,24 +378,21 @@ impl World for Watched<'_> {
     }
 
     fn is_over(&self) -> bool {
-        self.world.is_over()
+        self.failure.is_some() || self.world.is_over()
     }
 
     fn ended(&mut self, ending: Ending, packets: Packets) -> Result<(), SessionError> {
         // One record after the other.
-        if let Some(writing) = self.world.writing.take() {
-            self.keep(writing);
+        self.hear(true);
+        if self.failure.is_none() {
+            self.world.ended(ending, packets);
         }
-        self.world.ended(ending, packets);
         Ok(())
     }
 
     fn is_done(&mut self) -> bool {
-        let written = |writing: &mut JoinHandle<_>| writing.is_finished();
-        if let Some(writing) = self.world.writing.take_if(written) {
-            self.keep(writing);
-        }
-        self.world.writing.is_none() && (self.world.done || self.failure.is_some())
+        self.hear(false);
+        self.failure.is_some() || self.world.done && !self.world.writing
     }
 
     fn told(&mut self, event: Event) {
@@ -433,5 +403,132 @@ impl World for Watched<'_> {
 impl From<FciError> for SessionError {
     fn from(why: FciError) -> Self {
         Self::other(why)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+    use std::fs;
+
+    use phihat_sim::BLOCK;
+
+    use super::*;
+    use crate::page::write_report;
+
+    /// A Panda that holds its own weight, for two blocks and some.
+    const STUDY: &str = r#"
+duration_s = 9.0
+[robot]
+name = "panda"
+[profile]
+name = "franka"
+[spec]
+settle_s = 1.0
+[gains]
+order = 1
+bandwidth_rad_s = 20.0
+estimator_bandwidth_rad_s = 50.0
+inertia_kg_m2 = [1.78, 2.22, 1.02, 1.28, 0.247, 0.259, 0.212]
+[loop]
+rate_hz = 1000.0
+[world]
+friction = "robot"
+[reference]
+kind = "sines"
+center = "ready"
+[[reference.sine]]
+amplitude_rad = 0.1
+frequency_hz = 0.5
+"#;
+
+    struct Looks(Vec<ServedMotion>);
+
+    impl ServeWatch for Looks {
+        fn event(&mut self, _: Event) {}
+        fn motion(&mut self, motion: &ServedMotion) {
+            let ServedMotion { ending, cycles, packets, .. } = *motion;
+            self.0.push(ServedMotion { ending, cycles, packets, record: None });
+        }
+    }
+
+    fn torque(k: u64) -> [f64; JOINTS] {
+        core::array::from_fn(|joint| 0.2 * (1e-2 * k as f64 + joint as f64).sin())
+    }
+
+    fn files_of(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+        let text = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
+        let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let files = entries.filter(|path| path.is_file());
+        files.map(|path| (text(&path), fs::read(&path).unwrap())).collect()
+    }
+
+    /// Wrong if a byte of the record were another than that of a run that is kept as a whole, or if more than a block stayed in hand.
+    #[test]
+    fn a_record_that_is_written_as_it_comes_is_that_of_the_whole() {
+        let folder = std::env::temp_dir().join(format!("phihat-served-{}", std::process::id()));
+        let path = folder.join("study.toml");
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(&path, STUDY).unwrap();
+        let study = design::read(&path).unwrap();
+        for kind in TraceKind::ALL {
+            let [streamed, whole] = ["streamed", "whole"].map(|name| folder.join(name));
+            let place = (streamed.clone(), kind, true);
+            let mut world = ServedWorld::new(study.clone(), &path, place, None).unwrap();
+            let command = world.command.clone();
+            let mut looks = Looks(Vec::new());
+            let mut watched = Watched { world: &mut world, watch: &mut looks, failure: None };
+            watched.begin().unwrap();
+            let mut run = OutsideRun::served(study.clone(), &path, command).unwrap();
+            for k in 0..9_000 {
+                watched.step(&torque(k));
+                run.run.step(&torque(k)).unwrap();
+                assert!(watched.world.run.as_ref().unwrap().run.trace().len() < BLOCK, "{k}");
+            }
+            assert!(watched.is_over() && !watched.is_done());
+            watched.ended(Ending::Over, Packets::default()).unwrap();
+            watched.hear(true);
+            assert!(watched.failure.is_none(), "{:?}", watched.failure);
+            let [ServedMotion { cycles: 9_000, .. }] = looks.0[..] else { panic!("{:?}", looks.0) };
+            let (done, trace) = run.stop(None, Vec::new());
+            assert_eq!(trace.len(), 9_000);
+            done.write(&trace, &whole, kind).unwrap();
+            write_report(&done.record(), &whole.join("report.html")).unwrap();
+            for part in ["", "figures"] {
+                let [streamed, whole] = [&streamed, &whole].map(|at| files_of(&at.join(part)));
+                assert!(streamed.len() > 2 && streamed.keys().eq(whole.keys()));
+                for (name, bytes) in &whole {
+                    assert!(streamed[name] == *bytes, "{kind:?}: {name}");
+                }
+            }
+        }
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    /// Wrong if a motion whose record cannot be written went on as if it could, or if nobody were told.
+    #[test]
+    fn a_disk_that_takes_nothing_ends_the_motion_with_its_reason() {
+        let folder = std::env::temp_dir().join(format!("phihat-unserved-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("study.toml");
+        fs::write(&path, STUDY).unwrap();
+        let study = design::read(&path).unwrap();
+        // A file stands where the folder of the record has to be.
+        let place = (path.clone(), TraceKind::Parquet, true);
+        let mut world = ServedWorld::new(study, &path, place, None).unwrap();
+        let mut looks = Looks(Vec::new());
+        let mut watched = Watched { world: &mut world, watch: &mut looks, failure: None };
+        watched.begin().unwrap();
+        for k in 0..2 * BLOCK as u64 {
+            watched.step(&torque(k));
+        }
+        while !watched.is_done() {
+            std::thread::yield_now();
+        }
+        assert!(watched.is_over());
+        let why = watched.failure.unwrap().to_string();
+        assert!(why.contains("study.toml"), "{why}");
+        assert!(looks.0.is_empty());
+        fs::remove_dir_all(folder).unwrap();
     }
 }

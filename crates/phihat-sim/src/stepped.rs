@@ -8,6 +8,7 @@ use phihat_study::Study;
 use crate::error::SimError;
 use crate::simulation::{Divergence, Ended, Simulation};
 use crate::trace::{Integral, Trace};
+use crate::trace_file::BLOCK;
 use crate::world::World;
 
 /// How many runs were begun.
@@ -76,8 +77,21 @@ impl Stepped {
     ///
     /// As of [`Simulation::new`].
     pub fn new(study: &Study, inertia: &[f64]) -> Result<Self, SimError> {
+        Self::with_room(study, inertia, u64::MAX)
+    }
+
+    /// The same with room for [`BLOCK`] samples, for whoever takes the record by [`hand_over`](Self::hand_over) while the run goes on.
+    ///
+    /// # Errors
+    ///
+    /// As of [`Simulation::new`].
+    pub fn in_blocks(study: &Study, inertia: &[f64]) -> Result<Self, SimError> {
+        Self::with_room(study, inertia, BLOCK as u64)
+    }
+
+    fn with_room(study: &Study, inertia: &[f64], samples: u64) -> Result<Self, SimError> {
         let run = Simulation::open(study, inertia)?;
-        let (trace, integrals) = run.record_for(run.samples());
+        let (trace, integrals) = run.record_for(run.samples().min(samples));
         let number = BEGUN.fetch_add(1, Ordering::Relaxed);
         let (divergence, fresh, recorded) = (None, true, true);
         let mut new = Self { run, k: 0, trace, integrals, divergence, fresh, recorded, number };
@@ -194,9 +208,15 @@ impl Stepped {
         }
     }
 
-    /// The record so far.
+    /// The record since the last [`hand_over`](Self::hand_over), if there was one.
     pub fn trace(&self) -> &Trace {
         &self.trace
+    }
+
+    /// Hands the record so far over and goes on in another trace of this arm, whose samples go and whose room is used; `∫e` goes on.
+    pub fn hand_over(&mut self, mut room: Trace) -> Trace {
+        room.clear();
+        core::mem::replace(&mut self.trace, room)
     }
 
     fn sense(&mut self) {
@@ -207,7 +227,7 @@ impl Stepped {
         self.run.control.refer(t);
     }
 
-    /// The record so far, and how it ended.
+    /// The record since the last [`hand_over`](Self::hand_over), if there was one, and how the run ended.
     pub fn end(self) -> (Trace, Ended) {
         (self.trace, self.run.ended(self.divergence))
     }

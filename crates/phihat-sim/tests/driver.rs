@@ -2,7 +2,7 @@
 
 use crate::support::read;
 use phihat::{Form, JointDesign, JointGains};
-use phihat_sim::{Driver, Moment, SimError, Simulation, Stepped};
+use phihat_sim::{BLOCK, Driver, Moment, SimError, Simulation, Stepped, Trace, TraceWriter};
 use phihat_study::Study;
 
 const INERTIA: [f64; 3] = [0.42, 0.18, 0.14];
@@ -93,4 +93,40 @@ fn a_loop_that_is_taken_by_the_hand_goes_where_a_driver_goes() {
     let (trace, ended) = run.end();
     assert!(trace == whole.trace, "another trace");
     assert_eq!((ended.divergence, ended.told_max), (whole.divergence, whole.told_max));
+}
+
+/// Wrong if a sample or an integral were lost where the record is taken in parts, or if room were kept for the whole run.
+#[test]
+fn a_record_that_is_taken_in_parts_is_that_of_the_whole() {
+    let mut study = study("");
+    study.duration = 6.0;
+    let mut whole = Stepped::new(&study, &INERTIA).unwrap();
+    let mut run = Stepped::in_blocks(&study, &INERTIA).unwrap();
+    assert!(whole.trace().t_ns.capacity() >= 6000 && run.trace().t_ns.capacity() == BLOCK);
+    let mut parts = TraceWriter::new(Vec::new());
+    let mut room = Trace::default();
+    while !run.is_over() {
+        let tau = [0.3 * run.t().sin(), 0.2, -0.1];
+        run.step(&tau).unwrap();
+        whole.step(&tau).unwrap();
+        if run.trace().len() == 700 {
+            if room.joints.is_empty() {
+                room = Trace::new(&names(&study), study.control.period_ns, 700);
+            }
+            room = run.hand_over(room);
+            parts.block(&room).unwrap();
+        }
+    }
+    let (rest, ended) = run.end();
+    assert_eq!(rest.len(), 6000 % 700);
+    parts.block(&rest).unwrap();
+    let (trace, whole_ended) = whole.end();
+    let mut file = Vec::new();
+    trace.write_csv(&mut file).unwrap();
+    assert!(parts.finish().unwrap() == file, "another record");
+    assert_eq!(ended.told_max, whole_ended.told_max);
+}
+
+fn names(study: &Study) -> Vec<String> {
+    study.robot.joints.iter().map(|joint| joint.name.clone()).collect()
 }
