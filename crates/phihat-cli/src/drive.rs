@@ -8,7 +8,7 @@ use clap::Args;
 use phihat_drive::{
     Check, CheckName, DriveError, DriveOptions, Driven, End, On, Prepared, State, prepare,
 };
-use phihat_session::{Leave, RunOptions};
+use phihat_session::{Leave, RunOptions, how_to_recover};
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -26,7 +26,9 @@ use crate::terminal::Page;
 /// anything moves, each of these has to pass, or to be accepted by its name: certificate, window, motion, profile, supervisor,
 /// robot, description, real-time, rehearsal. Ctrl-C is a safe stop; the record is written all the same.
 ///
-/// Writes what `phihat run` writes, and drive.json: link, checks, losses, timing, and why it ended.
+/// Writes what `phihat run` writes, and drive.json: link, checks, losses, timing, and why it ended. If the process is killed, the
+/// older record stays, and `phihat report --recover` makes a record of what was driven, all but the last second at most; until then nothing is
+/// driven into that folder.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phihat drive studies/first.toml --on sim --accept certificate\n  \
@@ -79,7 +81,6 @@ pub(crate) struct Drive {
 }
 
 const BAR: &str = "driving {wide_bar} {percent:>3} % · {elapsed} of about {duration}";
-const UNTOUCHED: &str = "nothing was written, and what was there is as it was";
 
 /// What Ctrl-C sets.
 static STOP: AtomicBool = AtomicBool::new(false);
@@ -170,7 +171,8 @@ impl Drive {
 fn driven(prepared: Prepared, folder: &Path) -> Result<Box<Driven>, Failure> {
     let page = folder.join("report.html");
     let asked = Asked { stop: &STOP, parks: prepared.parks() };
-    let mut shown = Shown::stoppable(BAR, UNTOUCHED.to_owned(), asked);
+    let words = format!("no record was written; {}", how_to_recover(folder));
+    let mut shown = Shown::stoppable(BAR, words, asked);
     let leave = Leave { folder, page: Some(&page) };
     Ok(Box::new(prepared.drive(leave, &mut shown, &STOP)?))
 }

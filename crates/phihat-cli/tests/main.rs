@@ -15,6 +15,7 @@ mod filter;
 mod help_and_errors;
 mod hostile_world;
 mod identify;
+mod killed;
 mod mistakes;
 mod new;
 mod panda;

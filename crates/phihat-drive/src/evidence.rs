@@ -13,8 +13,11 @@ use crate::timing::Timing;
 /// How long the reader rests where there is nothing to read.
 const REST: Duration = Duration::from_millis(1);
 
+/// How much is handed over at a time \[ns\]: what was handed over outlives the process.
+const PART_NS: u64 = 250_000_000;
+
 /// Samples from one look at who watches to the next: whoever looks for signals there stops an arm at 1 kHz within 64 ms, not within a
-/// block of the record.
+/// part of the record.
 const SEEN: u64 = 64;
 
 /// The record on its way from a tape.
@@ -31,6 +34,8 @@ pub struct Evidence {
     /// Nominal inertia per joint \[kg·m²\].
     inertia: Vec<f64>,
     period: f64,
+    /// Samples that are handed over at a time.
+    part: usize,
     /// A sample whose torque and acceleration are not known yet.
     held: Option<(Cycle, Vec<Row>)>,
     /// How the loop kept its time.
@@ -54,6 +59,7 @@ impl Evidence {
             rows: Rows::new(names, period_ns, BLOCK as u64),
             inertia,
             period: period_ns as f64 * 1e-9,
+            part: usize::try_from(PART_NS / period_ns.max(1)).unwrap_or(BLOCK).clamp(1, BLOCK),
             held: None,
             timing: Timing::default(),
             faults: Vec::new(),
@@ -61,7 +67,7 @@ impl Evidence {
         }
     }
 
-    /// Reads until nobody writes any more; hands the record over in blocks. `seen` is told how many samples were read.
+    /// Reads until nobody writes any more; hands the record over in parts of a quarter of a second. `seen` is told how many samples were read.
     ///
     /// # Errors
     ///
@@ -86,7 +92,7 @@ impl Evidence {
                 if count.is_multiple_of(SEEN) {
                     seen(count);
                 }
-                if self.rows.trace().len() >= BLOCK {
+                if self.rows.trace().len() >= self.part {
                     self.hand_over(take)?;
                 }
             }

@@ -7,7 +7,7 @@ use std::thread;
 
 use phihat_session::{
     Done, FirstMotion, FirstStudy, Leave, RunOptions, Session, SessionError, Take, Watch,
-    first_study,
+    first_study, none_unfinished,
 };
 use phihat_sim::{Abort, ControlSide, Ended, Motion, StopReason};
 use phihat_study::Study;
@@ -139,6 +139,7 @@ fn prepare_whole(
         }
     };
     let (session, folder) = run.open_study(again()?)?;
+    none_unfinished(&folder)?;
     let mut end = OtherEnd::of(own, &options.on, session.study())?;
     let checks = About { session: &session, first: None, options }.checked(&mut end, again)?;
     let options = options.clone();
@@ -157,6 +158,7 @@ fn prepare_first(
     let center = stands(&study, &end)?;
     let first = first_study(&study, &center, asked, &options.run.study)?;
     let (session, folder) = run.open_study(first.study.clone())?;
+    none_unfinished(&folder)?;
     let about = About { session: &session, first: Some(&first), options };
     let checks = about.checked(&mut end, || Ok(first.study.clone()))?;
     let (first, options) = (Some(first), options.clone());
@@ -277,8 +279,10 @@ impl Prepared {
         let Self { session, checks, options, end, mut tap, targets, .. } = self;
         let study = session.study().clone();
         let names: Vec<_> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
-        let OtherEnd { words: at, robot, .. } = end;
-        let command = command(&options, &at);
+        let OtherEnd { words: at, robot, facts } = end;
+        let begun = [("on", json!(at)), ("link", json!(facts)), ("checks", json!(checks))];
+        let begun = begun.map(|(name, value)| (name.to_owned(), value));
+        let command = (command(&options, &at), begun.into_iter().collect());
         let mut kept = None;
         let done = session.driven(leave, command, watch, |(control, world), watch, take| {
             let samples = world.samples();

@@ -10,7 +10,7 @@ use phihat_drive::{
     Adds, Arrival, Clock, Cycle, Desk, End, Evidence, Facts, Link, LinkFault, Order, OrderError,
     Plan, SimLink, Stops, Tally, Tells, Wait, cycles, ring,
 };
-use phihat_sim::{Acted, Row, Sample, Trace};
+use phihat_sim::{Acted, Row, Sample, Trace, TraceWriter};
 use phihat_study::Study;
 
 /// The simulated arm as a robot would be: its joints in another order, nothing known but what is measured, and a fault when wanted.
@@ -129,12 +129,13 @@ fn driven<L: Link>(
     drop(again);
     let inertia = vec![0.42, 0.18, 0.14];
     let mut evidence = Evidence::new(&names, inertia, study.control.period_ns);
-    let mut trace = Trace::default();
-    let mut take = |block: &Trace| {
-        trace = block.clone();
+    let mut file = TraceWriter::new(Vec::new());
+    let mut take = |part: &Trace| {
+        file.block(part).unwrap();
         Ok(())
     };
     evidence.read(second, &mut take, |_| ()).unwrap();
+    let trace = Trace::read_csv(&file.finish().unwrap()[..], study).unwrap();
     (tally, cycles, trace)
 }
 

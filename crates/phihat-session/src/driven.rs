@@ -5,13 +5,14 @@ use std::path::Path;
 use phihat_design::Gains;
 use phihat_sim::{ControlSide, Ended, Trace, WorldSide};
 use phihat_study::Study;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::disk::Lock;
 use crate::error::SessionError;
 use crate::observer::RunObserver;
 use crate::record::Done;
-use crate::session::{Session, finished};
+use crate::session::{Session, finished, form, run_info};
+use crate::unfinished::Journal;
 use crate::watch::Watch;
 
 /// Where a record goes.
@@ -51,7 +52,8 @@ impl Session {
     }
 
     /// Hands both sides of the loop to `drive`, which runs it and hands back the record block by block; leaves record and
-    /// page as [`simulate`](Self::simulate) does. `command` says in the record what drove it.
+    /// page as [`simulate`](Self::simulate) does. `command` says in the record what drove it, `begun` what is known of its `drive.json`
+    /// before: should the process be killed, [`recover`](crate::recover) makes a record of these and of what was handed back.
     ///
     /// # Errors
     ///
@@ -59,27 +61,45 @@ impl Session {
     pub fn driven<E: From<SessionError>>(
         self,
         leave: Leave<'_>,
-        command: String,
+        (command, begun): (String, Map<String, Value>),
         watch: &mut dyn Watch,
         drive: impl FnOnce((ControlSide, WorldSide), &mut dyn Watch, &mut Take<'_>) -> Result<Driven, E>,
     ) -> Result<Done, E> {
         let _held = Lock::take(leave.folder).map_err(SessionError::from)?;
         self.warn(watch);
         let mut files = self.files(leave.folder)?;
+        let told = (command.clone(), self.warnings.clone());
+        let run = run_info(&self.study, form(&self.study), told, None);
+        let own = (&*self.study, &self.gains);
+        let mut journal = Journal::begin(leave.folder, own, run, (self.trace, begun))?;
         watch.begun(&files.prepared);
         let Self { study, gains, simulation, mut warnings, .. } = self;
         let mut seen = RunObserver::new(&study, Some(&gains));
         let driven = drive(simulation.apart(), watch, &mut |block: &Trace| {
+            journal.keep(block)?;
             seen.block(block);
             Ok(files.block(block)?)
         });
         watch.ended();
-        let driven = driven?;
+        let driven = match driven {
+            Ok(driven) => driven,
+            Err(why) => {
+                journal.abandon().iter().for_each(|line| watch.warn(line));
+                return Err(why);
+            }
+        };
         let figures = seen.finish(&study.sha256);
         warnings.extend(driven.warnings);
         let mut done = finished((study, gains), figures, driven.ended, (command, warnings));
         done.run.world.extend(driven.facts);
-        done.leave(files, leave.folder, leave.page, Some(&driven.document))?;
+        if let Err(why) = done.leave(files, leave.folder, leave.page, Some(&driven.document)) {
+            journal.abandon().iter().for_each(|line| watch.warn(line));
+            return Err(why.into());
+        }
+        if let Err(why) = journal.remove() {
+            // The record is whole all the same.
+            watch.warn(&why.to_string());
+        }
         Ok(done)
     }
 }

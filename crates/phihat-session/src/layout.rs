@@ -18,6 +18,11 @@ pub(crate) const INPUTS: &str = "inputs";
 /// What drove a run that was not simulated in one go: link, checks before the start, losses, timing.
 pub(crate) const DRIVE: &str = "drive.json";
 
+/// The folder of what is left of a drive whose process is killed; the record's own files are as they were until then.
+pub(crate) const UNFINISHED: &str = "unfinished";
+/// The file in it that is made last and removed first: with it there is something to make a record of.
+pub(crate) const BEGUN: &str = "begun.json";
+
 /// Which kind of file a record has its trace in: one of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TraceKind {

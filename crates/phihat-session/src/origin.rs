@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::SessionError;
 use crate::files;
-use crate::layout::{Origin, RUN, TraceKind};
+use crate::layout::{BEGUN, Origin, RUN, TraceKind, UNFINISHED};
 
 /// The trace that a path stands for: of a run's folder, the one in it.
 pub fn trace_at(path: &Path) -> PathBuf {
@@ -22,12 +22,32 @@ pub(crate) fn trace_of(folder: &Path) -> PathBuf {
     folder.join(named.or_else(there).unwrap_or_default().file())
 }
 
+/// Whether something is left in a record's folder of a drive that was killed, or is still going on.
+pub fn is_unfinished(record: &Path) -> bool {
+    let folder = record.join(UNFINISHED);
+    let holds = |name: &str| folder.join(name).metadata().is_ok_and(|file| file.len() > 0);
+    holds(BEGUN) && holds(TraceKind::Csv.file())
+}
+
+/// How a record is made of that.
+pub fn how_to_recover(record: &Path) -> String {
+    format!("`phihat report --recover {}` makes its record", record.display())
+}
+
 /// What a record says of itself.
 pub(crate) fn origin(folder: &Path) -> Result<Origin, SessionError> {
     let path = folder.join(RUN);
     if !path.is_file() {
-        let why = "is missing: the files beside it are no whole record; run the study again";
-        return Err(SessionError::at(&path, why));
+        let why = "is missing: the files beside it are no whole record";
+        let how = if is_unfinished(folder) {
+            format!(
+                "{why}; a drive into this folder was killed\n  = help: {}",
+                how_to_recover(folder)
+            )
+        } else {
+            format!("{why}; run the study again")
+        };
+        return Err(SessionError::at(&path, how));
     }
     let text = files::read(&path)?;
     serde_json::from_str(&text).map_err(|e| {

@@ -169,13 +169,7 @@ impl Done {
         for older in files_below(&inputs) {
             whole.remove(older);
         }
-        for (name, path) in &self.study.inputs {
-            let mut input = files::open(path)?;
-            let sum =
-                whole.add_with(&inputs.join(name), |file| io::copy(&mut input, file).map(drop));
-            let name = Path::new(INPUTS).join(name).display().to_string();
-            files.insert(name, sum?);
-        }
+        files.extend(add_inputs(&mut whole, &inputs, &self.study)?);
         match page {
             Some(page) => add_page(&mut whole, &self.record(), page)?,
             None => remove_page(&mut whole, &at("report.html")),
@@ -215,6 +209,21 @@ impl Done {
             "within_spec"
         }
     }
+}
+
+/// Prepares the files that a study names in a folder; the SHA-256 of each by its name in the record.
+pub(crate) fn add_inputs(
+    whole: &mut Whole,
+    folder: &Path,
+    study: &Study,
+) -> Result<BTreeMap<String, String>, SessionError> {
+    let mut sums = BTreeMap::new();
+    for (name, path) in &study.inputs {
+        let mut input = files::open(path)?;
+        let sum = whole.add_with(&folder.join(name), |file| io::copy(&mut input, file).map(drop));
+        sums.insert(Path::new(INPUTS).join(name).display().to_string(), sum?);
+    }
+    Ok(sums)
 }
 
 /// Files of a folder and those below it; none where it cannot be read.

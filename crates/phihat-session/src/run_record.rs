@@ -13,7 +13,7 @@ use crate::error::SessionError;
 use crate::files;
 use crate::layout::{FILES, GAINS, INPUTS, OUTSIDE, Origin, RUN, TraceKind};
 use crate::observer::{RunFigures, RunObserver, figures, settle};
-use crate::origin::{origin, trace_of};
+use crate::origin::{is_unfinished, origin, trace_of};
 use crate::page::write_page;
 use crate::record::Done;
 
@@ -73,7 +73,8 @@ impl RunRecord {
         mut each: impl FnMut(&mut Trace),
     ) -> Result<Self, SessionError> {
         let folder = folder_of(trace);
-        let Origin { run, designed_by, files } = origin(folder)?;
+        let whole = origin(folder)?;
+        let Origin { run, files, .. } = &whole;
         let again = format!("make the record again: {}", run.command);
         let own = trace.file_name().and_then(|name| name.to_str());
         let more = files.keys().map(String::as_str);
@@ -86,21 +87,8 @@ impl RunRecord {
             }
             belongs(&folder.join(name), files.get(name).map(String::as_str), &again)?;
         }
-        let text = files::read(&folder.join("study.toml"))?;
-        let origin = folder.join("study.toml").display().to_string();
-        let study = Study::from_record(&text, &origin, &folder.join(INPUTS)).map(Box::new);
-        let mut study = study?;
-        phihat_sim::derive_substeps(&mut study);
-        let gains = files.contains_key(GAINS).then(|| folder.join(GAINS));
-        let read = |path: &Path| -> Result<Gains, SessionError> {
-            Gains::from_json(&files::read(path)?).map_err(|e| SessionError::at(path, e))
-        };
-        let gains = gains.as_deref().map(read).transpose()?;
-        // A study is called as its file was when it ran.
-        study.name.clone_from(&run.study);
-        if let Some(gains) = &gains {
-            settle(&mut study, gains);
-        }
+        let (study, gains) = study_and_gains(folder, &whole)?;
+        let Origin { run, designed_by, .. } = whole;
         let mut seen = RunObserver::new(&study, gains.as_ref());
         Trace::read_in(files::open(trace)?, &study, block, |block| {
             seen.block(block);
@@ -130,6 +118,26 @@ impl RunRecord {
         }
         Err(SessionError::at(&path, "does not say what follows from the trace"))
     }
+}
+
+/// The study and the gains that lie in a folder, as they ran.
+pub(crate) fn study_and_gains(
+    folder: &Path,
+    Origin { run, files, .. }: &Origin,
+) -> Result<(Box<Study>, Option<Gains>), SessionError> {
+    let text = files::read(&folder.join("study.toml"))?;
+    let origin = folder.join("study.toml").display().to_string();
+    let study = Study::from_record(&text, &origin, &folder.join(INPUTS)).map(Box::new);
+    let mut study = study?;
+    phihat_sim::derive_substeps(&mut study);
+    let gains = files.contains_key(GAINS).then(|| folder.join(GAINS));
+    let gains = gains.as_deref().map(files::read_gains).transpose()?;
+    // A study is called as its file was when it ran.
+    study.name.clone_from(&run.study);
+    if let Some(gains) = &gains {
+        settle(&mut study, gains);
+    }
+    Ok((study, gains))
 }
 
 /// Reads the record of a run, as `phihat run` leaves it, with every signal of every joint.
@@ -179,6 +187,10 @@ pub(crate) fn designed_before(study: &Study, folder: &Path, program: &str) -> Op
 /// [`SessionError`]: the files are not of one run, or the page cannot be written.
 pub fn report_again(trace: &Path, page: &Path) -> Result<RunRecord, SessionError> {
     let folder = folder_of(trace);
+    if is_unfinished(folder) {
+        // Of a drive that was killed over no older record there is no trace to be found.
+        origin(folder)?;
+    }
     RunRecord::is_named(trace)?;
     // Nobody may put another run there between reading it and writing its page.
     let beside = folder_of(page) == folder;
@@ -202,7 +214,11 @@ fn inside(name: &Path) -> bool {
 }
 
 /// Whether a file is the one that the run left.
-fn belongs(path: &Path, expected: Option<&str>, again: &str) -> Result<(), SessionError> {
+pub(crate) fn belongs(
+    path: &Path,
+    expected: Option<&str>,
+    again: &str,
+) -> Result<(), SessionError> {
     let refuse = |why: String| Err(SessionError::at(path, format!("{why}\n  = help: {again}")));
     let Some(expected) = expected else { return refuse(format!("is not named in {RUN}")) };
     if !path.is_file() {

@@ -322,15 +322,19 @@ pub(crate) fn finished(
 ) -> Done {
     let RunFigures { metrics, drawing, tube } = figures;
     warnings.extend(ended.abort.as_ref().map(words::stopped));
-    let form = match study.control.form {
-        Form::Observer => "observer",
-        Form::Literal => "literal",
-        Form::Positions => "positions",
-    };
-    let run = run_info(&study, form, (command, warnings), ended.divergence.as_ref());
+    let run = run_info(&study, form(&study), (command, warnings), ended.divergence.as_ref());
     let (divergence, abort) = (ended.divergence, ended.abort);
     let (gains, designed_by) = (Some(gains), None);
     Done { study, gains, run, designed_by, drawing, metrics, tube, divergence, abort }
+}
+
+/// The form of phihat's law in a study, in one word.
+pub(crate) fn form(study: &Study) -> &'static str {
+    match study.control.form {
+        Form::Observer => "observer",
+        Form::Literal => "literal",
+        Form::Positions => "positions",
+    }
 }
 
 /// Why gains may not run on an arm, as a warning of a run that is uncertified.

@@ -57,6 +57,15 @@ impl<W: Write> TraceWriter<W> {
         Ok(())
     }
 
+    /// Writes what is still held back, and goes on.
+    ///
+    /// # Errors
+    ///
+    /// The writer's.
+    pub fn flush(&mut self) -> Result<(), TraceError> {
+        self.csv.flush().map_err(TraceError::from)
+    }
+
     /// Writes what is still held back; the writer, back.
     ///
     /// # Errors

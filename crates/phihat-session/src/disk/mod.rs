@@ -22,7 +22,7 @@ pub use error::DiskError;
 pub use folder::{folder_of, make_folder, sync_folder};
 pub use lock::Lock;
 pub use lock::locked;
-pub use rows::{move_to, open_in_place, take_away};
+pub use rows::{Growing, move_to, open_in_place, take_away, take_folder_away};
 pub use seam::{Operation, strike, write_all};
 
 use crate::hash::hexadecimal;
