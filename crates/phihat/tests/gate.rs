@@ -1,7 +1,7 @@
 //! The gate. Wrong if a torque leaves that is not finite, beyond its range or its rate, or if drives give an arm more energy in a time than is stated.
 
 use crate::arm::Dice;
-use phihat::{Command, GainError, Gate, Limits, Measurement, Outlet, Tank};
+use phihat::{Command, GainError, Gate, Limits, Measurement, Outlet, Status, Tank};
 
 const N: usize = 3;
 const T: f64 = 1e-3;
@@ -137,4 +137,118 @@ fn a_tank_without_size_is_refused() {
             Err(GainError::NotPositive { .. })
         ));
     }
+}
+
+/// Two joints whose energy is counted by hand: the tank as it is stated, torques along the motion scaled and no other.
+#[test]
+fn f33_the_tank_is_filled_drained_and_shared_as_stated() {
+    const MOST: f64 = 0.4;
+    const WITHIN: f64 = 0.1;
+    let outlet = Outlet::new(Limits::new(Some(20.0), None, T).unwrap());
+    let mut gate = Gate::new([outlet; 2], Some(Tank::new(MOST, WITHIN, T).unwrap()));
+    let mut dice = Dice(330);
+    let (mut energy, mut out) = (0.5 * MOST, [0.0_f64; 2]);
+    let (mut q, mut before) = ([0.0_f64; 2], None::<[f64; 2]>);
+    let (mut scaled, mut shut, mut spared) = (0, 0, [0; 2]);
+    for k in 0..4000_u32 {
+        let moved = before.map_or([0.0; 2], |before| [q[0] - before[0], q[1] - before[1]]);
+        // Mostly along the motion; the second joint often against it, and beyond its limit now and then.
+        let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
+        let mut asked = [
+            dice.within(0.0, 25.0) * sign(moved[0]),
+            dice.within(-25.0, 20.0) * sign(moved[1]),
+        ];
+        if k.is_multiple_of(97) {
+            // It takes no part in the forecast, and the gate holds the last torque.
+            asked[1] = f64::NAN;
+        }
+        let mut told = [0, 1].map(|i| Command { tau: asked[i], ..Command::default() });
+        gate.release(&[0, 1].map(|i| Measurement { q: q[i], ..Measurement::default() }), &mut told);
+
+        let done: f64 = (0..2).map(|i| out[i] * moved[i]).sum();
+        let half = 0.5 * MOST;
+        energy = (energy + half * T / WITHIN - done).clamp(-half, half);
+        let kept = asked.map(|tau| tau.clamp(-20.0, 20.0));
+        let work = [0, 1].map(|i| if asked[i].is_nan() { 0.0 } else { kept[i] * moved[i] });
+        let along: f64 = work.iter().filter(|w| **w > 0.0).sum();
+        let against: f64 = work.iter().filter(|w| **w <= 0.0).sum();
+        let share = if along + against <= energy {
+            1.0
+        } else {
+            ((energy - against) / along).max(0.0)
+        };
+        for i in 0..2 {
+            let gives = work[i] > 0.0 && share < 1.0;
+            let want = if asked[i].is_nan() {
+                out[i]
+            } else if gives {
+                // What is scaled is what was asked for; the limit comes last.
+                (share * asked[i]).clamp(-20.0, 20.0)
+            } else {
+                kept[i]
+            };
+            assert!((told[i].tau - want).abs() < 1e-9, "{k}, {i}: {} for {want}", told[i].tau);
+            let limited = gives || (want - asked[i]).abs() > 0.0;
+            assert_eq!(told[i].status.saturated, limited, "{k}, {i}: {:?}", told[i]);
+            assert_eq!(told[i].status.refused, asked[i].is_nan());
+            out[i] = told[i].tau;
+            spared[i] += u32::from(share < 1.0 && !gives && asked[i].abs() > 1.0);
+        }
+        scaled += u32::from(share < 1.0);
+        shut += u32::from(share <= 0.0);
+        before = Some(q);
+        // Forth and back; now and then a joint stands, and what is asked of it is no matter of energy.
+        for (i, q) in q.iter_mut().enumerate() {
+            let stands = (k / 50 + i as u32).is_multiple_of(4);
+            *q += if stands { 0.0 } else { dice.within(0.0, 4e-3) * sign(f64::from(k % 300) - 150.0) };
+        }
+    }
+    assert!(scaled > 500 && shut > 20, "{scaled} {shut}");
+    assert!(spared.iter().all(|n| *n > 10), "{spared:?}");
+}
+
+/// What became of a torque before the gate is told as well as what becomes of it there.
+#[test]
+fn what_was_limited_before_stays_said() {
+    let told = |status: Status, tau: f64| {
+        let mut gate = gate(None);
+        let mut asked = commands([0.5; N]);
+        asked[1] = Command { tau, status, ..Command::default() };
+        gate.release(&measured([0.0; N]), &mut asked);
+        asked[1].status
+    };
+    let none = Status::default();
+    let all = Status { saturated: true, rate_limited: true, refused: true };
+    for before in [
+        none,
+        Status { saturated: true, ..none },
+        Status { rate_limited: true, ..none },
+        Status { refused: true, ..none },
+    ] {
+        assert_eq!(told(before, 0.5), before, "nothing limits 0.5 N·m");
+        assert_eq!(told(before, 9.0), Status { rate_limited: true, ..before });
+        assert_eq!(told(before, f64::NAN), Status { refused: true, ..before });
+    }
+    assert_eq!(told(all, 0.5), all);
+}
+
+/// A position that is lost is no motion: the torque of that sample, and the energy, are as if the joint stood.
+#[test]
+fn a_position_that_is_not_finite_is_no_motion() {
+    let mut gate = gate(Some((0.01, 0.1)));
+    let mut release = |q: f64| {
+        let mut asked = commands([5.0, 0.0, 0.0]);
+        gate.release(&measured([q, 0.0, 0.0]), &mut asked);
+        asked[0]
+    };
+    for k in 0..40 {
+        release(1e-6 * f64::from(k));
+    }
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let told = release(bad);
+        assert!((told.tau - 5.0).abs() < 1e-12 && !told.status.saturated, "{bad}: {told:?}");
+    }
+    // What it went meanwhile counts from the last position that was known: 5 N·m over 0.1 rad is more than there is.
+    let told = release(0.1);
+    assert!(told.status.saturated && told.tau < 5.0, "{told:?}");
 }
