@@ -37,6 +37,7 @@ mod schedule_literal;
 mod shaper;
 mod steady_error;
 mod stop_energy;
+mod stop_law;
 mod stops;
 mod supervisor_start;
 mod survival;

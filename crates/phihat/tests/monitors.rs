@@ -239,23 +239,31 @@ fn an_oscillation_is_found_at_the_sample_that_its_rule_says() {
     assert!(found > 20 && quiet > 20, "{found} {quiet}");
 }
 
-/// Torques and velocity steps since the start; whether the last speak for a drive that does not push.
-fn suspicious(past: &[(f64, f64)], excitation: f64) -> bool {
-    // Weights of a mean over all samples at first, over some 16 later.
-    let mut weights: Vec<f64> = Vec::new();
-    for n in 1..=past.len() {
-        let rate = 1.0 / n.min(16) as f64;
-        for weight in &mut weights {
-            *weight *= 1.0 - rate;
-        }
-        weights.push(rate);
-    }
+/// Covariance of torques and velocity steps of the past, and variance of the torques: means over all samples at first, over some 16 later.
+pub(crate) fn spread(past: &[(f64, f64)]) -> (f64, f64) {
+    // From the last sample back: what the later ones leave of each. Beyond 700 that is less than rounding.
+    let mut left = 1.0;
+    let weights: Vec<f64> = (1..=past.len())
+        .rev()
+        .take(700)
+        .map(|n| {
+            let rate = 1.0 / n.min(16) as f64;
+            let weight = left * rate;
+            left *= 1.0 - rate;
+            weight
+        })
+        .collect();
     let weighted = |f: &dyn Fn(&(f64, f64)) -> f64| -> f64 {
-        past.iter().zip(&weights).map(|(p, w)| w * f(p)).sum()
+        past.iter().rev().zip(&weights).map(|(p, w)| w * f(p)).sum()
     };
     let (torque, step) = (weighted(&|p| p.0), weighted(&|p| p.1));
     let both = weighted(&|p| (p.0 - torque) * (p.1 - step));
-    let square = weighted(&|p| (p.0 - torque).powi(2));
+    (both, weighted(&|p| (p.0 - torque).powi(2)))
+}
+
+/// Whether the last of the past speak for a drive that does not push.
+fn suspicious(past: &[(f64, f64)], excitation: f64) -> bool {
+    let (both, square) = spread(past);
     // A twentieth of what the nominal inertia would do.
     square > excitation * excitation && both < 0.05 * T / INERTIA * square
 }

@@ -36,7 +36,7 @@ impl<R: Real> JointRules<R> {
                 memory.mismatch = R::ZERO;
                 memory.mismatch_square = R::ZERO;
                 memory.funnel_settled = 0;
-                memory.funnel = self.funnel.map_or(-R::from_f64(1.0), |f| f.excess);
+                memory.funnel = self.funnel.map_or(R::ZERO, |f| f.excess);
                 let tau = memory.law.tau;
                 memory.law = JointState::new();
                 // The held torque becomes φ̂; what damping adds to it at this sample is the law's too.

@@ -87,13 +87,10 @@ impl<R: Real> JointRules<R> {
         let phi_hat = fed + (memory.held - fed) * rest.held;
         // A velocity that is frozen, or left over from a jump, would drive the joint instead of damping it: what the positions say as well counts.
         let gone = moved / gains.period;
-        let agrees = gone * m.dq > R::ZERO;
-        let (slower, faster) = if gone.abs() < m.dq.abs() { (gone, m.dq) } else { (m.dq, gone) };
-        let near = faster.abs() < R::from_f64(2.0) * slower.abs();
-        let velocity = match agrees {
-            true if near => m.dq,
-            true => slower,
-            false => R::ZERO,
+        let velocity = if gone * m.dq > R::ZERO {
+            if m.dq.abs() < R::from_f64(2.0) * gone.abs() { m.dq } else { gone }
+        } else {
+            R::ZERO
         };
         let damped = (damping * velocity).saturate(self.stop.unloaded_at(velocity));
         let mut demand = phi_hat - damped;

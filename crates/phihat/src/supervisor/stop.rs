@@ -53,7 +53,7 @@ impl<R: Real> JointRules<R> {
         now: &Moment<R>,
     ) {
         // How far it went is what counts; a velocity may be filtered.
-        let speed = (m.q - memory.measured.q) / now.interval.step;
+        let speed = (m.q - memory.measured.q) * now.interval.share / now.interval.step;
         // A stop that begins anew at a small velocity damps all of it: a reference that went along would not.
         let slow = memory.stopping.anew > 0 && speed.abs() < R::from_f64(RESERVE_SPEED);
         let speed = if slow { R::ZERO } else { speed };
