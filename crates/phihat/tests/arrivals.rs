@@ -146,3 +146,34 @@ fn losses_are_counted_over_64_samples_and_stop_beyond_their_number() {
         assert_eq!(fault, stops.then_some((Fault::LinkQuality, 0)), "{lost_max}: at most {most}");
     }
 }
+
+#[test]
+fn wrong_times_are_counted_over_64_samples_and_stop_beyond_their_number() {
+    // One sample of three comes without any time since the last: after 62 samples some 21 have.
+    for (clock_max, stops) in [(0, true), (20, true), (21, true), (22, false), (64, false)] {
+        let options = Options { clock_max, ..Options::new(T_NS) };
+        let mut arm = tracking(&options);
+        let mut fault = None;
+        let mut window = std::collections::VecDeque::from([false; 64]);
+        for k in 0..300 {
+            let wrong = k % 3 == 1 && fault.is_none();
+            let told = spoilt(&mut arm, |seen| {
+                if wrong {
+                    seen.stamp.t_ns -= T_NS;
+                }
+            });
+            assert_eq!(told.events.contains(Events::TIME_JUMP), wrong, "sample {k}");
+            assert_eq!(told.misses, 0);
+            // What is seen at a sample is counted with it.
+            window.push_back(wrong);
+            window.pop_front();
+            let count = window.iter().filter(|wrong| **wrong).count();
+            if told.fault.is_some() && fault.is_none() {
+                fault = told.fault;
+                assert_eq!(count, clock_max as usize + 1, "one more than allowed");
+            }
+            assert!(fault.is_some() || count <= clock_max as usize, "sample {k}: {count}");
+        }
+        assert_eq!(fault, stops.then_some((Fault::Clock, 0)), "{clock_max}");
+    }
+}

@@ -4,7 +4,9 @@
 
 use crate::arm::{Dice, FIRST, SECOND};
 use crate::joint::{INERTIA, Joint, T, T_NS, gains};
-use phihat::{Events, Fault, JointOptions, Measurement, Mode, ModeRequest, Options, Reference};
+use phihat::{
+    Events, Fault, JointOptions, Limits, Measurement, Mode, ModeRequest, Options, Reference,
+};
 
 /// A joint that tracks at rest, so options say what is watched.
 fn tracking(joint: JointOptions<f64>, m: Measurement<f64>) -> Joint {
@@ -306,4 +308,130 @@ fn a_drive_is_judged_at_the_sample_that_its_rule_says() {
     }
     println!("{found} drives found, {healthy} not");
     assert!(found > 20 && healthy > 40, "{found} {healthy}");
+}
+
+/// Whatever an arm does that was not seen for long, it is to be stopped; an arm in motion is judged all the same, and so is the first sample of all.
+#[test]
+fn after_a_hundred_samples_missed_a_stopped_arm_may_be_as_fast_as_it_is() {
+    let options = JointOptions { velocity_max: Some(3.0), ..JointOptions::default() };
+    let fast = Measurement { q: 0.4, dq: 9.0, tau_applied: 0.0 };
+    let implausible = |joint: &mut Joint, mode| {
+        let told = joint.step(mode, fast, Reference::default()).report;
+        told.events.contains(Events::IMPLAUSIBLE)
+    };
+    for (missed, refused) in [(1, true), (99, true), (100, true), (101, false), (200, false)] {
+        let mut joint = tracking(options, Measurement::default());
+        joint.step(ModeRequest::Stop, Measurement::default(), Reference::default());
+        for _ in 0..missed {
+            joint.miss(ModeRequest::Stop, Reference::default());
+        }
+        assert_eq!(implausible(&mut joint, ModeRequest::Stop), refused, "{missed} missed");
+    }
+    // It tracks on for as long as it may.
+    let patient = Options { stop_samples: 1000, lost_max: 64, ..Options::new(T_NS) };
+    let mut joint = Joint::new(gains(400.0, 40.0, FIRST), options, &patient);
+    joint.hold(Measurement::default(), Reference::default());
+    for _ in 0..200 {
+        joint.miss(ModeRequest::Hold, Reference::default());
+    }
+    assert_eq!(joint.state.arm.mode(), Mode::Holding);
+    assert!(implausible(&mut joint, ModeRequest::Hold));
+    let mut first = Joint::new(gains(400.0, 40.0, FIRST), options, &Options::new(T_NS));
+    assert!(implausible(&mut first, ModeRequest::Idle));
+}
+
+/// What was fast already may be twice as fast at the next sample: that is a fault to act on, not a sample to refuse.
+#[test]
+fn a_joint_that_is_fast_may_become_twice_as_fast() {
+    let options = JointOptions { velocity_max: Some(3.0), ..JointOptions::default() };
+    for (before, limit) in [(0.0, 3.0), (1.4, 3.0), (2.5, 5.0), (-2.5, 5.0)] {
+        for (share, plausible) in [(0.999, true), (1.001, false), (-0.999, true), (-1.001, false)] {
+            // By its velocity, and by how far it went in the two periods that a stamp may be off by.
+            for (dq, gone) in [(share * limit, 0.0), (0.0, share * limit * 2.0 * T)] {
+                let mut joint = tracking(options, Measurement::default());
+                let mut m = Measurement { dq: before, ..Measurement::default() };
+                joint.step(ModeRequest::Track, m, Reference::default());
+                m = Measurement { q: m.q + gone, dq, ..m };
+                let told = joint.step(ModeRequest::Track, m, Reference::default()).report;
+                let refused = told.events.contains(Events::IMPLAUSIBLE);
+                assert_eq!(refused, !plausible, "{before} rad/s, then {dq} and {gone} rad");
+            }
+        }
+    }
+}
+
+/// A joint is too fast beyond its limit, for three samples in a row; one may be noise.
+#[test]
+fn a_joint_is_stopped_at_the_third_sample_beyond_its_speed() {
+    let options = JointOptions { velocity_max: Some(3.0), ..JointOptions::default() };
+    let run = |speeds: &[f64]| {
+        let mut joint = tracking(options, Measurement::default());
+        let mut m = Measurement { dq: 2.9, ..Measurement::default() };
+        joint.step(ModeRequest::Track, m, Reference::default());
+        speeds.iter().position(|dq| {
+            m.dq = *dq;
+            let fault = joint.step(ModeRequest::Track, m, Reference::default()).report.fault;
+            assert!(fault.is_none_or(|fault| fault == (Fault::Overspeed, 0)));
+            fault.is_some()
+        })
+    };
+    assert_eq!(run(&[3.1, 3.1, 3.1]), Some(2));
+    assert_eq!(run(&[-3.1, 4.0, -3.1, 3.1]), Some(2));
+    assert_eq!(run(&[3.1, 3.1, 3.0, 3.1, 3.1, 2.0, 3.1, 3.1]), None);
+    assert_eq!(run(&[3.0; 20]), None, "at the limit is within it");
+    assert_eq!(run(&[-3.0; 20]), None);
+}
+
+/// Half of the torque limit beyond what was commanded lately, on both sides; what is further off is none that the drive can give.
+#[test]
+fn a_measured_torque_is_believed_near_what_was_commanded_lately() {
+    let law = gains(400.0, 40.0, FIRST).with_limits(Limits::new(Some(20.0), None, T).unwrap());
+    // At 0.02 rad of error, 5.6 N·m, from one sample on; before, nothing.
+    let commanded = |samples: u32| {
+        let mut joint = Joint::new(law, JointOptions::default(), &Options::new(T_NS));
+        joint.hold(Measurement::default(), Reference::default());
+        let m = Measurement { q: -0.02, dq: 0.0, tau_applied: 0.0 };
+        let mut range = [0.0_f64; 2];
+        let mut tau = 0.0;
+        for _ in 0..samples {
+            let m = Measurement { tau_applied: tau, ..m };
+            tau = joint.step(ModeRequest::Hold, m, Reference::default()).commands[0].tau;
+            // What was commanded long ago does not act any more: a thirty-second is forgotten per sample.
+            range = range.map(|end| end + (tau - end) / 32.0);
+            range = [range[0].min(tau), range[1].max(tau)];
+        }
+        (joint, m, range)
+    };
+    for samples in [1, 20, 200] {
+        let (_, _, [low, high]) = commanded(samples);
+        assert!(high > low);
+        let slack = 10.0 + (high - low);
+        for (tau_applied, believed) in [
+            (high + slack - 1e-6, true),
+            (high + slack + 1e-6, false),
+            (low - slack + 1e-6, true),
+            (low - slack - 1e-6, false),
+            (1e6, false),
+            (-1e6, false),
+        ] {
+            let (mut joint, m, _) = commanded(samples);
+            let last = joint.state.joints[0].tau();
+            let mut other = joint.state;
+            let answer = joint.step(
+                ModeRequest::Hold,
+                Measurement { tau_applied, ..m },
+                Reference::default(),
+            );
+            let refused = answer.report.events.contains(Events::TORQUE_REFUSED);
+            assert_eq!(refused, !believed, "{samples}: {tau_applied} in {low} … {high}");
+            // What is not believed counts as what was commanded last.
+            core::mem::swap(&mut joint.state, &mut other);
+            joint.k -= 1;
+            let m = Measurement { tau_applied: last, ..m };
+            let as_told = joint.step(ModeRequest::Hold, m, Reference::default());
+            let phi_hat = [answer, as_told].map(|answer| answer.commands[0].phi_hat.to_bits());
+            let same = phi_hat[0] == phi_hat[1];
+            assert_eq!(same, !believed, "{samples}: {tau_applied}");
+        }
+    }
 }
