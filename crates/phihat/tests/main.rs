@@ -36,6 +36,7 @@ mod range;
 mod schedule_literal;
 mod shaper;
 mod steady_error;
+mod stop_belief;
 mod stop_energy;
 mod stop_law;
 mod stops;
