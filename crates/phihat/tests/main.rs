@@ -27,6 +27,7 @@ mod inertia_window;
 mod limits;
 mod modes;
 mod monitors;
+mod options;
 mod page_faults;
 mod parts;
 mod poles;

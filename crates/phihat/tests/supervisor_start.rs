@@ -1,7 +1,7 @@
 //! Starting, stopping and starting again. Wrong if torque or pose jump, or if anything moves by itself.
 
 use crate::arm::{Arm, Dice, FIRST, SECOND, at};
-use phihat::{JointOptions, Mode, ModeRequest, Refusal};
+use phihat::{JointOptions, Mode, ModeRequest, Reference, Refusal};
 
 #[test]
 fn a_start_under_load_with_a_preset_moves_nothing() {
@@ -24,19 +24,49 @@ fn a_start_under_load_with_a_preset_moves_nothing() {
 
 #[test]
 fn f21_a_reference_far_from_the_pose_does_not_start() {
-    let mut arm = Arm::<1>::new(SECOND, JointOptions::default());
-    for mode in [ModeRequest::Arm, ModeRequest::Hold, ModeRequest::Track] {
-        arm.mode = mode;
-        let answer = arm.step(&at(0.051, 0.0, 0.0));
-        if mode == ModeRequest::Track {
-            assert_eq!(answer.report.refusal, Some(Refusal::StartMismatch));
-            assert_eq!(answer.report.mode, Mode::Holding);
+    // On either side, in either joint; within 0.05 rad it starts.
+    for (far, starts) in [
+        ([0.051, 0.0], false),
+        ([-0.051, 0.0], false),
+        ([0.0, 0.051], false),
+        ([0.0, -0.051], false),
+        ([-3.0, 3.0], false),
+        ([0.049, -0.049], true),
+    ] {
+        let mut arm = Arm::<2>::new(SECOND, JointOptions::default());
+        let asked = far.map(|q| Reference { q, dq: 0.0, ddq: 0.0 });
+        for mode in [ModeRequest::Arm, ModeRequest::Hold, ModeRequest::Track] {
+            arm.mode = mode;
+            let told = arm.step(&asked).report;
+            if mode == ModeRequest::Track {
+                assert_eq!(told.refusal, (!starts).then_some(Refusal::StartMismatch), "{far:?}");
+                assert_eq!(told.mode, if starts { Mode::Tracking } else { Mode::Holding });
+            }
+        }
+        for _ in 0..1000 {
+            arm.step(&asked);
+        }
+        for (joint, far) in arm.truth.iter().zip(far) {
+            let want = if starts { far } else { 0.0 };
+            assert!((joint.q - want).abs() < 1e-6, "an arm that holds does not move: {joint:?}");
         }
     }
-    for _ in 0..1000 {
-        arm.step(&at(0.051, 0.0, 0.0));
+}
+
+#[test]
+fn an_arm_that_moves_is_not_armed() {
+    for (dq, rests) in [(0.05, true), (-0.05, true), (0.051, false), (-0.051, false)] {
+        for moving in 0..2 {
+            let mut arm = Arm::<2>::new(SECOND, JointOptions::default());
+            arm.step(&at(0.0, 0.0, 0.0));
+            arm.mode = ModeRequest::Arm;
+            let mut seen = arm.sense();
+            seen.joints[moving].dq = dq;
+            let told = arm.step_with(&seen, &at(0.0, 0.0, 0.0)).report;
+            assert_eq!(told.mode, if rests { Mode::Armed } else { Mode::Idle }, "{dq}");
+            assert_eq!(told.refusal, (!rests).then_some(Refusal::NotAtRest), "{dq}");
+        }
     }
-    assert!(arm.truth[0].q.abs() < 1e-12, "an arm that holds does not move: {:?}", arm.truth);
 }
 
 /// Stops at a random phase of a motion under load, waits, arms again at the reference's place.
