@@ -2,8 +2,12 @@
 //! told, if a moving arm loses its torque, or if the brakes are late.
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
-use crate::arm::{Arm, SECOND, T, T_NS, at};
-use phihat::{Answer, Events, Fault, JointOptions, Mode, ModeRequest, Options, Schedule};
+use crate::arm::{Arm, FIRST, SECOND, T, T_NS, at};
+use crate::joint::{INERTIA, Joint, gains};
+use phihat::{
+    Answer, Command, Events, Fault, JointDesign, JointGains, JointOptions, Limits, Measurement, Mode,
+    ModeRequest, MotionLimits, Options, Reference, Schedule,
+};
 
 const LOAD: f64 = 12.0;
 /// Half of K_d times the inertia: what damps in a stop.
@@ -275,5 +279,134 @@ fn an_armed_arm_begins_anew() {
             arm.truth[0].dq = 0.0;
             arm.step(&at(here, 0.0, 0.0));
         }
+    }
+}
+
+/// A quarter of what the limits give the nominal inertia; what the outer loop gives it at 0.2 rad where there are none; and the jerk no faster than that loop.
+#[test]
+fn a_stop_takes_a_quarter_of_the_limits_or_what_the_outer_loop_gives() {
+    let with = |torque: Option<f64>, rate: Option<f64>, inertia: f64| {
+        let (kp, kd, period) = (400.0, 40.0, T);
+        let design =
+            JointDesign { inertia, kp, kd, a: SECOND, period, form: phihat::Form::Observer };
+        let limits = Limits::new(torque, rate, T).unwrap();
+        JointGains::<f64>::new(&design).unwrap().with_limits(limits)
+    };
+    for (torque, rate, inertia, acceleration, jerk) in [
+        (Some(80.0), Some(1000.0), 2.0, 10.0, 125.0),
+        (Some(80.0), None, 2.0, 10.0, 200.0),
+        // As fast as K_d/2 lets the acceleration build up.
+        (Some(8.0), Some(1000.0), 2.0, 1.0, 20.0),
+        (None, Some(1000.0), 2.0, 80.0, 125.0),
+        (None, None, 0.5, 80.0, 1600.0),
+    ] {
+        let gains = with(torque, rate, inertia);
+        let is = gains.stop_limits();
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-9 * b;
+        assert!(near(is.acceleration, acceleration) && near(is.jerk, jerk), "{is:?}");
+        // The energy of the nominal inertia at 0.2 rad/s.
+        assert!(near(gains.stop_reserve(), 0.02 * inertia), "{}", gains.stop_reserve());
+    }
+}
+
+/// The feedback of a stop is no more than what the rate limit ρ takes back before a joint of M̄/4 has turned round, and in 10 ms: (Q2).
+#[test]
+fn a_stop_asks_for_no_torque_that_could_not_be_taken_back_in_time() {
+    const RATE: f64 = 300.0;
+    let law = gains(400.0, 40.0, FIRST).with_limits(Limits::new(None, Some(RATE), T).unwrap());
+    for (speed, armed) in [(0.0_f64, false), (0.4, false), (-0.4, false), (0.9, false), (2.0, true)] {
+        let mut joint = Joint::new(law, JointOptions::default(), &Options::new(T_NS));
+        let mut m = Measurement::default();
+        joint.step(ModeRequest::Arm, m, Reference::default());
+        let mode = if armed { ModeRequest::Arm } else { ModeRequest::Stop };
+        let mut last = None;
+        for k in 0..400 {
+            // Dragged, and far off where it would rest.
+            let off = if k == 5 && !armed { 0.1_f64.copysign(speed) } else { 0.0 };
+            m = Measurement { q: m.q + T * speed + off, dq: speed, tau_applied: 0.0 };
+            last = Some(joint.step(mode, m, Reference::default()).commands[0]);
+        }
+        let command = last.unwrap();
+        let most = (2.0 * RATE * 0.25 * INERTIA * speed.abs()).sqrt() + RATE * 0.01;
+        let want = command.phi_hat - most.copysign(speed);
+        assert!((command.tau - want).abs() < 1e-6, "{speed}: {command:?} against {want}");
+    }
+}
+
+/// A velocity damps as far as the positions bear it out: as it is within twice what they say, else no more than that, and not at all against them.
+#[test]
+fn what_damps_is_a_velocity_that_positions_bear_out() {
+    for (goes, says, counts) in [
+        (0.2, 0.2, 0.2),
+        (0.2, 0.39, 0.39),
+        (0.2, 0.41, 0.2),
+        (0.2, 5.0, 0.2),
+        (0.2, 0.05, 0.05),
+        (0.2, 0.11, 0.11),
+        (0.2, -0.1, 0.0),
+        (0.2, 0.0, 0.0),
+        (0.0, 0.3, 0.0),
+        (-0.2, -0.3, -0.3),
+        (-0.2, -0.5, -0.2),
+        (-0.2, 0.3, 0.0),
+        (3.0, 2.0, 2.0),
+        (0.6, 1.5, 0.6),
+    ] {
+        let mut joint =
+            Joint::new(gains(400.0, 40.0, FIRST), JointOptions::default(), &Options::new(T_NS));
+        let mut m = Measurement::default();
+        joint.step(ModeRequest::Arm, m, Reference::default());
+        for k in 0..20 {
+            m = Measurement { q: m.q + T * goes, dq: says, ..m };
+            let Command { tau, phi_hat, .. } =
+                joint.step(ModeRequest::Arm, m, Reference::default()).commands[0];
+            let want = phi_hat - 0.5 * 40.0 * INERTIA * counts;
+            assert!((tau - want).abs() < 1e-9, "{goes} {says}, {k}: {tau} against {want}");
+        }
+    }
+}
+
+/// Gains with lower limits: they hold from the next sample on, and a stop takes its deceleration from them, unless one was stated.
+#[test]
+fn after_a_change_of_gains_a_lower_torque_limit_holds_and_a_stop_keeps_to_it() {
+    let stated = MotionLimits { velocity: 1.0, acceleration: 6.0, jerk: 300.0 };
+    for (stop, acceleration) in [(None, 0.25 * 12.0), (Some(stated), 6.0)] {
+        let joint = JointOptions { stop, ..JointOptions::default() };
+        let mut arm = Arm::<1>::new(SECOND, joint);
+        arm.start();
+        let limits = Limits::new(Some(12.0), Some(1000.0), T).unwrap();
+        let lower = crate::arm::gains(SECOND).with_limits(limits);
+        arm.supervisor.change_gains(&mut arm.state, [lower]).unwrap();
+        // Up to a speed; a torque beyond six newton metres of what was commanded is none that the drive can give now.
+        let mut told = Vec::new();
+        for k in 0..800 {
+            let (dq, ddq) = (f64::from(k) * 2e-3, 2.0);
+            let mut seen = arm.sense();
+            if k == 400 {
+                seen.joints[0].tau_applied += 20.0;
+            }
+            let answer = arm.step_with(&seen, &at(0.5 * f64::from(k) * T * dq, dq, ddq));
+            assert_eq!(answer.report.mode, Mode::Tracking);
+            if answer.report.events.contains(Events::TORQUE_REFUSED) {
+                told.push(k);
+            }
+        }
+        assert_eq!(told, [400]);
+        arm.mode = ModeRequest::Stop;
+        let (mut before, mut fastest) = (*arm.state.joints[0].reference(), 0.0_f64);
+        let mut most = 0.0_f64;
+        for k in 0..1500 {
+            // A push that asks for more than there is.
+            arm.truth[0].load = if k > 700 { 100.0 } else { 0.0 };
+            let command = arm.step(&at(0.0, 0.0, 0.0)).commands[0];
+            most = most.max(command.tau.abs());
+            let now = *arm.state.joints[0].reference();
+            if k > 0 && k < 700 {
+                fastest = fastest.max((before.dq - now.dq) / T);
+            }
+            before = now;
+        }
+        assert!((fastest - acceleration).abs() < 0.02, "{fastest} against {acceleration}");
+        assert!((most - 12.0).abs() < 1e-9, "{most}");
     }
 }

@@ -56,6 +56,8 @@ impl<R: Real> JointRules<R> {
         let start = if self.scheduled { self.gains[0] } else { gains };
         self.gains = [start, gains];
         self.range = self.range.map(|range| range.with_gains(&gains));
+        self.stop = self.stop.with_gains(&gains);
+        self.torque_slack = gains.torque_slack();
         let _held = Self::change(memory, &old, self.in_force(raised));
     }
 

@@ -27,6 +27,8 @@ const REST_SPEED: f64 = 0.02;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StopRules<R> {
     pub(crate) profile: Shaper<R>,
+    /// The profile is as stated, whatever the gains.
+    stated: bool,
     /// Distance in which the profile stops, per velocity: `v/2A + A/2J`.
     stopping: [R; 2],
     /// `½ M̄ v²` \[J\].
@@ -76,11 +78,23 @@ impl<R: Real> StopRules<R> {
         let speed = R::from_f64(RESERVE_SPEED);
         Self {
             profile: Shaper::of(&limits, period),
+            stated: stated.is_some(),
             stopping: [0.5 / acceleration, 0.5 * acceleration / jerk].map(R::from_f64),
             reserve: half * gains.inertia * speed * speed,
             rest_travel: R::from_f64(REST_SPEED * f64::from(REST_SAMPLES) * period),
             small: R::from_f64(SMALL_S) * (gains.limits.step() / gains.period),
             unloading: half * gains.inertia * (gains.limits.step() / gains.period),
+        }
+    }
+
+    /// The same stop of other gains: what they and their limits allow, unless it was stated.
+    pub(crate) fn with_gains(self, gains: &JointGains<R>) -> Self {
+        let other = Self::new(gains, None);
+        if self.stated {
+            let Self { profile, stopping, .. } = self;
+            Self { profile, stopping, stated: true, ..other }
+        } else {
+            other
         }
     }
 
