@@ -45,7 +45,7 @@ pub fn supervise<R: Real>(
     if state.mode != Mode::Idle {
         state.fault = state.fault.or(fault);
         let leaves = fault.map_or(Trust::Law, |(fault, _)| fault.leaves());
-        state.trust = if leaves < state.trust { leaves } else { state.trust };
+        state.trust = state.trust.min(leaves);
     }
     let at_rest = || sample.joints.iter().all(|m| m.dq.abs() <= arm.rest_velocity);
     let starts_here =
