@@ -211,6 +211,95 @@ fn inside_the_funnel_the_stated_law_runs_until_it_hands_over() {
     assert!(bounded.iter().all(|n| *n > 10), "{bounded:?}");
 }
 
+/// A joint in a funnel, and the width ψ that is stated at a sample.
+fn in_a_funnel(funnel: Funnel) -> (Joint, impl Fn(u32) -> f64) {
+    let joint = JointOptions { funnel: Some(funnel), ..JointOptions::default() };
+    let options = Options { blend_s: 0.05, ..Options::new(T_NS) };
+    let joint = Joint::new(gains(400.0, 40.0, &[55.0]), joint, &options);
+    let Funnel { initial, r#final, decay_s } = funnel;
+    (joint, move |k| r#final + (initial - r#final) * (-f64::from(k) * T / decay_s).exp())
+}
+
+/// What the funnel demands at a width.
+fn demanded(psi: f64, m: &Measurement<f64>, at: &Reference<f64>) -> f64 {
+    let most = 1.0 + -(-55.0 * T).exp_m1() / T / 40.0;
+    let g = (1.0 / (1.0 - ((m.q - at.q) / psi).powi(2))).min(most);
+    INERTIA * (at.ddq - g * 40.0 * (m.dq - at.dq) - g * g * 400.0 * (m.q - at.q))
+}
+
+#[test]
+fn a_funnel_is_about_the_reference_that_is_in_force() {
+    let (mut joint, psi) = in_a_funnel(Funnel { initial: 0.1, r#final: 0.05, decay_s: 0.1 });
+    let mut m = Measurement { q: 0.4, ..Measurement::default() };
+    joint.hold(m, Reference::default());
+    for k in 1..250_u32 {
+        let t = f64::from(k) * T;
+        let asked = Reference { q: 0.4 + 0.3 * t * t, dq: 0.6 * t, ddq: 0.6 };
+        m = Measurement { q: 0.42 + 0.3 * t * t, dq: 0.6 * t + 0.1, tau_applied: 1.0 };
+        let mode = if k < 20 { ModeRequest::Hold } else { ModeRequest::Track };
+        let answer = joint.step(mode, m, asked);
+        assert!(answer.report.events.contains(Events::FUNNEL), "{k}");
+        let want = demanded(psi(k), &m, joint.state.joints[0].reference());
+        let tau = answer.commands[0].tau;
+        assert!((tau - want).abs() < 1e-6 * (1.0 + want.abs()), "{k}: {tau} against {want}");
+    }
+    assert!(joint.state.joints[0].reference().dq > 0.1);
+}
+
+#[test]
+fn a_funnel_that_does_not_get_narrower_acts_all_the_same() {
+    let (mut joint, psi) = in_a_funnel(Funnel { initial: 0.05, r#final: 0.05, decay_s: 0.1 });
+    let m = Measurement { q: 0.03, ..Measurement::default() };
+    joint.hold(Measurement::default(), Reference::default());
+    // From the sample on at which the law starts, for the dwell of 0.1 s.
+    for k in 1..140_u32 {
+        let answer = joint.step(ModeRequest::Hold, m, Reference::default());
+        let told = answer.report.events;
+        assert_eq!(told.contains(Events::FUNNEL), k < 100, "{k}");
+        assert_eq!(told.contains(Events::FUNNEL_OVER), k == 99, "{k}");
+        if k < 99 {
+            let want = demanded(psi(k), &m, &Reference::default());
+            assert!((answer.commands[0].tau - want).abs() < 1e-9, "{k}");
+        }
+    }
+}
+
+#[test]
+fn a_stop_knows_no_funnel() {
+    let (mut joint, _) = in_a_funnel(Funnel { initial: 0.1, r#final: 0.05, decay_s: 1.0 });
+    let m = Measurement { q: 0.4, ..Measurement::default() };
+    joint.hold(m, Reference::default());
+    joint.step(ModeRequest::Hold, m, Reference::default());
+    // It is pushed off its place, and stands there.
+    let m = Measurement { q: 0.43, tau_applied: 2.0, ..m };
+    joint.step(ModeRequest::Stop, m, Reference::default());
+    for k in 0..100 {
+        let answer = joint.step(ModeRequest::Stop, m, Reference::default());
+        assert!(!answer.report.events.contains(Events::FUNNEL), "{k}");
+        let at = *joint.state.joints[0].reference();
+        let law = outer(400.0, 40.0, &m, &at) + answer.commands[0].phi_hat;
+        assert!((answer.commands[0].tau - law).abs() < 1e-9, "{k}: {:?} {law}", answer.commands);
+    }
+}
+
+#[test]
+fn after_a_blend_the_reference_is_the_callers_to_the_last_bit() {
+    for blend_s in [0.125, 0.25, 0.5] {
+        let options = Options { blend_s, ..Options::new(T_NS) };
+        let mut joint = Joint::new(gains(400.0, 40.0, FIRST), JointOptions::default(), &options);
+        let m = Measurement { q: 0.1, ..Measurement::default() };
+        let asked = Reference { q: 0.7, dq: 0.3, ddq: -0.7 };
+        joint.hold(m, asked);
+        for k in 0..600_u32 {
+            joint.step(ModeRequest::Track, m, asked);
+            let over = f64::from(k) * T >= blend_s - 1e-9;
+            let at = joint.state.joints[0].reference();
+            let bits = |r: &Reference<f64>| [r.q, r.dq, r.ddq].map(f64::to_bits);
+            assert_eq!(bits(at) == bits(&asked), over, "{blend_s} s, {k}: {at:?}");
+        }
+    }
+}
+
 #[test]
 fn running_gains_come_after_the_dwell_and_go_again() {
     let schedule = Schedule { settled: 1.0, disturbed: 3.0, dwell_s: 0.4 };

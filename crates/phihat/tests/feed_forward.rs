@@ -290,6 +290,61 @@ fn a_stop_holds_the_whole() {
     }
 }
 
+/// A feed-forward has just begun or ended where the arm is stopped, by what teaches something and by what does not, and then nothing is measured any more: what holds it is the
+/// load that was there all the time.
+#[test]
+fn what_was_known_before_a_stop_is_the_whole_whenever_a_feed_forward_comes_or_goes() {
+    for (before, after) in
+        [(None, Some(4.8)), (None, Some(-50.0)), (Some(4.8), None), (Some(-50.0), None)]
+    {
+        for pushed in [false, true] {
+            let joint = JointOptions { error_stop: Some(0.05), ..JointOptions::default() };
+            let mut bench = Bench::new(joint, constant);
+            let [before, after] = [before, after].map(|fed: Option<f64>| fed.map(|fed| [fed]));
+            bench.hold(1500, before.as_ref().map(|fed| &fed[..]));
+            let after = after.as_ref().map(|fed| &fed[..]);
+            let at = Reference { q: 0.2, ..Reference::default() };
+            bench.step(ModeRequest::Hold, at, after, true);
+            if pushed {
+                bench.q += 0.06;
+                let answer = bench.step(ModeRequest::Hold, at, after, true);
+                assert_eq!(answer.report.fault, Some((Fault::TrackingError, 0)));
+            }
+            let mut held = f64::NAN;
+            for _ in 0..60 {
+                held = bench.step(ModeRequest::Hold, at, after, false).commands[0].phi_hat;
+            }
+            assert_eq!(bench.state.arm.mode(), Mode::SafeStop);
+            assert!((held - 6.0).abs() < 1e-6, "{before:?} {after:?} {pushed}: {held}");
+        }
+    }
+}
+
+/// In a soft zone what is estimated and what is fed do not grow outward together, though what is fed does.
+#[test]
+fn at_the_end_of_its_range_the_whole_does_not_grow_outward() {
+    let range = Some(JointRange { lower: -1.0, upper: 0.23, soft: 0.05, braking: 5.0 });
+    let joint = JointOptions { range, ..JointOptions::default() };
+    let mut bench = Bench::new(joint, constant);
+    let mut fed = 5.0;
+    bench.hold(50, Some(&[fed]));
+    let at = Reference { q: 0.2, ..Reference::default() };
+    let whole = bench.state.joints[0].phi_hat();
+    let mut estimated = Vec::new();
+    for k in 0..100 {
+        // It stands, though more and more torque acts outward.
+        (bench.q, bench.dq) = (0.2, 0.0);
+        bench.acted = 6.0 + 0.1 * f64::from(k);
+        fed += 0.02;
+        bench.step(ModeRequest::Hold, at, Some(&[fed]), true);
+        let memory = &bench.state.joints[0];
+        assert!(memory.phi_hat() < whole + 1e-9, "{k}: {} from {whole}", memory.phi_hat());
+        assert!(memory.phi_hat() > whole - 1e-3, "{k}: {} from {whole}", memory.phi_hat());
+        estimated.push(memory.phi_hat() - memory.feed_forward());
+    }
+    assert!(estimated[99] < estimated[0] - 1.5, "what is fed is missing from it");
+}
+
 #[test]
 fn a_shaken_arm_holds_the_mean_of_the_whole() {
     let joint = JointOptions { oscillation: Some(0.5), ..JointOptions::default() };

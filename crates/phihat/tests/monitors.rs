@@ -185,6 +185,18 @@ fn a_position_that_stands_while_it_should_move_is_frozen_after_its_travel() {
         assert!(near, "{dq} {asked}: {found:?} against {want:?}");
         assert_eq!(joint.state.arm.mode(), Mode::SafeStop);
     }
+    // Beyond its travel, and not at it.
+    let travel = (0..8).fold(0.0, |sum, _| sum + 0.5 * (T_NS as f64 * 1e-9));
+    for (share, samples) in [(1.0, 9), (1.0 - 1e-15, 8), (1.0 + 1e-15, 9)] {
+        let frozen_travel = Some(share * travel);
+        let options = JointOptions { frozen_travel, ..JointOptions::default() };
+        let m = Measurement { dq: 0.5, ..Measurement::default() };
+        let mut joint = tracking(options, Measurement { q: 0.01, ..Measurement::default() });
+        joint.step(ModeRequest::Track, m, Reference::default());
+        let found = (1..20)
+            .find(|_| joint.step(ModeRequest::Track, m, Reference::default()).report.fault.is_some());
+        assert_eq!(found, Some(samples), "{share}");
+    }
 }
 
 /// Torque demands so far; whether the arm has to be stopped by them.
@@ -213,6 +225,7 @@ fn an_oscillation_is_found_at_the_sample_that_its_rule_says() {
         let mut demands = vec![0.0, 0.0];
         let (size, every) = (10.0_f64.powf(dice.within(-3.5, -1.5)), 1 + run % 12);
         let (from, to) = (dice.bits() % 40, 60 + dice.bits() % 100);
+        let period = dice.within(10.0, 16.0);
         let mut stopped = None;
         for k in 0..200_u64 {
             // Steps to and fro every so many samples, for a while; sometimes at random.
@@ -221,7 +234,12 @@ fn an_oscillation_is_found_at_the_sample_that_its_rule_says() {
             } else {
                 (k / every).is_multiple_of(2)
             };
-            let q = if (from..to).contains(&k) && up { size } else { 0.0 };
+            let q = match run % 4 {
+                // Slowly, about as often as is an oscillation.
+                1 => 60.0 * size * (core::f64::consts::TAU * k as f64 / period).sin(),
+                _ if (from..to).contains(&k) && up => size,
+                _ => 0.0,
+            };
             let m = Measurement { q, dq: 0.0, tau_applied: 0.0 };
             let answer = joint.step(ModeRequest::Hold, m, Reference::default());
             if answer.report.fault.is_some() {
