@@ -15,7 +15,7 @@ const KD: f64 = 40.0;
 const LOAD: f64 = 5.0;
 const STOP: MotionLimits = MotionLimits { velocity: 1.0, acceleration: 2.0, jerk: 40.0 };
 /// Least mean square of the torque that a drive is judged by: this, squared, at first motion, and a sixteenth of it in a stop.
-const EXCITATION: f64 = 2.0;
+const EXCITATION: f64 = 3.0;
 const TORQUE_MAX: f64 = 40.0;
 
 /// A joint that has tracked a motion of so many rad/s under a load that it knows, and where it is.
@@ -219,6 +219,7 @@ fn stopped(speed: f64, world: impl Fn(u32) -> World, samples: u32, seed: u64) ->
     let mut hand = ByHand::new(LOAD, m);
     let mut dice = Dice(seed);
     let [mut held_back, mut let_go, mut driven, mut taken_back, mut anew] = [0; 5];
+    let mut braked = false;
     let (mut q, mut dq) = (m.q + T * m.dq, m.dq);
     for k in 0..samples {
         // Sensors of a drive: a little noise in torque.
@@ -235,6 +236,9 @@ fn stopped(speed: f64, world: impl Fn(u32) -> World, samples: u32, seed: u64) ->
         assert!((tau - want.tau).abs() < 1e-8 * (1.0 + want.tau.abs()), "{}", context());
         assert_eq!(told.contains(Events::HELD_BACK), want.held_back, "{}", context());
         assert_eq!(told.contains(Events::LET_GO), want.let_go, "{}", context());
+        // At rest, after half a second, or where the drive drives: let go, or faster for more samples than a torque is held for.
+        braked |= m.dq.abs() <= 0.05 || k >= 500 || hand.let_go.is_some() || hand.past.len() > 5;
+        assert_eq!(answer.report.brake, braked, "{}", context());
         if want.begins {
             // One step of the profile from where the joint was at the last sample.
             let off = (at.q - m.q).abs();
@@ -329,5 +333,63 @@ fn a_stop_begins_where_the_joint_is_at_the_speed_that_it_goes() {
         let at = joint.state.joints[0].reference();
         let off = at.q - (begun - T * gone + way);
         assert!(off.abs() < 1e-9 && at.dq.abs() < 1e-9, "{speed} {periods}: {at:?}, off by {off}");
+    }
+}
+
+/// Speeds at which a stop drives, to the last bit: halved is what brakes a joint that is faster than it may be, for as long as it stays at 98 % of its largest speed.
+#[test]
+fn a_joint_is_faster_beyond_a_speed_and_while_it_keeps_most_of_it() {
+    for (speeds, tau_applied, halved) in [
+        (&[0.2][..], LOAD - 1.0, false),
+        (&[0.2 + 1e-9], LOAD - 1.0, true),
+        (&[-0.2], LOAD + 1.0, false),
+        (&[-0.2 - 1e-9], LOAD + 1.0, true),
+        // What acts does not brake.
+        (&[0.3], LOAD + 1.0, false),
+        (&[-0.3], LOAD - 1.0, false),
+        (&[1.0, 0.98], LOAD - 1.0, true),
+        (&[1.0, 0.979], LOAD - 1.0, false),
+        (&[1.0, 0.979, 0.979], LOAD - 1.0, false),
+        (&[1.0, 0.979, 1.0], LOAD - 1.0, true),
+    ] {
+        let (mut joint, mut m) = moving(0.0, Limits::none());
+        joint.step(ModeRequest::Stop, m, Reference::default());
+        let mut is = f64::NAN;
+        for dq in speeds {
+            m = Measurement { q: m.q + T * dq, dq: *dq, tau_applied };
+            let Command { tau, phi_hat, .. } =
+                joint.step(ModeRequest::Stop, m, Reference::default()).commands[0];
+            let law = outer(KP, KD, &m, joint.state.joints[0].reference()) + phi_hat;
+            is = (tau - LOAD) / (law - LOAD);
+        }
+        let want = if halved { 0.5 } else { 1.0 };
+        assert!((is - want).abs() < 1e-9, "{speeds:?} {tau_applied}: {is}");
+    }
+}
+
+/// A joint that a stop let go is held again from the moment at which the arm is armed anew.
+#[test]
+fn an_arm_that_is_armed_anew_is_held_though_its_stop_let_a_joint_go() {
+    let (mut joint, mut m) = moving(0.0, Limits::none());
+    let mut gone = false;
+    for _ in 0..300 {
+        // It runs away from what it is told.
+        let tau = joint.state.joints[0].tau();
+        m.dq -= T / INERTIA * (tau - LOAD) - if gone { 0.0 } else { 2e-3 };
+        m = Measurement { q: m.q + T * m.dq, tau_applied: tau, ..m };
+        let answer = joint.step(ModeRequest::Stop, m, Reference::default());
+        gone |= answer.report.events.contains(Events::LET_GO);
+    }
+    assert!(gone);
+    m.dq = 0.0;
+    for mode in [ModeRequest::Stop, ModeRequest::Arm] {
+        for _ in 0..200 {
+            let answer = joint.step(mode, m, Reference::default());
+            let Command { tau, phi_hat, .. } = answer.commands[0];
+            if mode == ModeRequest::Arm {
+                assert_eq!(answer.report.mode, Mode::Armed);
+                assert!((tau - LOAD).abs() < 1.0 && (tau - phi_hat).abs() < 1e-9, "{tau} {phi_hat}");
+            }
+        }
     }
 }

@@ -22,6 +22,8 @@ impl<R: Real> JointRules<R> {
             Action::None => {}
             Action::Capture => {
                 memory.held = preset.unwrap_or(memory.held);
+                // What a stop found out about the drive ends with it.
+                memory.stopping = Stopping::default();
                 // How far it went until now is nothing that a spring could answer.
                 memory.measured = *m;
                 memory.before_now = [memory.held; 2];
