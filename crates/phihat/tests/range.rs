@@ -140,6 +140,51 @@ fn no_torque_passes_that_could_not_be_braked_before_the_end() {
     assert!(capped.iter().all(|n| *n > 1000) && beyond.iter().all(|n| *n > 50) && free > 1000);
 }
 
+/// Just before the room from which on a torque is capped nothing acts, and just behind it something does, at any torque rate, speed and torque before, at both ends.
+#[test]
+fn a_torque_is_capped_from_the_room_on_that_braking_takes() {
+    let mut dice = Dice(61);
+    for run in 0..120 {
+        let rate = [100.0, 200.0, 1000.0, 1e4, f64::INFINITY][run % 5];
+        let limit = rate.is_finite().then_some(rate);
+        let sign = if dice.bits().is_multiple_of(2) { 1.0 } else { -1.0 };
+        let mut joint = tracking(FIRST, limit);
+        // A torque that acts outward, or inward, of some size.
+        let push = sign * dice.within(-8.0, 25.0);
+        let mut m = Measurement { q: 0.2, ..Measurement::default() };
+        for _ in 0..400 {
+            let asked = Reference { q: 0.2, dq: 0.0, ddq: push / INERTIA };
+            m.tau_applied = joint.state.joints[0].phi_hat();
+            joint.step(ModeRequest::Track, m, asked);
+        }
+        let outward = dice.within(0.2, 2.0);
+        m.dq = sign * outward;
+        let last = joint.state.joints[0].tau();
+        // Whatever is asked for, it is more than any cap.
+        let told = |room: f64| {
+            let q = if sign > 0.0 { RANGE.upper - room } else { RANGE.lower + room };
+            let mut own = Joint { arm: joint.arm.clone(), state: joint.state, k: joint.k };
+            let asked = Reference { q, dq: 0.0, ddq: sign * 1e5 };
+            let answer = own.step(ModeRequest::Track, Measurement { q, ..m }, asked);
+            (answer.report.events.contains(Events::RANGE), answer.commands[0].phi_hat)
+        };
+        let (_, phi_hat) = told(0.5);
+        let caps = |room: f64| ceiling(room, outward, sign * phi_hat, sign * last, rate).is_some();
+        let (mut low, mut high) = (RANGE.soft, 1.5);
+        if caps(high) {
+            continue;
+        }
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if caps(middle) { low = middle } else { high = middle }
+        }
+        assert!(!told(high * 1.0001).0, "{run}: nothing at {high} rad");
+        if low > RANGE.soft {
+            assert!(told(low * 0.9999).0, "{run}: capped at {low} rad");
+        }
+    }
+}
+
 #[test]
 fn a_hard_limit_is_where_it_is_said() {
     for (q, fault) in [

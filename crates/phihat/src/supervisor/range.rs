@@ -148,10 +148,6 @@ impl<R: Real> RangeRules<R> {
     fn ceiling(&self, room: R, outward: R, phi_hat: R, last: R) -> Option<R> {
         // The acceleration that has to go first, and how long that takes.
         let push = last - phi_hat;
-        // Far from the end and not on the way there: nothing to reckon.
-        if room > self.soft && outward <= R::ZERO && last <= phi_hat {
-            return None;
-        }
         let time = (push + self.brake) * self.shed;
         let (mut left, mut speed) = (room, outward);
         if time > R::ZERO {
