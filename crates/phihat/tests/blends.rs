@@ -5,8 +5,8 @@
 use crate::arm::{FIRST, SECOND};
 use crate::joint::{INERTIA, Joint, T, T_NS, gains, outer};
 use phihat::{
-    Events, Form, Funnel, JointDesign, JointGains, JointOptions, Measurement, Mode, ModeRequest,
-    MotionLimits, OptionError, Options, Reference, Schedule, Supervisor,
+    Events, Form, Funnel, JointDesign, JointGains, JointOptions, Limits, Measurement, Mode,
+    ModeRequest, MotionLimits, OptionError, Options, Reference, Schedule, Supervisor,
 };
 
 /// Value and first two derivatives at `s` of the quintic with these three at 0 and none at 1: Hermite's basis.
@@ -459,4 +459,29 @@ fn a_change_of_order_form_or_inertia_goes_on_where_the_torque_was() {
         assert!(off.abs() < tolerance, "order {a} to {b}: {before} {last} {now}");
         assert!(now.abs() > 1.0);
     }
+}
+
+/// Where a rate limit acts, what the old gains took for `φ` is handed over, and not what the limit left of their torque.
+#[test]
+fn in_the_printed_form_an_estimate_is_handed_over_behind_a_rate_limit() {
+    let literal = |a| {
+        let (kp, kd, form) = (400.0, 40.0, Form::Literal);
+        let design = JointDesign { inertia: INERTIA, kp, kd, a, period: T, form };
+        let limits = Limits::new(None, Some(100.0), T).unwrap();
+        JointGains::new(&design).unwrap().with_limits(limits)
+    };
+    let mut joint = Joint::new(literal(&[20.0]), JointOptions::default(), &Options::new(T_NS));
+    joint.hold(Measurement::default(), Reference::default());
+    let m = Measurement { q: 0.05, ..Measurement::default() };
+    let mut before = [0.0; 2];
+    for _ in 0..20 {
+        let command = joint.step(ModeRequest::Hold, m, Reference::default()).commands[0];
+        assert!(command.status.rate_limited && command.tau > -3.0, "{command:?}");
+        before = [before[1], command.phi_hat];
+    }
+    joint.arm.change_gains(&mut joint.state, [literal(&[40.0])]).unwrap();
+    let after = joint.step(ModeRequest::Hold, m, Reference::default()).commands[0].phi_hat;
+    // It goes on from there, by twice as much a sample.
+    let step = 2.0 * (before[1] - before[0]);
+    assert!((after - before[1] - step).abs() < 0.01 * step.abs(), "{before:?} {after}");
 }

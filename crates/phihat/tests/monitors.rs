@@ -404,15 +404,16 @@ fn a_joint_is_stopped_at_the_third_sample_beyond_its_speed() {
 #[test]
 fn a_measured_torque_is_believed_near_what_was_commanded_lately() {
     let law = gains(400.0, 40.0, FIRST).with_limits(Limits::new(Some(20.0), None, T).unwrap());
-    // At 0.02 rad of error, 5.6 N·m, from one sample on; before, nothing.
-    let commanded = |samples: u32| {
+    // At 0.02 rad of error, 5.6 N·m, from one sample on; before, nothing; then less again.
+    let commanded = |samples: u32, less: u32| {
         let mut joint = Joint::new(law, JointOptions::default(), &Options::new(T_NS));
         joint.hold(Measurement::default(), Reference::default());
         let m = Measurement { q: -0.02, dq: 0.0, tau_applied: 0.0 };
         let mut range = [0.0_f64; 2];
         let mut tau = 0.0;
-        for _ in 0..samples {
-            let m = Measurement { tau_applied: tau, ..m };
+        for k in 0..samples + less {
+            let share = if k < samples { 1.0 } else { 0.3 };
+            let m = Measurement { q: share * m.q, tau_applied: tau, ..m };
             tau = joint.step(ModeRequest::Hold, m, Reference::default()).commands[0].tau;
             // What was commanded long ago does not act any more: a thirty-second is forgotten per sample.
             range = range.map(|end| end + (tau - end) / 32.0);
@@ -420,8 +421,8 @@ fn a_measured_torque_is_believed_near_what_was_commanded_lately() {
         }
         (joint, m, range)
     };
-    for samples in [1, 20, 200] {
-        let (_, _, [low, high]) = commanded(samples);
+    for (samples, less) in [(1, 0), (20, 0), (200, 0), (30, 10)] {
+        let (_, _, [low, high]) = commanded(samples, less);
         assert!(high > low);
         let slack = 10.0 + (high - low);
         for (tau_applied, believed) in [
@@ -432,7 +433,7 @@ fn a_measured_torque_is_believed_near_what_was_commanded_lately() {
             (1e6, false),
             (-1e6, false),
         ] {
-            let (mut joint, m, _) = commanded(samples);
+            let (mut joint, m, _) = commanded(samples, less);
             let last = joint.state.joints[0].tau();
             let mut other = joint.state;
             let answer = joint.step(
@@ -451,5 +452,16 @@ fn a_measured_torque_is_believed_near_what_was_commanded_lately() {
             let same = phi_hat[0] == phi_hat[1];
             assert_eq!(same, !believed, "{samples}: {tau_applied}");
         }
+    }
+}
+
+/// Without a torque limit what the outer loop gives at 1 rad is the slack.
+#[test]
+fn without_a_torque_limit_a_torque_is_believed_within_what_the_outer_loop_gives_at_one_radian() {
+    for (tau_applied, believed) in [(279.9, true), (-279.9, true), (280.1, false), (-280.1, false)] {
+        let mut joint = tracking(JointOptions::default(), Measurement::default());
+        let m = Measurement { tau_applied, ..Measurement::default() };
+        let told = joint.step(ModeRequest::Track, m, Reference::default()).report.events;
+        assert_eq!(told.contains(Events::TORQUE_REFUSED), !believed, "{tau_applied}");
     }
 }

@@ -295,3 +295,42 @@ fn what_holds_a_stopped_arm_is_from_before_what_stopped_it() {
     assert!(ages.iter().any(|age| *age < 260) && ages.iter().any(|age| *age > 490), "{ages:?}");
     assert_eq!(ages[..25], ages[25..], "every quarter of a second");
 }
+
+/// A drive that turns round in a stop: whether its joint is let go depends on whether a velocity can be believed.
+#[test]
+fn a_drive_is_let_go_by_velocities_that_are_believed_and_by_no_others() {
+    for shaken in [true, false] {
+        let options = JointOptions {
+            oscillation: Some(1.0),
+            first_motion: Some(0.5),
+            ..JointOptions::default()
+        };
+        let mut joint = Joint::new(gains(KP, KD, FIRST), options, &Options::new(T_NS));
+        let mut m = Measurement { q: 0.3, dq: 0.0, tau_applied: LOAD };
+        for _ in 0..2000 {
+            joint.hold(m, Reference { q: 0.3, ..Reference::default() });
+        }
+        for k in 0..100 {
+            // Either it is the law that may shake the arm, or samples cannot be believed.
+            let off = if k % 2 == 0 { 2e-3 } else { 0.0 };
+            let seen = if shaken { m.q + off } else { f64::NAN };
+            stop(&mut joint, Measurement { q: if k < 20 { m.q } else { seen }, ..m });
+        }
+        let told = stop(&mut joint, m).report;
+        let fault = if shaken { Fault::Oscillation } else { Fault::BadSample };
+        assert_eq!(told.fault, Some((fault, 0)));
+        let mut gone = None;
+        for k in 0..90 {
+            let tau = joint.state.joints[0].tau();
+            m.dq += if k < 40 { 0.02 } else { -T / INERTIA * (tau - LOAD) };
+            m = Measurement { q: m.q + T * m.dq, tau_applied: tau, ..m };
+            let answer = stop(&mut joint, m);
+            if gone.is_some() {
+                assert!(answer.commands[0].tau.abs() < 1e-12, "{k}: {answer:?}");
+            } else if answer.report.events.contains(Events::LET_GO) {
+                gone = Some(k);
+            }
+        }
+        assert!(gone.is_some() == shaken && m.dq > 0.5, "{shaken}: {gone:?} {m:?}");
+    }
+}

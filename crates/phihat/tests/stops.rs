@@ -376,7 +376,9 @@ fn after_a_change_of_gains_a_lower_torque_limit_holds_and_a_stop_keeps_to_it() {
         arm.start();
         let limits = Limits::new(Some(12.0), Some(1000.0), T).unwrap();
         let lower = crate::arm::gains(SECOND).with_limits(limits);
-        arm.supervisor.change_gains(&mut arm.state, [lower]).unwrap();
+        for gains in [crate::arm::gains(FIRST), lower] {
+            arm.supervisor.change_gains(&mut arm.state, [gains]).unwrap();
+        }
         // Up to a speed; a torque beyond six newton metres of what was commanded is none that the drive can give now.
         let mut told = Vec::new();
         for k in 0..800 {
@@ -408,5 +410,73 @@ fn after_a_change_of_gains_a_lower_torque_limit_holds_and_a_stop_keeps_to_it() {
         }
         assert!((fastest - acceleration).abs() < 0.02, "{fastest} against {acceleration}");
         assert!((most - 12.0).abs() < 1e-9, "{most}");
+    }
+}
+
+/// At twice what the positions say a velocity is not borne out any more.
+#[test]
+fn a_velocity_is_borne_out_below_twice_what_the_positions_say() {
+    for (says, counts) in [(0.5, 0.25), (0.499, 0.499), (-0.5, -0.25), (-0.499, -0.499)] {
+        let mut joint =
+            Joint::new(gains(400.0, 40.0, FIRST), JointOptions::default(), &Options::new(T_NS));
+        joint.step(ModeRequest::Arm, Measurement::default(), Reference::default());
+        // A quarter, to the last bit.
+        let q = 0.25_f64.copysign(says) * T;
+        let m = Measurement { q, dq: says, tau_applied: 0.0 };
+        let Command { tau, phi_hat, .. } =
+            joint.step(ModeRequest::Arm, m, Reference::default()).commands[0];
+        let want = phi_hat - 0.5 * 40.0 * INERTIA * counts;
+        assert!((tau - want).abs() < 1e-12, "{says}: {tau} against {want}");
+    }
+}
+
+/// Idle, the torque goes as fast as its rate limit lets it, and nothing is held.
+#[test]
+fn an_idle_arm_gives_its_torque_up_at_the_rate_limit() {
+    let mut arm = Arm::<1>::new(SECOND, JointOptions::default());
+    arm.preset = Some([LOAD]);
+    arm.mode = ModeRequest::Arm;
+    for _ in 0..20 {
+        dragged(&mut arm, [0.0]);
+    }
+    assert!((arm.truth[0].tau - LOAD).abs() < 0.1);
+    arm.mode = ModeRequest::Idle;
+    for k in 1..20 {
+        let before = arm.truth[0].tau;
+        let answer = dragged(&mut arm, [0.0]);
+        let Command { tau, phi_hat, status } = answer.commands[0];
+        assert!((tau - (before - 1.0).max(0.0)).abs() < 1e-12, "{k}: {tau} from {before}");
+        assert_eq!(status.rate_limited, before > 1.0);
+        assert_eq!(answer.report.events.contains(Events::RATE_LIMITED), before > 1.0);
+        assert!(phi_hat.abs() < 1e-12);
+    }
+    assert!(arm.truth[0].tau.abs() < 1e-12);
+}
+
+/// The printed form stops in the observer form: where the joint is kept off its place, nothing winds up.
+#[test]
+fn a_stop_does_not_wind_up_in_the_printed_form() {
+    let design = JointDesign {
+        inertia: INERTIA,
+        kp: 400.0,
+        kd: 40.0,
+        a: SECOND,
+        period: T,
+        form: phihat::Form::Literal,
+    };
+    let law = JointGains::new(&design).unwrap();
+    let mut joint = Joint::new(law, JointOptions::default(), &Options::new(T_NS));
+    let mut m = Measurement::default();
+    for _ in 0..300 {
+        joint.hold(m, Reference::default());
+    }
+    m.q = 0.05;
+    joint.step(ModeRequest::Stop, Measurement::default(), Reference::default());
+    for k in 0..500 {
+        let answer = joint.step(ModeRequest::Stop, m, Reference::default());
+        assert_eq!(answer.report.mode, Mode::SafeStop);
+        let Command { tau, phi_hat, .. } = answer.commands[0];
+        assert!(phi_hat.abs() < 1e-9, "{k}: {phi_hat}");
+        assert!((tau + 400.0 * INERTIA * 0.05).abs() < 1e-6 || k < 5, "{k}: {tau}");
     }
 }
