@@ -84,6 +84,7 @@ fn try_out(root: &Path, name: &str, chosen: &[&str], bar: f64) -> Result<(), Str
     Command::new("cargo")
         .args(&all)
         .env("PATH", path.map_err(|e| e.to_string())?)
+        .env("NEXTEST_PROFILE", "mutants")
         .current_dir(root)
         .status()
         .map_err(|e| e.to_string())?;
