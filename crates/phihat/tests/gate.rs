@@ -154,10 +154,8 @@ fn f33_the_tank_is_filled_drained_and_shared_as_stated() {
         let moved = before.map_or([0.0; 2], |before| [q[0] - before[0], q[1] - before[1]]);
         // Mostly along the motion; the second joint often against it, and beyond its limit now and then.
         let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
-        let mut asked = [
-            dice.within(0.0, 25.0) * sign(moved[0]),
-            dice.within(-25.0, 20.0) * sign(moved[1]),
-        ];
+        let mut asked =
+            [dice.within(0.0, 25.0) * sign(moved[0]), dice.within(-25.0, 20.0) * sign(moved[1])];
         if k.is_multiple_of(97) {
             // It takes no part in the forecast, and the gate holds the last torque.
             asked[1] = f64::NAN;
@@ -172,11 +170,8 @@ fn f33_the_tank_is_filled_drained_and_shared_as_stated() {
         let work = [0, 1].map(|i| if asked[i].is_nan() { 0.0 } else { kept[i] * moved[i] });
         let along: f64 = work.iter().filter(|w| **w > 0.0).sum();
         let against: f64 = work.iter().filter(|w| **w <= 0.0).sum();
-        let share = if along + against <= energy {
-            1.0
-        } else {
-            ((energy - against) / along).max(0.0)
-        };
+        let share =
+            if along + against <= energy { 1.0 } else { ((energy - against) / along).max(0.0) };
         for i in 0..2 {
             let gives = work[i] > 0.0 && share < 1.0;
             let want = if asked[i].is_nan() {
@@ -198,9 +193,13 @@ fn f33_the_tank_is_filled_drained_and_shared_as_stated() {
         shut += u32::from(share <= 0.0);
         before = Some(q);
         // Forth and back; now and then a joint stands, and what is asked of it is no matter of energy.
-        for (i, q) in q.iter_mut().enumerate() {
-            let stands = (k / 50 + i as u32).is_multiple_of(4);
-            *q += if stands { 0.0 } else { dice.within(0.0, 4e-3) * sign(f64::from(k % 300) - 150.0) };
+        for (q, i) in q.iter_mut().zip(0..) {
+            let stands = (k / 50 + i).is_multiple_of(4);
+            *q += if stands {
+                0.0
+            } else {
+                dice.within(0.0, 4e-3) * sign(f64::from(k % 300) - 150.0)
+            };
         }
     }
     assert!(scaled > 500 && shut > 20, "{scaled} {shut}");

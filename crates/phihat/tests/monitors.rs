@@ -193,8 +193,9 @@ fn a_position_that_stands_while_it_should_move_is_frozen_after_its_travel() {
         let m = Measurement { dq: 0.5, ..Measurement::default() };
         let mut joint = tracking(options, Measurement { q: 0.01, ..Measurement::default() });
         joint.step(ModeRequest::Track, m, Reference::default());
-        let found = (1..20)
-            .find(|_| joint.step(ModeRequest::Track, m, Reference::default()).report.fault.is_some());
+        let found = (1..20).find(|_| {
+            joint.step(ModeRequest::Track, m, Reference::default()).report.fault.is_some()
+        });
         assert_eq!(found, Some(samples), "{share}");
     }
 }
@@ -458,7 +459,8 @@ fn a_measured_torque_is_believed_near_what_was_commanded_lately() {
 /// Without a torque limit what the outer loop gives at 1 rad is the slack.
 #[test]
 fn without_a_torque_limit_a_torque_is_believed_within_what_the_outer_loop_gives_at_one_radian() {
-    for (tau_applied, believed) in [(279.9, true), (-279.9, true), (280.1, false), (-280.1, false)] {
+    for (tau_applied, believed) in [(279.9, true), (-279.9, true), (280.1, false), (-280.1, false)]
+    {
         let mut joint = tracking(JointOptions::default(), Measurement::default());
         let m = Measurement { tau_applied, ..Measurement::default() };
         let told = joint.step(ModeRequest::Track, m, Reference::default()).report.events;

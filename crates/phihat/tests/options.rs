@@ -1,4 +1,5 @@
 //! What is refused before an arm starts. Wrong if an option passes that means nothing, if a sound one does not, or if the message does not say which joint, option and value.
+#![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
 use crate::arm::{FIRST, T_NS, gains};
 use phihat::{
@@ -51,7 +52,9 @@ fn an_option_of_the_arm_beyond_its_range_is_refused() {
         set(&mut options);
         said(refused(JointOptions::default(), &options))
     };
-    for (x, is) in [(-1e-9, false), (0.0, true), (1.0, true), (1.0 + 1e-9, false), (f64::NAN, false)] {
+    for (x, is) in
+        [(-1e-9, false), (0.0, true), (1.0, true), (1.0 + 1e-9, false), (f64::NAN, false)]
+    {
         let told = with(&|o| o.stop_damping = x);
         let want = format!("joint 0: stop damping is {x}; it must be 0 … 1");
         assert_eq!(told, if is { "nothing".to_owned() } else { want });

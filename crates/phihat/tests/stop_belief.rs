@@ -53,7 +53,8 @@ fn close(a: f64, b: f64) -> bool {
 }
 
 #[test]
-fn the_brakes_of_a_moving_arm_whose_link_is_lost_are_asked_for_once_the_torque_is_not_held_any_more() {
+fn the_brakes_of_a_moving_arm_whose_link_is_lost_are_asked_for_once_the_torque_is_not_held_any_more()
+ {
     for hold_samples in [0, 5, 9] {
         let (mut joint, mut m) = standing(&Options { hold_samples, ..Options::new(T_NS) });
         for _ in 0..20 {
@@ -175,6 +176,9 @@ fn sensors_that_are_sound_for_a_hundred_samples_are_believed_again() {
     }
 }
 
+/// What comes after a sample.
+type Next = fn(Measurement<f64>) -> Measurement<f64>;
+
 #[test]
 fn a_sample_that_is_not_sound_begins_the_count_anew() {
     // Each in the midst of sound ones; whether it is one of them.
@@ -184,7 +188,6 @@ fn a_sample_that_is_not_sound_begins_the_count_anew() {
     let stuck = |m: Measurement<f64>| Measurement { dq: 0.03, ..m };
     let stands = |m: Measurement<f64>| Measurement { dq: 0.019, ..m };
     let backward = |m: Measurement<f64>| gone(m, -0.1);
-    type Next = fn(Measurement<f64>) -> Measurement<f64>;
     let all: [(&str, Next, bool); 6] = [
         ("as before", moving, true),
         ("another velocity", unlike, false),
@@ -216,7 +219,11 @@ fn a_sample_that_is_not_sound_begins_the_count_anew() {
     for k in 1..400 {
         m = moving(m);
         let was = joint.state.joints[0].reference().q;
-        if k == 60 { missed(&mut joint) } else { stop(&mut joint, m) };
+        if k == 60 {
+            missed(&mut joint)
+        } else {
+            stop(&mut joint, m)
+        };
         if (joint.state.joints[0].reference().q - was).abs() > 0.0 {
             found = found.or(Some(k));
         }
@@ -238,10 +245,16 @@ fn closed_brakes_take_over_from_the_law_with_the_torque_that_held_the_arm_until_
             let command = answer.commands[0];
             if k <= takes {
                 let law = outer(KP, KD, &m, joint.state.joints[0].reference()) + command.phi_hat;
-                assert!(close(command.tau, law) && command.phi_hat > LOAD + 0.01, "{k}: {command:?}");
+                assert!(
+                    close(command.tau, law) && command.phi_hat > LOAD + 0.01,
+                    "{k}: {command:?}"
+                );
                 mean += T / 0.05 * (command.phi_hat - mean);
             } else {
-                assert!(close(command.phi_hat, mean) && close(command.tau, mean), "{k}: {command:?}");
+                assert!(
+                    close(command.phi_hat, mean) && close(command.tau, mean),
+                    "{k}: {command:?}"
+                );
             }
         }
         assert!(mean > LOAD + 0.1);

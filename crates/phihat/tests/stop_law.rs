@@ -20,8 +20,11 @@ const TORQUE_MAX: f64 = 40.0;
 
 /// A joint that has tracked a motion of so many rad/s under a load that it knows, and where it is.
 fn moving(speed: f64, limits: Limits<f64>) -> (Joint, Measurement<f64>) {
-    let options =
-        JointOptions { stop: Some(STOP), first_motion: Some(EXCITATION), ..JointOptions::default() };
+    let options = JointOptions {
+        stop: Some(STOP),
+        first_motion: Some(EXCITATION),
+        ..JointOptions::default()
+    };
     let law = gains(KP, KD, FIRST).with_limits(limits);
     let mut joint = Joint::new(law, options, &Options::new(T_NS));
     let mut m = Measurement { q: 0.1, dq: 0.0, tau_applied: LOAD };
@@ -200,7 +203,13 @@ impl ByHand {
             return 0.0;
         }
         match since % 16 {
-            0..8 => if m.dq > 0.0 { -EXCITATION } else { EXCITATION },
+            0..8 => {
+                if m.dq > 0.0 {
+                    -EXCITATION
+                } else {
+                    EXCITATION
+                }
+            }
             _ => 0.0,
         }
     }
@@ -285,7 +294,8 @@ fn f31_a_drive_is_let_go_tried_and_taken_back_at_the_sample_that_the_rule_says()
     for seed in 0..60 {
         let mut dice = Dice(3200 + seed);
         let speed = dice.within(-0.8, 0.8);
-        let drive = [-1.0, 0.0, 0.03, 0.08, 1.0, 0.5][usize::from(dice.bits().to_le_bytes()[0] % 6)];
+        let drive =
+            [-1.0, 0.0, 0.03, 0.08, 1.0, 0.5][usize::from(dice.bits().to_le_bytes()[0] % 6)];
         let push = dice.within(-30.0, 30.0);
         // What is wrong ends, or does not, or comes again.
         let until = [200, 1000, 5000][usize::from(dice.bits().to_le_bytes()[0] % 3)];
@@ -301,7 +311,10 @@ fn f31_a_drive_is_let_go_tried_and_taken_back_at_the_sample_that_the_rule_says()
         back += u32::from(taken > 0);
     }
     println!("{let_go} of 60 let go, {driven} tried, {back} taken back, {twice} let go again");
-    assert!(let_go > 20 && driven > 20 && back > 5 && twice > 2, "{let_go} {driven} {back} {twice}");
+    assert!(
+        let_go > 20 && driven > 20 && back > 5 && twice > 2,
+        "{let_go} {driven} {back} {twice}"
+    );
 }
 
 #[test]
@@ -388,7 +401,10 @@ fn an_arm_that_is_armed_anew_is_held_though_its_stop_let_a_joint_go() {
             let Command { tau, phi_hat, .. } = answer.commands[0];
             if mode == ModeRequest::Arm {
                 assert_eq!(answer.report.mode, Mode::Armed);
-                assert!((tau - LOAD).abs() < 1.0 && (tau - phi_hat).abs() < 1e-9, "{tau} {phi_hat}");
+                assert!(
+                    (tau - LOAD).abs() < 1.0 && (tau - phi_hat).abs() < 1e-9,
+                    "{tau} {phi_hat}"
+                );
             }
         }
     }

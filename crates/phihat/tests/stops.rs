@@ -5,8 +5,8 @@
 use crate::arm::{Arm, FIRST, SECOND, T, T_NS, at};
 use crate::joint::{INERTIA, Joint, gains};
 use phihat::{
-    Answer, Command, Events, Fault, JointDesign, JointGains, JointOptions, Limits, Measurement, Mode,
-    ModeRequest, MotionLimits, Options, Reference, Schedule,
+    Answer, Command, Events, Fault, JointDesign, JointGains, JointOptions, Limits, Measurement,
+    Mode, ModeRequest, MotionLimits, Options, Reference, Schedule,
 };
 
 const LOAD: f64 = 12.0;
@@ -314,7 +314,8 @@ fn a_stop_takes_a_quarter_of_the_limits_or_what_the_outer_loop_gives() {
 fn a_stop_asks_for_no_torque_that_could_not_be_taken_back_in_time() {
     const RATE: f64 = 300.0;
     let law = gains(400.0, 40.0, FIRST).with_limits(Limits::new(None, Some(RATE), T).unwrap());
-    for (speed, armed) in [(0.0_f64, false), (0.4, false), (-0.4, false), (0.9, false), (2.0, true)] {
+    for (speed, armed) in [(0.0_f64, false), (0.4, false), (-0.4, false), (0.9, false), (2.0, true)]
+    {
         let mut joint = Joint::new(law, JointOptions::default(), &Options::new(T_NS));
         let mut m = Measurement::default();
         joint.step(ModeRequest::Arm, m, Reference::default());
