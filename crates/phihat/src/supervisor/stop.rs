@@ -211,7 +211,7 @@ impl<R: Real> JointRules<R> {
         let demand = phi_hat + (demand - phi_hat).saturate(most);
         let stopping = &mut memory.stopping;
         let left = stopping.reserve - (m.tau_applied - known) * moved;
-        stopping.reserve = if left < self.stop.reserve { left } else { self.stop.reserve };
+        stopping.reserve = left.saturate(self.stop.reserve);
         let (place, samples) = &mut stopping.rest;
         if (m.q - *place).abs() > self.stop.rest_travel {
             (*place, *samples) = (m.q, 0);
@@ -221,8 +221,6 @@ impl<R: Real> JointRules<R> {
             (*place, *samples) = (m.q, 0);
             stopping.reserve = self.stop.reserve;
         }
-        let least = -self.stop.reserve;
-        stopping.reserve = if stopping.reserve > least { stopping.reserve } else { least };
         let drives = demand - known;
         let gives = drives * moved;
         if gives <= R::ZERO || gives <= stopping.reserve {
