@@ -28,7 +28,8 @@ pub(crate) fn rotate(root: &Path) -> Result<(), String> {
     }
     let shard = format!("{}/{ROTATION}", turn(root) % ROTATION);
     println!("shard {shard}");
-    try_out(root, "phihat", &["--shard", &shard], LEAST_OF_A_HANDFUL)
+    let chosen = ["--shard", &shard, "--sharding", "round-robin"];
+    try_out(root, "phihat", &chosen, LEAST_OF_A_HANDFUL)
 }
 
 /// A number that changes with the commit.
@@ -64,7 +65,7 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
     };
 
     let mut chosen: Vec<&str> = files.iter().flat_map(|file| ["--file", *file]).collect();
-    chosen.extend(shard.iter().flat_map(|shard| ["--shard", *shard]));
+    chosen.extend(shard.iter().flat_map(|shard| ["--shard", *shard, "--sharding", "round-robin"]));
     try_out(root, name, &chosen, bar)
 }
 
@@ -74,7 +75,7 @@ fn try_out(root: &Path, name: &str, chosen: &[&str], bar: f64) -> Result<(), Str
     let out_text = out.display().to_string();
     std::fs::create_dir_all(&out).map_err(|e| format!("{out_text}: {e}"))?;
     let mut all = vec!["mutants", "--package", name, "--output", &out_text, "--no-shuffle"];
-    all.extend(["--jobs", "1", "--sharding", "round-robin"]);
+    all.extend(["--jobs", "1"]);
     all.extend(["--test-tool", if is_there("nextest") { "nextest" } else { "cargo" }]);
     all.extend(chosen);
     let tools = root.join("target/tools/bin");
