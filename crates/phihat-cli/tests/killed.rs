@@ -292,4 +292,9 @@ fn a_trace_that_is_cut_anywhere_is_read_up_to_its_last_whole_sample() {
     fs::write(out.join("unfinished/gains.json"), "{}").unwrap();
     refused(&folder, &["report", "--recover", "out"], "unfinished/gains.json: is not the file");
     assert!(out.join("unfinished/trace.csv").exists());
+    // What is somebody else's is not taken away.
+    fs::remove_file(out.join("unfinished/begun.json")).unwrap();
+    fs::write(out.join("unfinished/notes.txt"), "mine").unwrap();
+    refused(&folder, &line, "unfinished: notes.txt is there");
+    assert!(out.join("unfinished/notes.txt").exists());
 }

@@ -522,10 +522,12 @@ frequency_hz = 0.5
         for k in 0..2 * BLOCK as u64 {
             watched.step(&torque(k));
         }
-        while !watched.is_done() {
-            std::thread::yield_now();
+        let mut looks_left = 60_000;
+        while !watched.is_done() && looks_left > 0 {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+            looks_left -= 1;
         }
-        assert!(watched.is_over());
+        assert!(looks_left > 0 && watched.is_over(), "nobody was told");
         let why = watched.failure.unwrap().to_string();
         assert!(why.contains("study.toml"), "{why}");
         assert!(looks.0.is_empty());

@@ -1,8 +1,8 @@
 //! The record of a drive while it goes on: what is left of it where the process is killed, and how a record is made of that.
 
 use std::collections::BTreeMap;
-use std::io;
-use std::io::{BufRead, BufReader, BufWriter, Read as _};
+use std::fs;
+use std::io::{self, BufRead, BufReader, BufWriter, Read as _};
 use std::path::{Path, PathBuf};
 
 use phihat_design::Gains;
@@ -60,6 +60,10 @@ impl Journal {
         let folder = record.join(UNFINISHED);
         let told = |why: io::Error| DiskError::untouched(&folder, why);
         // Of a drive that ended before its first sample was there, or whose record is whole.
+        if let Some(name) = not_ours(&folder) {
+            let why = format!("{name} is there, which no drive leaves: put it elsewhere");
+            return Err(SessionError::at(&folder, why));
+        }
         take_folder_away(&folder).map_err(told)?;
         let mut whole = Whole::in_locked_folder();
         let mut origin = Origin { run, designed_by: None, files: BTreeMap::new() };
@@ -82,7 +86,7 @@ impl Journal {
     pub(crate) fn keep(&mut self, part: &Trace) -> Result<(), SessionError> {
         let kept = self.csv.block(part).and_then(|()| self.csv.flush());
         self.any |= kept.is_ok();
-        kept.map_err(|why| SessionError::at(&self.folder, why))
+        Ok(kept.map_err(|why| DiskError::untouched(&self.folder, why))?)
     }
 
     /// The record is whole, or nothing was driven: it goes.
@@ -102,6 +106,14 @@ impl Journal {
         let _ = self.remove();
         None
     }
+}
+
+/// The name of something in an unfinished record that is not of one.
+fn not_ours(folder: &Path) -> Option<String> {
+    let ours = ["study.toml", GAINS, INPUTS, BEGUN, TraceKind::Csv.file()];
+    let entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
+    let mut names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    names.find(|name| !ours.contains(&name.as_str()) && !name.ends_with(".partial"))
 }
 
 /// Takes an unfinished record away, first what says that it is one.
