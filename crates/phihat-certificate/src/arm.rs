@@ -1,4 +1,4 @@
-//! What is known of an arm's inertia: the range that a constant nominal inertia has to stand for.
+//! Range of an arm's inertia, which a constant nominal inertia has to cover.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,14 +13,14 @@ use crate::Searched;
 ///
 /// # Not claimed
 ///
-/// Postures that were not tried, unless [`Searched::proved`] bounds them. With an interval per joint, typed or estimated: coupling between joints. An
-/// estimate from a trace is not a proof.
+/// Postures that were not tried, unless [`Searched::proved`] bounds them. With an interval per joint, typed
+/// or estimated: coupling between joints. An estimate from a trace is not a proof.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ArmInertia {
     /// Kind of knowledge.
     pub basis: ArmBasis,
-    /// Where the range comes from, in words.
+    /// Source of the range, in words.
     pub source: String,
     /// Nominal inertia `M̄` \[kg·m²\] per joint that the range is measured in.
     pub nominal_kg_m2: Vec<f64>,
@@ -28,12 +28,12 @@ pub struct ArmInertia {
     pub low: f64,
     /// Largest eigenvalue.
     pub high: f64,
-    /// How the ends were found, where the range is that of a robot's description.
+    /// Search that found the ends, where the range is that of a robot's description.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub searched: Option<Searched>,
 }
 
-/// What the range of inertia rests on.
+/// Basis of the range of inertia.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ArmBasis {

@@ -43,7 +43,8 @@ pub struct Attenuation {
     pub diagonal: Option<Interval>,
     /// Smallest `K̃` whose return difference holds; `None`: it is not below `a_{m−1}`.
     pub return_difference: Option<f64>,
-    /// Where the return difference fails just below that value, `ω²` \[rad²/s²\]; `None`: as ω → ∞, or never.
+    /// `ω²` at which the return difference fails just below that value \[rad²/s²\]; `None`: as ω → ∞, or
+    /// never.
     pub blocking_w: Option<f64>,
     /// Infimum of `γ` with a diagonal `Q`.
     pub gamma_diagonal: Option<f64>,
@@ -146,7 +147,8 @@ fn verify_diagonal(law: &UnitLaw, Interval { low, high }: Interval) -> Result<()
     Ok(())
 }
 
-/// Whether the half-lines `q_i(K̃) > 0` have no point of `(0, a_{m−1})` in common, or `K_p`, `K_d` are not positive.
+/// Returns true if the half-lines `q_i(K̃) > 0` have no common point in `(0, a_{m−1})`, or `K_p`, `K_d` are
+/// not positive.
 fn nowhere_positive(law: &UnitLaw) -> bool {
     let (mut from, mut to) = (0.0_f64, law.a_top());
     let whole = law.a_top();

@@ -1,4 +1,4 @@
-//! What peak-to-peak gains and a known `φ` say about one joint's error.
+//! Bounds on one joint's error, from peak-to-peak gains and a known `φ`.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// # Not claimed
 ///
-/// Where [`crate::Phi::motion`] is not known, what the motion of the reference costs by itself comes on top.
+/// The error caused by the reference's own motion, if [`crate::Phi::motion`] is not known: it comes on top.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bounds {

@@ -26,20 +26,22 @@ pub struct Certificate {
     /// Why stability while the arm moves is not proved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moving_refused: Option<Refutation>,
-    /// The widest range found, around the middle of the arm's, through which it may move at any speed; for laws of their own.
+    /// Widest range found, around the middle of the arm's, through which it may move at any speed; for joints
+    /// with laws of their own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub any_speed: Option<AnySpeed>,
-    /// Stability at every frozen posture where joints have laws of their own; `None`: they share one, or it is not proved.
+    /// Stability at every frozen posture where joints have laws of their own; `None`: they share one, or it
+    /// is not proved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frozen: Option<FrozenArm>,
     /// Why that is not proved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frozen_refused: Option<Refutation>,
-    /// How far a push on one joint moves every joint, at frozen postures; `None` where no model of the arm is known, or the loop
-    /// does not hold.
+    /// Gains from a push on one joint to every joint, at frozen postures; `None` where no model of the arm is
+    /// known, or a claim about the loop is refused.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coupled: Option<CoupledGains>,
-    /// What the study has and the claims leave out.
+    /// Effects in the study that the claims leave out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_counted: Vec<NotCounted>,
     /// An envelope of the study's run from its start.
@@ -72,7 +74,8 @@ pub struct JointCertificate {
     /// Range through which the inertia may move from sample to sample, for the sampled loop; `None`: no common
     /// quadratic form.
     pub sampled_varying: Option<SampledVarying>,
-    /// What holds of the law in continuous time; `None`: a law from positions, which is made for its sampled loop.
+    /// Claims about the law in continuous time; `None`: a law from positions, which is made for its sampled
+    /// loop.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub continuous: Option<ContinuousLaw>,
     /// Stability margins over the arm's range; like all that follows `None` where the window is refused.
@@ -89,16 +92,16 @@ pub struct JointCertificate {
     pub step: Option<LargestStep>,
     /// Torque limit \[N·m\] and torque-rate limit \[N·m/s\] that `step` is about.
     pub limits: (Option<f64>, Option<f64>),
-    /// What `φ` may be; `None`: not known, so no bound on the error.
+    /// Bounds on `φ`; `None`: not known, so no bound on the error.
     pub phi: Option<Phi>,
-    /// What follows for the error.
+    /// Bounds on the error that follow.
     pub bounds: Option<Bounds>,
     /// Claims that do not hold, each with its inequality. Gains with any of these do not arm.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub refused: Vec<Refutation>,
 }
 
-/// What is known of one joint's steady error.
+/// Bounds on one joint's steady error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorBound {
     /// `|e|` \[rad\].

@@ -1,4 +1,4 @@
-//! What a study leaves to the design: the gains carry it.
+//! Choices that a study leaves to the design, and that the gains carry.
 
 use phihat::Form;
 use phihat_study::Study;
@@ -6,8 +6,8 @@ use phihat_study::Study;
 use crate::{Gains, GainsError, LoopModel};
 
 impl Gains {
-    /// Gives a study what it leaves to the design and these gains carry: the form, and the velocity filter, which a law from
-    /// positions has not.
+    /// Gives a study what it leaves to the design and these gains carry: the form, and the velocity filter,
+    /// which a law from positions does not have.
     ///
     /// # Errors
     ///

@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CoarserEncoder {
-    /// How many bits each encoder has less.
+    /// Number of bits that each encoder has less.
     pub bits_fewer: u32,
     /// Largest |e| of each joint from the settling time on \[rad\]; empty: there is no tube.
     pub error_max_rad: Vec<f64>,
     /// Largest change of each joint's torque from one sample to the next \[N·m\]; empty: there is no tube.
     pub torque_step_max_nm: Vec<f64>,
-    /// Whether no limit of torque rate can act, so that the errors hold behind the study's as well.
+    /// True if no limit of torque rate can act, so that the errors hold with the study's limits too.
     pub within_rate_limits: bool,
     /// Why there is no tube.
     #[serde(default, skip_serializing_if = "Option::is_none")]

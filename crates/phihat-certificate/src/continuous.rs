@@ -1,4 +1,4 @@
-//! What is claimed about the law in continuous time, at the nominal inertia.
+//! Claims about the law in continuous time, at the nominal inertia.
 
 use serde::{Deserialize, Serialize};
 

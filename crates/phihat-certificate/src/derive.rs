@@ -1,4 +1,4 @@
-//! What a file has to be trusted for, derived again from the study it was made from.
+//! Second derivation, from the study, of the data that a file is trusted for.
 
 use phihat_model::{Body, Model, Rotor, Workspace};
 use phihat_study::{InertiaSource, PhiSource, Study};
@@ -85,7 +85,7 @@ impl Certificate {
         Ok(told)
     }
 
-    /// What one joint's claims are about.
+    /// Checks that one joint's loop model, limits, encoder and typed `φ` are the study's.
     fn joint(
         joint: &JointCertificate,
         (gains, study, i): (&Gains, &Study, usize),

@@ -15,21 +15,21 @@ const CLAIM: &str = "laws of their own";
 ///
 /// # Claim
 ///
-/// For every constant symmetric `W` with its spectrum in `[a, b] = [low, high]`, the loop `det(W + diag L_i(z)) = 0` has all its
-/// roots inside the unit circle, `L_i` joint `i`'s own loop per unit of its `M̄`. Needed where laws differ: with one
-/// law, each eigenvalue of `W` is a loop by itself.
+/// For every constant symmetric `W` with its spectrum in `[a, b] = [low, high]`, the loop
+/// `det(W + diag L_i(z)) = 0` has all its roots inside the unit circle, `L_i` joint `i`'s own loop per unit
+/// of its `M̄`. Needed where laws differ: with one law, each eigenvalue of `W` is a loop by itself.
 ///
 /// # Proof
 ///
-/// At a root on the circle `Wv = −diag(L) v` for some `v`. `W` is real and symmetric, so `Σ|v_i|² Im L_i = 0`; its spectrum
-/// gives `Σ|v_i|² Re((L_i + a)(L_i + b)*) ≤ 0`. Both contradict
+/// At a root on the circle `Wv = −diag(L) v` for some `v`. `W` is real and symmetric, so
+/// `Σ|v_i|² Im L_i = 0`; its spectrum gives `Σ|v_i|² Re((L_i + a)(L_i + b)*) ≤ 0`. Both contradict
 ///
 /// ```text
 /// x Re((L_i + a)(L_i + b)*) + y Im L_i > 0   for all i, with one x ≥ 0 and one real y                        (F1)
 /// ```
 ///
-/// at that frequency: all `L_i` lie outside one circle through `−a` and `−b`. `W_s = (1 − s)c + sW` stays in the set and no root
-/// crosses; at `W = c` each joint is a loop by itself, and stable.
+/// at that frequency: all `L_i` lie outside one circle through `−a` and `−b`. `W_s = (1 − s)c + sW` stays in
+/// the set and no root crosses; at `W = c` each joint is a loop by itself, and stable.
 ///
 /// # Evidence
 ///
@@ -37,7 +37,8 @@ const CLAIM: &str = "laws of their own";
 ///
 /// # Not claimed
 ///
-/// Drives that differ where a measured velocity is heard; postures that move; friction, gravity's gradient and limits in action.
+/// Drives that differ where a measured velocity is used; postures that move; friction, gravity's gradient and
+/// limits in action.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrozenArm {
@@ -116,7 +117,7 @@ impl Sides {
     }
 }
 
-/// Whether one `κ = y/x` serves all joints: `f + κg > 0` over every box of `f`, `g`.
+/// Returns true if one `κ = y/x` serves all joints: `f + κg > 0` over every box of `f`, `g`.
 fn one_circle(sides: impl Iterator<Item = Sides>) -> bool {
     // κ ≥ 0 asks `f_low + κ g_low > 0`, κ ≤ 0 `f_low + |κ| (−g_high) > 0`.
     let mut halves = [(0.0_f64, f64::INFINITY); 2];

@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use crate::{Certificate, CoarserEncoder, JointLimit, JointRecord, PositionObserver, TradeOff};
 
-/// What `format` says in every gains document.
+/// Value of `format` in every gains document.
 pub const FORMAT: &str = "phihat-gains";
 
 /// The version of the document's shape that this crate writes and reads.
@@ -53,7 +53,7 @@ pub struct Gains {
     pub study_sha256: String,
     /// Loop rate the gains were made for \[Hz\].
     pub rate_hz: f64,
-    /// How they were found, in words: for people.
+    /// Method that gave the gains, in words: for people.
     pub method: String,
     /// Cut-off of the velocity's low-pass \[Hz\] where the design chose it; `None`: the study's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -63,16 +63,16 @@ pub struct Gains {
     /// Names of the joints that slide, where there are any: of them, rad reads m, and N·m reads N.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sliding: Vec<String>,
-    /// What is claimed about them, with its evidence.
+    /// Claims about the gains, with their evidence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub certificate: Option<Certificate>,
-    /// What other errors would have cost in torque noise, ascending in noise; empty where nothing was searched.
+    /// Torque noise of laws with other errors, ascending in noise; empty where nothing was searched.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub trade_off: Vec<TradeOff>,
-    /// How far each joint's law is from what no linear law undercuts; informs, and empty where nobody asked.
+    /// Comparison of each joint's law with the limit of linear laws; informs, and empty where not requested.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub limit: Vec<JointLimit>,
-    /// What becomes of the tube behind coarser encoders, the least coarse first; informs, and empty where there is no tube or
+    /// The tube with coarser encoders, the least coarse first; informs, and empty where there is no tube or
     /// no encoder.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub coarser: Vec<CoarserEncoder>,
@@ -87,13 +87,13 @@ pub enum GainsError {
     /// Another kind of document.
     #[error("format is {found:?}; {FORMAT:?} is expected")]
     Format {
-        /// What the document says.
+        /// Format in the document.
         found: String,
     },
     /// Written by another version.
     #[error("version is {found}; this program reads version {VERSION}")]
     Version {
-        /// What the document says.
+        /// Version in the document.
         found: u32,
     },
     /// The joints are not those of the robot, in its order.
@@ -143,7 +143,8 @@ pub enum GainsError {
 }
 
 impl Gains {
-    /// Gains for a loop at this rate \[Hz\], of no study, about which nothing is claimed. `method` says how they were found.
+    /// Gains for a loop at this rate \[Hz\], of no study, about which nothing is claimed. `method` says how
+    /// they were found.
     pub fn stated(joints: Vec<JointRecord>, rate_hz: f64, method: impl Into<String>) -> Self {
         Self {
             format: FORMAT.to_owned(),
@@ -170,7 +171,7 @@ impl Gains {
         Self { study, study_sha256, sliding, ..stated }
     }
 
-    /// Whether a joint slides.
+    /// Returns true if a joint slides.
     pub fn slides(&self, joint: &str) -> bool {
         self.sliding.iter().any(|name| name == joint)
     }

@@ -2,24 +2,26 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How far a joint's law is from the limit of linear laws. Informs: no claim, and nothing checks it.
+/// Error bound of a joint's law compared with the limit of linear laws. Informs: no claim, and nothing checks it.
 ///
 /// # Reckoning
 ///
-/// All errors are `(ramp·φ̇ + jump·φ_J)/M + read·Δ/2`, of this joint alone, with `φ` held over each sample and nothing of the
-/// reference's own motion. The limits are those of laws whose encoder noise in the torque stays within `torque_noise_nm`.
+/// All errors are `(ramp·φ̇ + jump·φ_J)/M + read·Δ/2`, of this joint alone, with `φ` constant over each
+/// sample and nothing of the reference's own motion. The limits are those of laws whose encoder noise in the
+/// torque stays within `torque_noise_nm`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointLimit {
     /// Joint name.
     pub name: String,
-    /// Where the bounds on `φ` come from, in words.
+    /// Source of the bounds on `φ`, in words.
     pub phi_source: String,
     /// Largest |φ̇| of the smooth part of `φ` \[N·m/s\].
     pub phi_rate_nm_s: f64,
     /// Largest size of the part of `φ` that jumps \[N·m\].
     pub phi_jump_nm: f64,
-    /// Largest change of torque per sample that the encoder causes with these gains, over the arm's range of inertia \[N·m\].
+    /// Largest change of torque per sample that the encoder causes with these gains, over the arm's range of
+    /// inertia \[N·m\].
     pub torque_noise_nm: f64,
     /// At `M̄`, known: no linear law has a smaller bound than the first, and one has the second \[rad\].
     pub limit_rad: (f64, f64),

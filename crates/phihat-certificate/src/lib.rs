@@ -1,4 +1,4 @@
-//! What is claimed about gains, as data: the gains document and its certificate.
+//! Claims about gains, as data: the gains document and its certificate.
 //!
 //! This crate finds nothing: whoever checks a claim must not see how it was found. [`Gains`] is the document
 //! `gains.json`; [`Certificate`] holds every claim about gains; [`Certificate::verify`] checks them by methods of its

@@ -32,9 +32,9 @@ pub struct Margins {
     pub low: f64,
     /// Largest inertia ratio of the range.
     pub high: f64,
-    /// How much more torque: `low` over the window's lower edge.
+    /// Upper gain margin, for more torque: `low` over the window's lower edge.
     pub gain_up: f64,
-    /// How much less torque: the window's upper edge over `high`.
+    /// Lower gain margin, for less torque: the window's upper edge over `high`.
     pub gain_down: f64,
     /// Phase margin \[°\].
     pub phase_deg: f64,
@@ -45,8 +45,8 @@ pub struct Margins {
 }
 
 impl Margins {
-    /// Proves every margin: gain, modulus, phase and delay by zero exclusion, whole samples of delay by a count of roots
-    /// too.
+    /// Proves every margin: gain, modulus, phase and delay by zero exclusion, whole samples of delay by a
+    /// count of roots too.
     ///
     /// # Errors
     ///

@@ -4,7 +4,7 @@ use phihat::{Form, TorqueSource, VelocitySource};
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 
-/// How a document spells the core's words: the core itself knows no file format.
+/// Spelling of the core's words in a document: the core itself knows no file format.
 mod spelling {
     use serde::{Deserialize, Serialize};
 
@@ -49,7 +49,7 @@ pub struct LoopModel {
     pub period_s: f64,
     /// Transport delay from sample to acting torque \[samples\].
     pub delay_samples: u32,
-    /// How late measurements arrive \[samples\].
+    /// Delay of the measurements \[samples\].
     #[serde(default)]
     pub sample_delay_samples: u32,
     /// Torque that the observer is fed.

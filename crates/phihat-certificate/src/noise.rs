@@ -13,7 +13,7 @@ use crate::{JointRecord, LoopModel, Refutation};
 
 const CLAIM: &str = "torque noise";
 
-/// What a joint's encoder makes of the torque, worst over some inertia ratios.
+/// Torque noise caused by a joint's encoder, worst over some inertia ratios.
 ///
 /// # Law
 ///
@@ -21,7 +21,8 @@ const CLAIM: &str = "torque noise";
 /// to commanded torque:
 ///
 /// ```text
-/// rms τ = M̄ Δ/√12 ‖h‖₂,    rms (τ_k − τ_{k−1}) = M̄ Δ/√12 ‖h_k − h_{k−1}‖₂,    |τ_k − τ_{k−1}| ≤ M̄ Δ/2 ‖h_k − h_{k−1}‖₁
+/// rms τ = M̄ Δ/√12 ‖h‖₂,    rms (τ_k − τ_{k−1}) = M̄ Δ/√12 ‖h_k − h_{k−1}‖₂,
+/// |τ_k − τ_{k−1}| ≤ M̄ Δ/2 ‖h_k − h_{k−1}‖₁
 /// ```
 ///
 /// # Claim

@@ -28,7 +28,7 @@ pub struct NormH {
     pub lower: f64,
     /// The norm is at most this.
     pub upper: f64,
-    /// Where the lower side is attained \[rad/s\].
+    /// Frequency at which the lower side is attained \[rad/s\].
     pub frequency_rad_s: f64,
 }
 

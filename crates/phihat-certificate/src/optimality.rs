@@ -13,7 +13,7 @@ use crate::{Matrix, Refutation, UnitLaw};
 
 const CLAIM: &str = "optimality";
 
-/// What the mathematics says about a law at one value of `K̃`.
+/// Inverse optimality of a law at one value of `K̃`: certified, or refuted.
 ///
 /// # Claim
 ///
@@ -62,7 +62,7 @@ pub struct Refused {
     pub k_tilde: f64,
     /// The paper's name of the condition (A1 … A3, B1, B2), or `Q33` and so on for higher orders.
     pub condition: String,
-    /// Which number decides, such as `Q44`.
+    /// The quantity that decides, such as `Q44`.
     pub quantity: String,
     /// Value of the quantity; it should be positive.
     pub value: f64,
@@ -163,8 +163,8 @@ impl Certified {
 }
 
 impl Refused {
-    /// The quantity that is named must be what it is said to be, not positive, and the condition one of the paper's that
-    /// fails, or the quantity's own name.
+    /// The quantity that is named must be what it is said to be, not positive, and the condition one of the
+    /// paper's that fails, or the quantity's own name.
     fn verify(&self, law: &UnitLaw) -> Result<(), Refutation> {
         const CLAIM: &str = "refusal of optimality";
         law.check(CLAIM)?;
@@ -195,7 +195,7 @@ impl Refused {
         agrees(CLAIM, &quantity, (self.value, value), RESIDUAL)
     }
 
-    /// Whether the condition has one of the paper's names; else it is the quantity's own.
+    /// Returns true if the condition has one of the paper's names; else it is the quantity's own.
     fn is_papers(&self) -> bool {
         !(self.condition == self.quantity
             || self.condition == "K̃ > 0"

@@ -22,9 +22,10 @@ const CLAIM: &str = "sampled peak gains";
 /// |x_i| ≤ bend_i max|φ̈|/M̄                                        (φ(0) = φ̇(0) = 0)
 /// ```
 ///
-/// For `e` and `ė` with `φ` of any shape in continuous time; for `∫e`, and for `bend`, with `φ` held over each sample
-/// interval (steps of at most `φ̇ T`, that differ by at most `φ̈ T²`). For `φ = φ_smooth + φ_jump` the sum of both. `φ` is what comes from outside: gravity, coupling,
-/// friction, load; the part `(M − M̄)q̈` is in the loop already. `∫e` is `T Σ e_k`.
+/// For `e` and `ė` with `φ` of any shape in continuous time; for `∫e`, and for `bend`, with `φ` constant over
+/// each sample interval (steps of at most `φ̇ T`, that differ by at most `φ̈ T²`). For
+/// `φ = φ_smooth + φ_jump` the sum of both. `φ` is what comes from outside: gravity, coupling, friction,
+/// load; the part `(M − M̄)q̈` is in the loop already. `∫e` is `T Σ e_k`.
 ///
 /// # Evidence
 ///
@@ -51,8 +52,8 @@ pub struct SampledPeaks {
 }
 
 impl SampledPeaks {
-    /// Runs the loop signal by signal after an impulse and a step of `φ` and sums what is seen; a gain that is stated must
-    /// not be smaller.
+    /// Runs the loop signal by signal after an impulse and a step of `φ` and sums the outputs; a stated gain
+    /// must not be smaller.
     ///
     /// # Errors
     ///
@@ -132,8 +133,9 @@ impl Found {
 /// The loop's multiplicity of `w` in `e/φ = −(1 + w/2)T²Δ/(w²μ(Δ + N/μ))`, `Δ` of [`crate::check::returns`]: sums of so
 /// many orders vanish.
 ///
-/// The observer's bracket is `w^{m−1}z^dX + A(XΣz^i + c)`: `w^{m−1}` where nothing is late, a constant else. A filter adds
-/// `w^m` times something to that of a law from positions, and so takes nothing away.
+/// The observer's bracket is `w^{m−1}z^dX + A(XΣz^i + c)`: `w^{m−1}` without a delay or a drive, a constant
+/// else. A filter adds a multiple of `w^m` to that of a law from positions, and so does not lower its
+/// multiplicity.
 fn servo_type(of: &Loop) -> usize {
     let late = of.late > 0 || of.drives();
     match (of.model.form, &of.sight) {

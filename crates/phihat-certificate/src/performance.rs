@@ -1,4 +1,4 @@
-//! How large the errors of the continuous law get: peak-to-peak gains.
+//! Peak-to-peak gains: bounds on the errors of the continuous law.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! What the unknown dynamics may be.
+//! Bounds on the unknown dynamics.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct Phi {
     /// Kind of knowledge.
     pub basis: PhiBasis,
-    /// Where they come from, in words.
+    /// Source of the bounds, in words.
     pub source: String,
     /// Largest |φ| \[N·m\]; `None`: not known, or not needed.
     pub size_nm: Option<f64>,
@@ -16,7 +16,8 @@ pub struct Phi {
     pub rate_nm_s: f64,
     /// Largest size of the part that jumps \[N·m\].
     pub jump_nm: f64,
-    /// How the reference moves, which costs an error of its own; `None`: not known, and not in the bounds.
+    /// Bounds on the reference, whose motion costs an error of its own; `None`: not known, and not in the
+    /// bounds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motion: Option<Motion>,
 }
@@ -35,14 +36,14 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// What it does through gains from acceleration and jerk.
+    /// Error that the motion causes, through gains from acceleration and jerk.
     pub fn costs(&self, acceleration: f64, jerk: Option<f64>) -> f64 {
         let held = acceleration * self.acceleration_rad_s2;
         jerk.map_or(held, |jerk| held.min(jerk * self.jerk_rad_s3))
     }
 }
 
-/// What bounds on `φ` rest on.
+/// Basis of bounds on `φ`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PhiBasis {
@@ -57,8 +58,9 @@ pub enum PhiBasis {
 }
 
 impl Phi {
-    /// What a signal with these bounds does through a peak-to-peak gain `jump` from `φ`, and `ramp` from `φ̇`:
-    /// `ramp |φ̇_smooth| + jump |φ_jump|`, or `jump |φ|` where the size is known and gives less.
+    /// Response to a signal with these bounds, at most, through a peak-to-peak gain `jump` from `φ`, and
+    /// `ramp` from `φ̇`: `ramp |φ̇_smooth| + jump |φ_jump|`, or `jump |φ|` where the size is known and gives
+    /// less.
     pub fn bound(&self, jump: f64, ramp: Option<f64>) -> f64 {
         let smooth = ramp.map_or(f64::INFINITY, |gain| gain * self.rate_nm_s);
         let by_parts = smooth + jump * self.jump_nm;

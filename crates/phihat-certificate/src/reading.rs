@@ -1,4 +1,4 @@
-//! What the encoder's resolution does to the true error.
+//! True error caused by the encoder's resolution.
 
 use serde::{Deserialize, Serialize};
 

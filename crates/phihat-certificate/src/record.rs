@@ -21,7 +21,7 @@ pub struct JointRecord {
     /// positions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub a: Vec<f64>,
-    /// What a law from positions has in their place.
+    /// Observer of a law from positions, in their place.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub observer: Option<PositionObserver>,
 }
@@ -48,7 +48,8 @@ pub struct PositionObserver {
 pub struct FilterSection {
     /// `c_0, c_1`: its poles are `z = 1 + w` with `w² + c_1 w + c_0 = 0`.
     pub rates: [f64; 2],
-    /// `b_0, b_1`: what its state and the change of that per sample weigh in the torque that is wanted, per `M̄` \[1/s²\].
+    /// `b_0, b_1`: weights of its state and of the change of that per sample in the wanted torque, per `M̄`
+    /// \[1/s²\].
     pub weights_per_s2: [f64; 2],
 }
 
@@ -69,7 +70,8 @@ impl JointRecord {
         self.observer.as_ref().map_or(&[], |own| &own.innovation_filter)
     }
 
-    /// Whether the feed-forward of a law from positions acts in the interval that it is for; always, of another law.
+    /// Returns true if the feed-forward of a law from positions acts in the interval that it is for; always,
+    /// of another law.
     pub fn fed_in_time(&self, model: &LoopModel) -> bool {
         let late = model.delay_samples + model.sample_delay_samples;
         let in_time = |own: &PositionObserver| {

@@ -1,4 +1,4 @@
-//! What the reference's own motion costs: the part of the error that no unknown torque causes.
+//! Error caused by the reference's own motion: the part that no unknown torque causes.
 
 use serde::{Deserialize, Serialize};
 
@@ -31,15 +31,16 @@ const NONE: f64 = 1e-11;
 /// |ė| likewise, by the gains named after the velocity
 /// ```
 ///
-/// A law from positions feeds forward the mean acceleration of the interval in which its torque acts. Its gains are for a
-/// `q̈_d` of any shape: what the held torque leaves is a kick in position at the end of each interval, of at most
+/// A law from positions feeds forward the mean acceleration of the interval in which its torque acts. Its
+/// gains are for a `q̈_d` of any shape: a torque that is constant over the interval leaves a kick in position
+/// at the end of each interval, of at most
 ///
 /// ```text
 /// T²/(4μ) max|q̈_d|,    T³/(12μ) max|q⃛_d|                                                          (S3)
 /// ```
 ///
-/// That is so without a drive and with the delay that the law knows. Behind a drive, or a delay that it does not know, the
-/// feed-forward acts in another interval than it is for, and there is no such claim.
+/// That is so without a drive and with the delay that the law knows. Behind a drive, or a delay that it does
+/// not know, the feed-forward acts in another interval than it is for, and there is no such claim.
 ///
 /// # Method
 ///
@@ -53,7 +54,7 @@ const NONE: f64 = 1e-11;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReferenceError {
-    /// Whether `M̄ q̈_d` is fed forward.
+    /// True if `M̄ q̈_d` is fed forward.
     pub feed_forward: bool,
     /// Inertia ratios tried.
     pub mu: Vec<f64>,

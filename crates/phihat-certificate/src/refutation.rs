@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Refutation {
-    /// Which claim.
+    /// Name of the claim.
     pub claim: String,
     /// The inequality as a formula; it should hold and does not.
     pub inequality: String,

@@ -55,7 +55,8 @@ impl Witness {
     }
 }
 
-/// A body of the set, the one that covers them all (three times their second moments about every axis), or nothing at all.
+/// Checks that a body is one of the set, the one that covers them all (three times their second moments about
+/// every axis), or nothing at all.
 fn within(claim: &str, set: &PayloadSet, body: &Body) -> Result<(), Refutation> {
     let yes = |what: &str, own: f64, bound: f64, truth: bool| {
         Refutation::unless(claim, what, own, bound, truth)

@@ -11,11 +11,11 @@ use crate::Tube;
 pub struct Settle {
     /// From when on the specification is held against the run \[s\].
     pub settle_s: f64,
-    /// Where that comes from.
+    /// Source of that time.
     pub from: SettleFrom,
 }
 
-/// Where the beginning of the steady part comes from.
+/// Source of the time at which the steady part begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SettleFrom {

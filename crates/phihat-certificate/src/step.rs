@@ -10,7 +10,7 @@ use crate::{JointRecord, LoopModel, Refutation};
 
 const CLAIM: &str = "largest step";
 
-/// How far `q_d` may jump (with `q̇_d = q̈_d = 0`) so that neither torque nor torque rate reaches its limit.
+/// Largest jump of `q_d` (with `q̇_d = q̈_d = 0`) for which neither torque nor torque rate exceeds its limit.
 ///
 /// # Claim
 ///

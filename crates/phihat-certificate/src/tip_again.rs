@@ -8,15 +8,15 @@ use crate::{Refutation, Tube, TubeTip};
 
 const CLAIM: &str = "tube of the tip";
 
-/// What rounding alone may make of a lever arm, relative, and \[m\].
+/// Allowance for rounding in a lever arm: relative, and \[m\].
 const ROUNDING: (f64, f64) = (1e-9, 1e-12);
 
-/// How far a joint is turned to see how far the tip is from its axis \[rad\], pushed \[m\].
+/// Displacement of a joint that measures the tip's distance from its axis: turned \[rad\], pushed \[m\].
 const PROBE: f64 = 1.0;
 
 impl TubeTip {
-    /// The lever arms are at least those of the study's arm along its motion, by turning each joint and measuring the chord that
-    /// the tip goes: no Jacobian.
+    /// The lever arms are at least those of the study's arm along its motion, by turning each joint and
+    /// measuring the chord that the tip goes: no Jacobian.
     ///
     /// # Errors
     ///

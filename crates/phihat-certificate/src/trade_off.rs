@@ -1,4 +1,4 @@
-//! What another error bound would have cost.
+//! Torque noise of laws with other error bounds.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +14,6 @@ pub struct TradeOff {
     pub order: usize,
     /// Bandwidth `ω` of the outer loop \[rad/s\].
     pub bandwidth_rad_s: f64,
-    /// Whether these are the gains of the document.
+    /// True if these are the gains of the document.
     pub chosen: bool,
 }

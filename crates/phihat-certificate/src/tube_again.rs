@@ -12,7 +12,7 @@ const CLAIM: &str = "tube";
 /// Two ways to compute the same number.
 const SAME: f64 = 1e-9;
 
-/// What a second derivation says of a file's tube.
+/// Result of a second derivation of a file's tube.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TubeAgain {
     /// Why it could not be derived: the tube is on trust. `None`: it was.
@@ -29,7 +29,8 @@ impl Certificate {
     ///
     /// # Not claimed
     ///
-    /// That the file's tube is true where it is tighter than what is derived here: [`JointBeside::tighter`] says by how much.
+    /// That the file's tube is true where it is tighter than the derived one: [`JointBeside::tighter`] says
+    /// by how much.
     ///
     /// # Errors
     ///
@@ -56,7 +57,8 @@ impl Certificate {
         Ok(Some(TubeAgain { on_trust: None, joints, first_only }))
     }
 
-    /// The tube that the second method derives for these gains, with the file's bins and settling time. `None`: the file has none.
+    /// The tube that the second method derives for these gains, with the file's bins and settling time.
+    /// `None`: the file has none.
     pub fn tube_again(
         &self,
         gains: &Gains,

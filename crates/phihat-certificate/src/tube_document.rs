@@ -39,7 +39,7 @@ pub struct Tube {
     pub joints: Vec<TubeJoint>,
     /// No torque limit and no torque-rate limit can act anywhere along it.
     pub limits_silent: bool,
-    /// What follows for the tip of the arm; older documents have none.
+    /// Bounds on the tip of the arm that follow; older documents have none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tip: Option<TubeTip>,
 }
@@ -156,8 +156,8 @@ impl Tube {
         index
     }
 
-    /// From when on the rest of the tube stays inside `|e| ≤ error_bound` \[rad\] on every joint: the start of the first
-    /// such bin \[s\]. `None`: its last bin does not.
+    /// Start of the first bin from which on the rest of the tube stays inside `|e| ≤ error_bound` \[rad\] on
+    /// every joint \[s\]. `None`: its last bin does not.
     pub fn settled(&self, error_bound: &[f64]) -> Option<f64> {
         let within = |bin: usize| {
             let mut joints = self.joints.iter().zip(error_bound);

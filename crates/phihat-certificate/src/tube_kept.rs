@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::extremes::{Extremes as _, larger, smaller};
 use crate::{Tube, TubeJoint};
 
-/// What a run recorded of one joint, one entry per sample.
+/// Record of one joint in a run, one entry per sample.
 #[derive(Debug, Clone, Copy)]
 pub struct JointRun<'a> {
     /// True position error `e` \[rad\].
@@ -25,7 +25,7 @@ pub struct TubeKept {
     pub settle_s: f64,
     /// One entry per joint.
     pub joints: Vec<JointKept>,
-    /// Where the run left its tube first; `None`: nowhere.
+    /// First point at which the run left its tube; `None`: it did not.
     pub left: Option<Left>,
 }
 
@@ -36,11 +36,11 @@ pub struct JointKept {
     pub name: String,
     /// Largest |e| from the tube's `settle_s` on \[rad\].
     pub error_max_rad: f64,
-    /// What the tube allows there \[rad\].
+    /// Largest |e| that the tube allows there \[rad\].
     pub error_tube_rad: f64,
     /// Largest |ė| there \[rad/s\].
     pub velocity_error_max_rad_s: f64,
-    /// What the tube allows there \[rad/s\].
+    /// Largest |ė| that the tube allows there \[rad/s\].
     pub velocity_error_tube_rad_s: f64,
     /// Smallest distance of any sample from the edge of the tube \[rad\]; negative outside.
     pub room_rad: f64,
@@ -51,7 +51,7 @@ pub struct JointKept {
 pub struct Left {
     /// Joint name.
     pub joint: String,
-    /// What left the tube.
+    /// Quantity that left the tube.
     pub quantity: Quantity,
     /// When \[s\]; the end of the run for what has no moment.
     pub t_s: f64,
@@ -61,7 +61,7 @@ pub struct Left {
     pub bound: f64,
 }
 
-/// What can leave a tube.
+/// Quantity that can leave a tube.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
@@ -120,7 +120,7 @@ impl Tube {
     }
 }
 
-/// What was seen so far of a run beside its tube.
+/// Comparison of a run with its tube, up to the last block.
 #[derive(Debug, Clone)]
 pub struct TubeWatch {
     joints: Vec<Watched>,

@@ -1,4 +1,4 @@
-//! What a check has shown, what it has taken on trust, and what it leaves out.
+//! Result of a check: what is proved, what is taken on trust, and what is left out.
 
 use phihat::{Form, TorqueSource, VelocitySource};
 use serde::Serialize;
@@ -13,7 +13,7 @@ use crate::{
 pub struct Statement {
     /// The joint it is about; `None`: every joint, or the whole arm.
     pub joint: Option<String>,
-    /// What is stated, in words.
+    /// Name of the quantity or property, in words.
     pub what: String,
     /// Value of what is stated, with units.
     pub value: String,
@@ -23,19 +23,19 @@ pub struct Statement {
 ///
 /// # Not claimed
 ///
-/// What is proved is proved of the loop and the range of inertia that stand under `trusted`. The document's `method`,
+/// The proofs are for the loop and the range of inertia that stand under `trusted`. The document's `method`,
 /// `trade_off` and `limit` inform; nothing checks them, and they do not appear here.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verified {
     /// Claims that were shown from the file.
     pub proved: Vec<Statement>,
-    /// What the proved claims rest on, and the file alone cannot show.
+    /// Basis of the proved claims that the file alone cannot show.
     pub trusted: Vec<Statement>,
-    /// What of `trusted` was derived again from a study.
+    /// Statements of `trusted` that were derived again from a study.
     pub derived: Vec<Statement>,
-    /// What a second derivation from a study says of the tube.
+    /// Result of a second derivation of the tube from a study.
     pub tube: Option<TubeAgain>,
-    /// What the study has and the claims leave out, as the file says.
+    /// Effects in the study that the claims leave out, as the file says.
     pub not_counted: Vec<NotCounted>,
 }
 
@@ -84,7 +84,7 @@ impl Certificate {
         })
     }
 
-    /// What a file cannot show of itself, whether its claims hold or not.
+    /// Statements that a file cannot show of itself, whether its claims hold or not.
     pub fn trusted(&self, gains: &Gains) -> Vec<Statement> {
         let whole = |what: &str, value: String| Statement { joint: None, what: what.into(), value };
         let arm = &self.arm;
@@ -143,7 +143,7 @@ impl Certificate {
         list
     }
 
-    /// What was sought, and is no better than the search.
+    /// Results of searches, which are no better than the search.
     fn looked_for(&self) -> Vec<Statement> {
         let whole = |what: &str, value: String| Statement { joint: None, what: what.into(), value };
         let mut list = Vec::new();
@@ -166,7 +166,7 @@ impl Certificate {
     }
 }
 
-/// What is shown of one joint; where laws differ, some of it of the joint `alone`, and not of the arm.
+/// Proved statements about one joint; where laws differ, some are of the joint `alone`, and not of the arm.
 fn proved(joint: &JointCertificate, alone: bool, slides: bool) -> Vec<(String, String)> {
     let mut list = Vec::new();
     let (way, push) = units(slides);
@@ -215,7 +215,7 @@ fn proved(joint: &JointCertificate, alone: bool, slides: bool) -> Vec<(String, S
     list
 }
 
-/// What is taken on trust about one joint.
+/// Statements about one joint that are taken on trust.
 fn trusted(joint: &JointCertificate, uncoupled: bool, slides: bool) -> Vec<(String, String)> {
     let mut list = Vec::new();
     let (way, push) = units(slides);

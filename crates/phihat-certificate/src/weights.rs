@@ -1,4 +1,4 @@
-//! What optimality asks of a law, as polynomials of `w = ω²`.
+//! Weights of a law's inverse optimality, as polynomials of `w = ω²`.
 
 use crate::UnitLaw;
 use crate::check::polynomial::{product, squared};

@@ -12,7 +12,7 @@ use crate::{JointRecord, LoopModel, Refutation};
 
 const CLAIM: &str = "inertia window";
 
-/// How far, relative, the loop at an edge may be from an oscillation at the edge's frequency.
+/// Largest relative distance of `−L` at an edge's frequency from the edge.
 const EDGE: f64 = 1e-4;
 
 /// For which ratios `μ` of true to nominal inertia one joint's sampled loop is stable.
@@ -48,7 +48,7 @@ impl InertiaWindow {
         Self { low: self.low * margin_low, high: self.high / margin_high, ..*self }
     }
 
-    /// Whether `[low, high]` lies inside.
+    /// Returns true if `[low, high]` lies inside.
     pub fn contains(&self, low: f64, high: f64) -> bool {
         self.low <= low && low <= high && high <= self.high
     }

@@ -1,4 +1,4 @@
-//! How a range of inertia is known: the postures where its ends were found, for anyone to look at again.
+//! Witnesses of a range of inertia: the postures where its ends were found, for anyone to check again.
 
 use phihat_model::{Body, Robot, Rotor, Workspace};
 use serde::{Deserialize, Serialize};
@@ -26,7 +26,7 @@ pub struct Witness {
     pub eigenvalue: f64,
 }
 
-/// How the ends of a range were found.
+/// Search that found the ends of a range.
 ///
 /// # Claim
 ///
@@ -47,11 +47,11 @@ pub struct Searched {
     pub starts: u32,
     /// Frame that the payload is welded to.
     pub frame: String,
-    /// Where the smallest eigenvalue is.
+    /// Posture with the smallest eigenvalue.
     pub low: Witness,
-    /// Where the largest is.
+    /// Posture with the largest eigenvalue.
     pub high: Witness,
-    /// What is proved of all postures and payloads; `None`: nothing.
+    /// Bounds proved for all postures and payloads; `None`: none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub proved: Option<Proved>,
 }
@@ -131,7 +131,7 @@ impl Searched {
         holds("some eigenvalue is at the high witness", b, !below(b * (1.0 - ROUNDING)))
     }
 
-    /// Whether it says what a range `[low, high]` says.
+    /// Checks that its witnesses and proved bounds agree with a range `[low, high]`.
     ///
     /// # Errors
     ///

@@ -1,6 +1,7 @@
-//! Claims about the continuous law: honest ones pass, each figure a little beyond what is found is refused, and closed forms
-//! are met.
-//! Wrong if a level of attenuation, a weight of a game, a norm, a gain or a constant of stability passed that the law has not.
+//! Claims about the continuous law: honest ones pass, each figure a little beyond the result is refused, and
+//! closed forms are met.
+//! Wrong if a level of attenuation, a weight of a game, a norm, a gain or a constant of stability passed that
+//! the law has not.
 
 use crate::edits::{Edit, Passed};
 use phihat_certificate::{
@@ -8,7 +9,7 @@ use phihat_certificate::{
 };
 use phihat_design::prelude::*;
 
-/// How far beyond, relative.
+/// Relative distance of an edited figure from the result.
 const BEYOND: f64 = 1e-4;
 
 /// Laws of every order: with a game, without one, and with one above a level only.

@@ -1,5 +1,5 @@
-//! A document's parts have to fit together: each edit that makes them speak of different things is refused at the gate that is
-//! there for it.
+//! A document's parts have to fit together: each edit that makes them speak of different things is refused at
+//! the gate that is there for it.
 //! Wrong if one of them passed, or was only stopped by luck further on.
 
 use std::path::Path;

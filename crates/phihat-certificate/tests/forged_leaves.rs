@@ -1,5 +1,6 @@
-//! Every leaf of a gains file that has all that a certificate can have, edited in ten ways: each edit is refused, or says
-//! no more than the file did. With `PHIHAT_ALL=1` every edit is tried, otherwise one in sixteen, each leaf in another way.
+//! Every leaf of a gains file that has all that a certificate can have, edited in ten ways: each edit is
+//! refused, or says no more than the file did. With `PHIHAT_ALL=1` every edit is tried, otherwise one in
+//! sixteen, each leaf in another way.
 //! Wrong if an edit passed although it claims more or speaks of something else, or if the file itself were refused.
 
 use std::path::Path;
@@ -23,7 +24,7 @@ const ENTRIES: usize = 3;
 const SECOND: &str = "/certificate/joints/1/";
 const OWN: [&str; 4] = ["/name", "/model/", "/noise/", "/limits/"];
 
-/// What became of an edit.
+/// Result of an edit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Fate {
     Unread,
@@ -60,7 +61,7 @@ impl Honest {
         Self { document, gains, study, own, trace }
     }
 
-    /// What `phihat verify --study` does with one run in place of eight.
+    /// Returns true if `phihat verify --study` refutes the claims, with one run in place of eight.
     fn study_refutes(&self, gains: &Gains, certificate: &Certificate) -> bool {
         let refuted = certificate.derive(gains, &self.study).is_err()
             || certificate.tube_is_of(&self.study).is_err()
@@ -116,7 +117,7 @@ fn told(path: &str) -> bool {
     list.iter().any(|part| path.contains(part))
 }
 
-/// Whether a leaf that passes says no more than before.
+/// Returns true if a leaf that passes says no more than before.
 fn no_more(path: &str, (old, new): (Option<&Value>, Option<&Value>)) -> bool {
     let any = |list: &[&str]| list.iter().any(|part| path.contains(part));
     // What informs and appears in no answer of `verify`.

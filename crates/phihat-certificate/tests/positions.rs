@@ -28,7 +28,7 @@ impl Dice {
     }
 }
 
-/// How joints are made, at a period.
+/// Function that makes a joint at a period \[s\].
 pub(crate) type Make = fn(&mut Dice, f64) -> Joint;
 
 /// A law that holds some inertia, in a loop that is as it thinks.
@@ -210,7 +210,7 @@ fn no_arm_whose_laws_filter_grows_where_that_is_proved() {
     assert!(4 * verified >= arms && 20 * widened >= arms, "{verified} {widened}");
 }
 
-/// How many of so many arms are proved, and how many of these grow in a wider range.
+/// Number of the arms that are proved, and number of these that grow in a wider range.
 fn no_arm_grows(seed: u64, arms: usize, (told, not): (Make, Make)) -> (usize, usize) {
     let mut dice = Dice(seed);
     let (mut verified, mut refused, mut unstable, mut widened) = (0, 0, 0, 0);
@@ -285,7 +285,7 @@ pub(crate) fn grows(own: &Joint, mu: f64) -> bool {
     growth(&mut arm, 15000) > 1.0
 }
 
-/// Where growth begins between a ratio at which nothing grows and one at which something does.
+/// Ratio at which growth begins, between `calm`, at which nothing grows, and `wild`, at which something does.
 fn edge(own: &Joint, mut calm: f64, mut wild: f64) -> f64 {
     for _ in 0..11 {
         let middle = (calm * wild).sqrt();
@@ -306,7 +306,7 @@ fn a_window_ends_where_a_joint_with_a_filter_begins_to_grow() {
     assert!(lows >= 10 && highs >= 3, "{lows} {highs}");
 }
 
-/// How many lower and upper edges were found.
+/// Numbers of lower and upper edges that were found.
 fn edges(seed: u64, rounds: u32, make: Make) -> (u32, u32) {
     let mut dice = Dice(seed);
     let (mut lows, mut highs) = (0, 0);
@@ -497,7 +497,7 @@ fn followed((own, mu): &(Joint, f64), fed: bool) -> [f64; 2] {
     sums
 }
 
-/// Whether figures that much larger than the simulated ones are accepted.
+/// Returns true if figures that are `factor` times the simulated ones are accepted.
 fn follows(at: &(Joint, f64), fed: bool, factor: f64) -> bool {
     let [acceleration, velocity_acceleration] = followed(at, fed).map(|sum| sum * factor);
     ReferenceError {

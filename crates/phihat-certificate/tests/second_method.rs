@@ -1,4 +1,5 @@
-//! What a finder finds, the check proves by other means; for every form, velocity source, filter, drive, delay and order.
+//! Results of a finder, proved by other means; for every form, velocity source, filter, drive, delay and
+//! order.
 //! Wrong if both sides had the same mistake.
 
 use crate::loops::{every_model, record};

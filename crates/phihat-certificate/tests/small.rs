@@ -1,4 +1,4 @@
-//! What the parts of a document say of themselves, against closed forms and by hand; and what makes no sense is refused.
+//! Parts of a document against closed forms and by hand; and what makes no sense is refused.
 #![allow(clippy::float_cmp, reason = "tests: small whole numbers")]
 
 use phihat_certificate::{
@@ -237,7 +237,8 @@ fn stability_while_moving_is_claimed_in_numbers_that_make_sense() {
     let driven = LoopModel { drive_bandwidth_hz: Some(500.0), ..*model };
     let told = own.verify(&[(record, &driven)]).unwrap_err().inequality;
     assert!(told.contains("a drive's lag"), "{told}");
-    // By hand: low 1/2, high 2, 10 1/s, 1 ms: χ = 2 · 40 · 1e-3, δ = 0.01 (1 + χ²/12), η = χ/6; 2(h₁ sin θ + h₂ sin 2θ).
+    // By hand: low 1/2, high 2, 10 1/s, 1 ms: χ = 2 · 40 · 1e-3, δ = 0.01 (1 + χ²/12), η = χ/6; 2(h₁ sin θ +
+    // h₂ sin 2θ).
     let mut small = own.clone();
     (small.low, small.high, small.rate_per_s, small.h) = (0.5, 2.0, 10.0, vec![0.5, 0.25]);
     let (delta, eta) = small.step(1e-3);

@@ -1,5 +1,7 @@
-//! Figures that a finder found with hardly any room, each a thousandth beyond what was found: the check refuses every one.
-//! Wrong if the check let more pass than what another method finds, for any form, velocity source, filter, drive, delay or order.
+//! Figures that a finder found with hardly any room, each a thousandth beyond the result: the check refuses
+//! every one.
+//! Wrong if the check let more pass than another method finds, for any form, velocity source, filter, drive,
+//! delay or order.
 
 use crate::edits::{Edit, Passed};
 use crate::loops::{every_model, record};
@@ -9,7 +11,7 @@ use phihat_certificate::{
 };
 use phihat_design::prelude::*;
 
-/// How far beyond what was found, relative.
+/// Relative distance of an edited figure from the result.
 const BEYOND: f64 = 1e-3;
 
 /// A fifth of all models, every setting among them and the orders in turn, with their windows.

@@ -90,7 +90,7 @@ fn case(name: &'static str, share: [f64; 2], text: String) -> Case {
     Case { name, text, share }
 }
 
-/// What acts on the arm, one after the other.
+/// Cases of what acts on the arm, one after the other.
 fn payloads_and_friction() -> Vec<Case> {
     vec![
         case(
@@ -273,7 +273,7 @@ const POSITIONS: &str = "[robot]\nname = \"planar3r\"\nlocked = { joint3 = 0.5 }
                          estimator_bandwidth_rad_s = 160.0\ntorque_bandwidth_hz = 120.0\ninertia_kg_m2 = [0.5, 0.25]\n\
                          [loop]\nrate_hz = 1000.0\ndelay_samples = 1\nform = \"positions\"\n";
 
-/// How far a run is outside of a tube at most, as a share of the tube's half width there: 1 is the edge.
+/// Largest distance of a run from a tube's middle, as a share of the tube's half width there: 1 is the edge.
 fn farthest(study: &phihat_study::Study, gains: &Gains, tube: &Tube) -> f64 {
     let names: Vec<String> = gains.joints.iter().map(|joint| joint.name.clone()).collect();
     let law = gains.joint_gains(&names, study.control.period_ns, study.control.form).unwrap();

@@ -1,5 +1,6 @@
-//! A tube as data, and runs beside it. Wrong if a sample outside passed, one inside did not, a sample on the edge of two
-//! bins were held against the wrong one, or the settling time began before the rest of the tube is inside.
+//! A tube as data, and runs compared with it. Wrong if a sample outside passed, one inside did not, a sample
+//! on the edge of two bins were compared with the wrong one, or the settling time began before the rest of
+//! the tube is inside.
 #![allow(clippy::float_cmp, reason = "tests")]
 
 use phihat_certificate::{JointRun, PayloadSet, Quantity, Settle, SettleFrom, Tube, TubeJoint};

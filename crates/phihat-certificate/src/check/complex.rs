@@ -2,7 +2,7 @@
 
 use core::ops::{Add, Mul, Neg, Sub};
 
-/// What one operation may lose, relative: a few roundings.
+/// Relative error of one operation, at most: a few roundings.
 const LOST: f64 = 4.0 * f64::EPSILON;
 
 /// Squares of sizes that are neither too small nor too large to be added up.

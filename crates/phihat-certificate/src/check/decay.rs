@@ -1,4 +1,4 @@
-//! How a loop forgets: the norm of its state contracts, and what is still to come is bounded by it.
+//! Decay of a loop: the norm of its state contracts, and bounds all later outputs.
 
 use super::sample::{LINE, Loop, Outside, SENT, Signals};
 use super::sight::Sight;
@@ -10,7 +10,7 @@ use phihat::{Form, VelocitySource};
 /// Steps after which a loop counts as not decaying.
 const LONGEST: usize = 1 << 21;
 
-/// What is left of a sum when it is cut.
+/// Relative size of the remainder at which a sum is cut off.
 const LEFT: f64 = 1e-17;
 
 /// The signals that a loop carries from sample to sample, in the order of [`crate::SampledVarying`], each in a unit of
@@ -155,7 +155,7 @@ fn place(x: &mut Signals, slot: Slot) -> &mut f64 {
     }
 }
 
-/// What is looked at, sample by sample.
+/// Outputs of the loop at one sample.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Seen {
     /// `e` \[rad\].
@@ -299,7 +299,7 @@ pub(crate) struct Run {
     pub(crate) rest: [[f64; 4]; 3],
 }
 
-/// Which output.
+/// Output of the loop, by its index.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Output {
     Error = 0,

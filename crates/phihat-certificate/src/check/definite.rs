@@ -1,4 +1,4 @@
-//! Whether a symmetric matrix is positive definite, with room for rounding.
+//! Check that a symmetric matrix is positive definite, with an allowance for rounding.
 
 use crate::refutation::refuse;
 use crate::{Matrix, Refutation};

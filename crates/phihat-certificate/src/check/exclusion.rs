@@ -58,8 +58,8 @@ fn point(theta: f64, radius: f64) -> Complex {
 }
 
 impl Family<'_> {
-    /// Proves all loops stable, every root within `radius`, and `|1 + L/μ| > distance` on the circle; `extra` samples of
-    /// delay that the law does not know of come on top.
+    /// Proves all loops stable, every root within `radius`, and `|1 + L/μ| > distance` on the circle; `extra`
+    /// samples of delay that the law does not know of come on top.
     pub(crate) fn stable(
         &self,
         claim: &str,
@@ -125,7 +125,8 @@ impl Family<'_> {
         })
     }
 
-    /// Whether `|L|` is outside of `[low, high]` all over a disc, or the angle of `−L` is where `apart` wants it.
+    /// Returns true if `|L|` is outside of `[low, high]` all over a disc, or if `apart` accepts the angle of
+    /// `−L`.
     fn outside(&self, at: Return, apart: impl Fn(f64, f64) -> bool) -> bool {
         let smallest = at.back.least() / at.open.most();
         if smallest > self.high {

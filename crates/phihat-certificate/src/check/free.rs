@@ -16,7 +16,7 @@ type Z = [f64; MOST];
 /// Steps after which a loop counts as not decaying.
 const LONGEST: usize = 4_000_000;
 
-/// What rounding may have done to an area, relative.
+/// Relative error of an area by rounding, at most.
 const ROUNDING: f64 = 1e-9;
 
 /// Halvings of a step in which a signal may change its sign.
@@ -172,8 +172,8 @@ impl Free {
     ///
     /// # Method
     ///
-    /// `f = ‖E‖` has `f'' ≥ −‖E''‖`: middles of steps less `h³/24 sup‖E''‖` from below, chords and `h³/12 sup‖E''‖` from
-    /// above; entry by entry `|E(t+τ)| ≤ e^{|A|τ}|E(t)|`.
+    /// `f = ‖E‖` has `f'' ≥ −‖E''‖`: middles of steps less `h³/24 sup‖E''‖` from below, chords and
+    /// `h³/12 sup‖E''‖` from above; entry by entry `|E(t+τ)| ≤ e^{|A|τ}|E(t)|`.
     pub(crate) fn norm_in_ladder_units(&self) -> PeakGain {
         let n = self.len();
         let a = companion(&self.kappa);

@@ -1,5 +1,6 @@
-//! `N/Δ` and `K/Δ` of laws from positions against the core's own law, cut open where its torque meets the inertia. Wrong if
-//! a kick or an acceleration of one sample were answered by another torque than the proofs count.
+//! `N/Δ` and `K/Δ` of laws from positions against the core's own law, cut open where its torque meets the
+//! inertia. Wrong if a kick or an acceleration of one sample were answered by another torque than the proofs
+//! count.
 
 use phihat::{Form, JointState, Measurement, Reference, TorqueSource, VelocitySource};
 

@@ -1,4 +1,4 @@
-//! What every sampled claim begins with: numbers that make sense.
+//! Plausibility checks of gains, loop model and inertia ratios, with which every sampled claim begins.
 
 use phihat::Form;
 

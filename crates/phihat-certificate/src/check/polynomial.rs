@@ -32,7 +32,7 @@ pub(crate) fn squared(p: &[f64]) -> Vec<f64> {
 /// Roundings of a value relative to the sum of its terms' sizes.
 const ROUNDING: f64 = 400.0 * f64::EPSILON;
 
-/// Whether `p(w) ≥ 0` for all `w ≥ 0`.
+/// Returns true if `p(w) ≥ 0` is shown for all `w ≥ 0`.
 ///
 /// # Method
 ///
@@ -84,7 +84,8 @@ fn not_negative_on_unit(p: &[f64]) -> bool {
     true
 }
 
-/// Whether `p > 0`, beyond rounding, within `half` of `centre`; at 0 itself `p ≥ 0` is asked of its lowest terms.
+/// Returns true if `p > 0`, beyond rounding, within `half` of `centre`; at 0 itself `p ≥ 0` is required of
+/// its lowest terms.
 fn above_zero(p: &[f64], centre: f64, half: f64) -> bool {
     // A cell that begins at 0, where the first coefficients vanish: what multiplies the lowest power counts.
     if centre <= half {

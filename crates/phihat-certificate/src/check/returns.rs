@@ -20,7 +20,8 @@ use crate::{JointRecord, LoopModel};
 /// q = (T²(X − cw) + w(T²X/2 − Dw))/(w²Xμ) U =: n_q/(w²Xμ) U,      q̇ = T(X − cw)/(wXμ) U
 /// y = q̇ | f z q̇/F | f w q/(T F),   F = w + f                      as sensed, filtered, differenced
 /// observer: Δ = w³F (w^{m−1}z^d X + A (X Σ_{i<d} z^i + c)),   N = (A_o K_d + A w/T) y_n + A_o K_p n_q F
-/// literal:  Δ = w^{m+2}z^d X F,   N = w^m ((K_d + k_{m+2})y_n + (K_p + k_{m+1})n_qF) + Σ_j k_{m+1−j}(Tz)^j w^{m−j} n_qF
+/// literal:  Δ = w^{m+2}z^d X F,
+///           N = w^m ((K_d + k_{m+2})y_n + (K_p + k_{m+1})n_qF) + Σ_j k_{m+1−j}(Tz)^j w^{m−j} n_qF
 /// ```
 ///
 /// `A = Σ b_i w^i`, `A_o = w^m + A`, `b` of (T5); the bracket's `c` only where the observer is fed with the torque that
@@ -88,7 +89,7 @@ pub(crate) fn literal(record: &JointRecord) -> Vec<f64> {
     k
 }
 
-/// What the loop is at one frequency, or in a disc of them.
+/// Values of `Δ` and `N` at one frequency, or over a disc of frequencies.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Return {
     /// `Δ`.
@@ -127,8 +128,8 @@ impl Returns {
         2 + self.order + self.late + usize::from(filters) + usize::from(self.drive.is_some())
     }
 
-    /// The numerator over the same `Δ` from kicks of `T²/2` in position, one at the end of each sample, which a measured
-    /// velocity does not see, over a disc of `w`; without a drive.
+    /// The numerator over the same `Δ` from kicks of `T²/2` in position, one at the end of each sample, which
+    /// do not show in a measured velocity, over a disc of `w`; without a drive.
     pub(crate) fn kicked(&self, w: Disc) -> Disc {
         let t = self.period;
         let n_q = w.times(0.5 * t * t);
@@ -169,9 +170,10 @@ impl Returns {
         }
     }
 
-    /// `Δ = w² (A_o (z^D X (z − 1 + g) − g X Σ c_j z^{D−j}) − g R_a (X − cw) z^{D−d})`, `N = −g z^{D+1−d} R_y n_q`:
-    /// `R_y`, `R_a`, `c` of the torque wanted, `D` the longer of the delay and what the law predicts across. A filter's `P` is
-    /// in `A_o`: its modes are among the roots, whatever the torque makes of them.
+    /// `Δ = w² (A_o (z^D X (z − 1 + g) − g X Σ c_j z^{D−j}) − g R_a (X − cw) z^{D−d})`,
+    /// `N = −g z^{D+1−d} R_y n_q`: `R_y`, `R_a`, `c` of the wanted torque, `D` the longer of the delay and
+    /// the law's prediction. A filter's `P` is in `A_o`: its modes are among the roots, whatever their effect
+    /// on the torque.
     fn positions(&self, sight: &Sight, w: Disc, (x, mean): (Disc, Disc), n_q: Disc) -> Return {
         let z = w + Disc::real(1.0);
         let (g, longer) = (sight.share(), self.late.max(sight.ahead));

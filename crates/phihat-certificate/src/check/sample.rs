@@ -1,4 +1,5 @@
-//! One sample of the closed loop, signal by signal, in the frame of a reference that moves with a constant acceleration.
+//! One sample of the closed loop, signal by signal, in the frame of a reference that moves with a constant
+//! acceleration.
 
 use super::estimator;
 use super::returns::{Drive, filter, literal};
@@ -22,8 +23,8 @@ pub(crate) struct Signals {
     pub(crate) q: f64,
     /// `ė` \[rad/s\].
     pub(crate) v: f64,
-    /// Observer: `φ̂_j/M̄`. Literal: the integrals of e. From positions: `ê`, `ė̂`, `φ̂_j/M̄`, and `x`, `δ` of each section of
-    /// the filter.
+    /// Observer: `φ̂_j/M̄`. Literal: the integrals of e. From positions: `ê`, `ė̂`, `φ̂_j/M̄`, and `x`, `δ`
+    /// of each section of the filter.
     pub(crate) memory: [f64; MEMORY],
     /// From positions: the last commands, the newest first.
     pub(crate) sent: [f64; SENT],
@@ -74,16 +75,16 @@ impl Signals {
     }
 }
 
-/// What reaches the loop from outside in one sample.
+/// Inputs of the loop in one sample.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Outside {
     /// `φ/M̄` held over the coming interval \[rad/s²\].
     pub(crate) phi: f64,
-    /// What the encoder adds to the position \[rad\].
+    /// Encoder error added to the position \[rad\].
     pub(crate) reading: f64,
     /// `q̈_d` of the interval just ended, and of the coming one \[rad/s²\].
     pub(crate) acceleration: (f64, f64),
-    /// Whether that is fed forward.
+    /// True if the coming acceleration is fed forward.
     pub(crate) fed: bool,
 }
 
@@ -130,7 +131,7 @@ impl Loop {
         }
     }
 
-    /// Whether the torque in the drive is a state.
+    /// Returns true if the loop has a drive, whose torque is a state.
     pub(crate) fn drives(&self) -> bool {
         self.drive.is_some()
     }

@@ -3,7 +3,7 @@
 use super::complex::{Disc, horner};
 use crate::{FilterSection, JointRecord};
 
-/// What the law knows of itself.
+/// Parameters of a law from positions.
 #[derive(Debug, Clone)]
 pub(crate) struct Sight {
     period: f64,
@@ -16,14 +16,14 @@ pub(crate) struct Sight {
     pub(crate) ahead: usize,
     /// Sections that filter the innovation.
     filter: Vec<FilterSection>,
-    /// What each thing expected weighs in the torque wanted, and each torque on its way, the newest first.
+    /// Weights in the wanted torque: of each observer state, and of each torque on its way, the newest first.
     weights: (Vec<f64>, Vec<f64>),
 }
 
 /// Most that a law expects.
 const EXPECTED: usize = phihat::ORDER_MAX + 2;
 
-/// What of the law's answer comes from where, over a common denominator: the reading, the torque that acted.
+/// Wanted torque over a common denominator: its parts from the reading and from the torque that acted.
 pub(crate) struct Answer {
     /// `A_o`; with a filter `A_o P`.
     pub(crate) whole: Disc,
@@ -52,12 +52,12 @@ impl Sight {
         Some(law)
     }
 
-    /// What torques on their way weigh in the torque wanted, the newest first.
+    /// Weights of the torques on their way in the wanted torque, the newest first.
     pub(crate) fn coming(&self) -> &[f64] {
         &self.weights.1
     }
 
-    /// How many torques it remembers: those on their way, and the last one in any case.
+    /// Number of stored torques: those on their way, and the last one in any case.
     pub(crate) fn sent(&self) -> usize {
         self.ahead.max(1)
     }
@@ -93,7 +93,8 @@ impl Sight {
         }
     }
 
-    /// What it holds after an interval with a torque, and a reading of the error at its end.
+    /// Observer update: predicts over an interval with torque `acted`, and corrects by a reading of the error
+    /// at its end.
     pub(crate) fn see(&self, held: &mut [f64], acted: f64, reading: f64) {
         let (expected, filtered) = held.split_at_mut(self.expected());
         self.carry(expected, acted);
@@ -122,7 +123,7 @@ impl Sight {
         sent[0] + self.share * (wanted - sent[0])
     }
 
-    /// What the filter adds to the torque wanted.
+    /// Torque that the filter adds to the wanted torque.
     fn beside(&self, held: &[f64]) -> f64 {
         let sections = held[self.expected()..].chunks_exact(2).zip(&self.filter);
         let torque = |(own, section): (&[f64], &FilterSection)| {
@@ -203,7 +204,8 @@ impl Sight {
         })
     }
 
-    /// What each thing expected, and each torque on its way, weighs in the torque wanted: told by the law itself.
+    /// Weights of the observer states and of the torques on their way in the wanted torque, from `answer`
+    /// itself.
     fn weighed(&self) -> (Vec<f64>, Vec<f64>) {
         let n = self.length();
         // With nothing sent the answer is `g` times what is wanted.

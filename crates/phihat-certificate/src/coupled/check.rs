@@ -15,7 +15,7 @@ const BLOCK: usize = 64;
 /// Longest run \[samples\].
 const LONGEST: usize = 1 << 21;
 
-/// What a check may leave out, as a share of `√(Γ_ii Γ_jj)`.
+/// Largest part of a gain that a check may leave out, as a share of `√(Γ_ii Γ_jj)`.
 const CUT: f64 = 1e-5;
 
 /// The largest entry of a row is one that a witness reaches, to this share.
@@ -25,7 +25,8 @@ const REACHED: f64 = 0.97;
 type Sums = [[Matrix; OUTPUTS]; 2];
 
 impl CoupledGains {
-    /// Plays every witness posture: no entry may be smaller than what comes out, and the largest of each row must be reached.
+    /// Plays every witness posture: no entry may be smaller than the played one, and the largest of each row
+    /// must be reached.
     ///
     /// # Errors
     ///
@@ -210,7 +211,8 @@ fn add_cut(sums: &mut Sums, after: &[[f64; OUTPUTS]], sizes: &[Vec<f64>; 2]) -> 
     true
 }
 
-/// From any state of size 1: the sum of each joint's absolute outputs until the state is less than half, and what is left of it.
+/// Sum of each joint's absolute outputs, from any state of size 1 until the state is less than half of it,
+/// and the size that is left.
 fn forgets(
     loops: &[(&JointRecord, &LoopModel)],
     inverse: &[Vec<f64>],
@@ -283,7 +285,8 @@ fn absolute_mean(a: f64, b: f64) -> f64 {
     0.5 * (zero * a.abs() + (1.0 - zero) * b.abs())
 }
 
-/// `max_λ (1 − e^{−xλ})/(1 − e^{−x}) − λ`, `x = ωT`: a drive's way from one torque to the next against the straight one.
+/// `max_λ (1 − e^{−xλ})/(1 − e^{−x}) − λ`, `x = ωT`: largest distance of a drive's torque from the chord of a
+/// step.
 fn off_chord(model: &LoopModel) -> f64 {
     let Some(hz) = model.drive_bandwidth_hz else { return 0.0 };
     let x = TAU * hz * model.period_s;

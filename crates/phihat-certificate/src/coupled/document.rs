@@ -4,32 +4,36 @@ use serde::{Deserialize, Serialize};
 
 use crate::Matrix;
 
-/// How far a push on one joint moves every joint: the whole arm's loop at frozen postures.
+/// Peak-to-peak gains from a push on each joint to the error of every joint: the whole arm's loop at frozen
+/// postures.
 ///
 /// # Claim
 ///
-/// The arm stands still at one of the postures searched, its inertia `M(q)` constant; from rest, at all times, between the
-/// samples too, for external torques `d(t)` of any shape in time and reading errors `n_k` of any sequence:
+/// The arm stands still at one of the postures searched, its inertia `M(q)` constant; from rest, at all
+/// times, between the samples too, for external torques `d(t)` of any shape in time and reading errors `n_k`
+/// of any sequence:
 ///
 /// ```text
 /// |e_i(t)|        ≤ Σ_j error_ij max|d_j|        + Σ_j encoder_error_ij max|n_j|                           (G1)
 /// |ė_i(t)|        ≤ Σ_j velocity_ij max|d_j|     + Σ_j encoder_velocity_ij max|n_j|
 /// |ë_i(t)|        ≤ Σ_j acceleration_ij max|d_j|                                                   (without encoder)
-/// |τ_i,k − τ_i,k−1| ≤ Σ_j torque_step_ij max|d_j| + Σ_j encoder_torque_step_ij max|n_j|              (commanded torque)
+/// |τ_i,k − τ_i,k−1| ≤ Σ_j torque_step_ij max|d_j| + Σ_j encoder_torque_step_ij max|n_j|  (commanded torque)
 /// ```
 ///
-/// Each row is reached, within the margin that the finder adds, by a signal that takes the signs of the impulse response.
+/// Each row is reached, within the margin that the finder adds, by a signal that takes the signs of the
+/// impulse response.
 ///
 /// # Not claimed
 ///
-/// Motion: `d` is what comes from outside (push, friction, gravity of a posture), not `φ`, of which `(M − M̄)q̈` is a part. Postures
-/// and payloads that were not searched. Viscous friction and the gradient of gravity, which are not in this loop. Limits in action.
+/// Motion: `d` is what comes from outside (push, friction, gravity of a posture), not `φ`, of which
+/// `(M − M̄)q̈` is a part. Postures and payloads that were not searched. Viscous friction and the gradient of
+/// gravity, which are not in this loop. Limits in action.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CoupledGains {
-    /// Which postures were searched, in words.
+    /// Searched postures, in words.
     pub source: String,
-    /// How many frozen postures were summed up exactly.
+    /// Number of frozen postures that were summed up exactly.
     pub postures: u32,
     /// From torque to `e` \[rad/(N·m)\], row: the joint that moves, column: the joint that is pushed.
     pub error_rad_per_nm: Matrix,
@@ -53,11 +57,11 @@ pub struct CoupledGains {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrozenPosture {
-    /// Where it comes from, in words.
+    /// Source of the posture, in words.
     pub source: String,
     /// Joint positions \[rad\].
     pub q_rad: Vec<f64>,
-    /// What the arm carries there; `None`: nothing.
+    /// Payload of the arm there; `None`: no payload.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub payload: Option<FrozenPayload>,
     /// `M(q)` \[kg·m²\], rotors included.
@@ -79,7 +83,8 @@ pub struct FrozenPayload {
 }
 
 impl CoupledGains {
-    /// The two different joints of which one moves the other most: the one moved, the one pushed, \[rad/(N·m)\]. `None` for one joint.
+    /// Strongest coupling of two different joints: the joint that moves, the joint that is pushed, and the
+    /// gain \[rad/(N·m)\]. `None` for one joint.
     pub fn strongest(&self) -> Option<(usize, usize, f64)> {
         let rows = self.error_rad_per_nm.iter().enumerate();
         let entries =

@@ -1,6 +1,7 @@
 //! Coupled gains: how far a push on one joint moves every joint, at frozen postures; their check by a second method.
 //!
-//! [`CoupledGains::verify`] plays the loop itself, joint by joint and sample by sample, at the postures that the document keeps.
+//! [`CoupledGains::verify`] plays the loop itself, joint by joint and sample by sample, at the postures that
+//! are stored in the document.
 
 mod alpha;
 mod check;

@@ -1,4 +1,5 @@
-//! The arm's loop at one posture, played: sensor, law, delay, drive of each joint, one inertia for all. Many runs side by side.
+//! Simulation of the arm's loop at one posture: sensor, law, delay, drive of each joint, one inertia for all.
+//! Many runs in lockstep.
 
 use core::f64::consts::TAU;
 use phihat::{Form, TorqueSource, VelocitySource};
@@ -45,8 +46,8 @@ impl<'a> PlayedJoint<'a> {
         let (a, kp, kd) = (&record.a, record.kp_per_s2, record.kd_per_s);
         let m = a.len();
         let sight = Sight::of(record, model.period_s);
-        // (A_o(s)(s² + K_d s + K_p) − s^{m+2}) = Σ p_i s^i: the literal law weighs the i-th of (∫…∫e, …, e, ė) with p_i,
-        // less what the outer loop does itself.
+        // (A_o(s)(s² + K_d s + K_p) − s^{m+2}) = Σ p_i s^i: the literal law weighs the i-th of (∫…∫e, …, e,
+        // ė) with p_i, less what the outer loop does itself.
         let outer = [kp, kd, 1.0];
         let mut p = vec![0.0; m + 3];
         for (i, a) in a.iter().chain([&1.0]).enumerate() {
@@ -88,7 +89,7 @@ impl<'a> PlayedJoint<'a> {
         MEMORY + self.memory + self.late
     }
 
-    /// What one unit of each place is: the joint's own time `1/√K_p` and inertia.
+    /// Unit of a place of the state: from the joint's own time `1/√K_p` and inertia.
     fn unit(&self, place: usize) -> f64 {
         let (w, root) = (self.kp.sqrt(), self.inertia.sqrt());
         let power = |k: usize| (0..k).fold(1.0, |power, _| power * w);
@@ -172,7 +173,7 @@ impl<'a> PlayedJoint<'a> {
     }
 }
 
-/// What a joint's loop says in one sample, per unit of its inertia.
+/// Torques of a joint's loop in one sample, per unit of its inertia.
 struct Told {
     commanded: f64,
     acting: f64,

@@ -12,22 +12,24 @@ const CLAIM: &str = "stability at any speed";
 /// # Claim
 ///
 /// For any number of joints, each with its own law in its own loop, sampled together, and any measurable
-/// `W(t) = M̄^{-1/2} M M̄^{-1/2}` with eigenvalues in `[a, b] = [low, high]`, jumps and changes within a sample included: the loop
-/// `W(t) q̈ = u_k`, `u_k` held over a sample, is exponentially stable.
+/// `W(t) = M̄^{-1/2} M M̄^{-1/2}` with eigenvalues in `[a, b] = [low, high]`, jumps and changes within a
+/// sample included: the loop `W(t) q̈ = u_k`, `u_k` constant over a sample, is exponentially stable.
 ///
 /// # Proof
 ///
-/// With `α = W^{-1}u_k` in a sample, `v` its mean, and `e = (1/T)∫(1 − 2s/T)α ds`, position moves by `Tq̇ + (T²/2)(v + e)` and velocity
-/// by `Tv`; so, as in [`Moving`], `u = −diag(L) v − diag(K/Δ) e`. `1` and `√3(1 − 2s/T)` are orthonormal on a sample:
-/// `‖v‖² + 3‖e‖² ≤ (1/T)∫‖α‖² ds`. `(α − u/b)·(α − u/a) ≤ 0` at every time, and its mean gives
+/// With `α = W^{-1}u_k` in a sample, `v` its mean, and `e = (1/T)∫(1 − 2s/T)α ds`, position moves by
+/// `Tq̇ + (T²/2)(v + e)` and velocity by `Tv`; so, as in [`Moving`], `u = −diag(L) v − diag(K/Δ) e`. `1` and
+/// `√3(1 − 2s/T)` are orthonormal on a sample: `‖v‖² + 3‖e‖² ≤ (1/T)∫‖α‖² ds`. `(α − u/b)·(α − u/a) ≤ 0` at
+/// every time, and its mean gives
 ///
 /// ```text
 /// ab (‖v‖² + 3‖e‖²) − (a + b) v·u + ‖u‖² ≤ 0                                                       (M3)
 /// ```
 ///
-/// (M3) holds of `(1 − s)/c + sW^{-1}` for `s` from 0 to 1, the set being convex; at `s = 0` each joint is a loop by itself, at
-/// `μ = c = (a + b)/2`, and stable. By the theorem on integral quadratic constraints it suffices that the form in (M3) is
-/// positive at every frequency on the graph of the laws: a sum over joints, whose least value over `e_i` is positive exactly if
+/// (M3) holds of `(1 − s)/c + sW^{-1}` for `s` from 0 to 1, the set being convex; at `s = 0` each joint is a
+/// loop by itself, at `μ = c = (a + b)/2`, and stable. By the theorem on integral quadratic constraints it
+/// suffices that the form in (M3) is positive at every frequency on the graph of the laws: a sum over joints,
+/// whose least value over `e_i` is positive exactly if
 ///
 /// ```text
 /// |N_i + cΔ_i|² > r² (|Δ_i|² + |K_i|²/3ab),   r = (b − a)/2                                         (M4)

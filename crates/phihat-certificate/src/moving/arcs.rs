@@ -106,7 +106,7 @@ impl<'a> Proof<'a> {
         back + open.times(0.5 * (self.moving.low + self.moving.high))
     }
 
-    /// How far the argument turns over an arc on which the values keep to one side of 0.
+    /// Angle by which the argument turns over an arc on which the values stay on one side of 0 \[rad\].
     fn turn(&self, from: f64, to: f64) -> f64 {
         let at = |theta: f64| -> Complex {
             let at = self.returns.at(Disc::new(on_circle(theta), 0.0));

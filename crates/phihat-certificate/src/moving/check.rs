@@ -77,7 +77,7 @@ fn refused(why: Unstable) -> Refutation {
     Refutation { claim: CLAIM.to_owned(), inequality, left, right }
 }
 
-/// Whether two joints differ in name and `M̄` alone.
+/// Returns true if two joints differ in name and `M̄` alone.
 fn same_loop(one: &(&JointRecord, &LoopModel), other: (&JointRecord, &LoopModel)) -> bool {
     let named = JointRecord {
         name: other.0.name.clone(),

@@ -10,11 +10,11 @@ pub struct NotCounted {
     pub key: String,
     /// Value of the key in the study.
     pub value: String,
-    /// Which claims do not count it.
+    /// Claims that do not count it.
     pub claims: LeftOut,
 }
 
-/// Which claims leave something out.
+/// Claims that leave something out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LeftOut {
@@ -24,8 +24,8 @@ pub enum LeftOut {
     BoundsAndStability,
     /// Bounds from φ and the claims about the loop; the tube of the run counts it.
     AllButTube,
-    /// The tube and the coupled gains, which are for the value that is simulated; range, stability and bounds from φ hold
-    /// for all values.
+    /// The tube and the coupled gains, which are for the simulated value; range, stability and bounds from φ
+    /// hold for all values.
     TubeBesideValue,
 }
 

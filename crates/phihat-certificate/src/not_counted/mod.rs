@@ -1,4 +1,4 @@
-//! What of a study the claims leave out.
+//! Parts of a study that the claims leave out.
 //!
 //! Every structure of a study is taken apart here, field by field, so that none can be added to a study without a
 //! decision: in the loop model, in what is known of arm and φ, or on the list.
@@ -60,7 +60,7 @@ impl NotCounted {
         list.0
     }
 
-    /// Whether a tube counts it.
+    /// Returns true if a tube counts it.
     pub fn in_tube(&self) -> bool {
         matches!(self.claims, LeftOut::AllButTube | LeftOut::TubeBesideValue)
     }

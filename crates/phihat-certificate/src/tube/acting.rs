@@ -1,4 +1,4 @@
-//! What acts on the samples of a window that its frame does not know: boxes around it.
+//! Boxes around all that acts on the samples of a window and that its frame does not contain.
 
 use super::adjoint::Boxes;
 use super::dense::{apply_sizes, transpose};
@@ -8,7 +8,7 @@ use super::scope::Dry;
 use super::setting::Setting;
 
 impl Setting<'_> {
-    /// What acts on all samples of a window alike.
+    /// Boxes that are the same for all samples of a window.
     pub(super) fn smooth_boxes(&self, distance: &Distance, guess: &Guess, sizes: &[f64]) -> Boxes {
         let n = self.n;
         let mut out = Boxes::none(n, self.hand);
@@ -115,8 +115,8 @@ impl Setting<'_> {
         (out, middles)
     }
 
-    /// What the robot adds at a sample: the known part of what it is more than in the nominal run; the rest goes to the
-    /// boxes.
+    /// The robot's added torque at a sample, less that of the nominal run: its known part; the rest goes to
+    /// the boxes.
     pub(super) fn added(
         &self,
         distance: &Distance,

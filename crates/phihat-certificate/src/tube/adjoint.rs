@@ -71,7 +71,7 @@ pub(super) struct Rows<'a> {
     pub(super) period: f64,
     /// The loop of every joint.
     pub(super) joints: &'a [LinearLoop],
-    /// Whether velocity at a sample is read, by a sensor or by the robot.
+    /// True if velocity at a sample is read, by a sensor or by the robot.
     pub(super) reads_rate: bool,
     /// Half an encoder step \[rad\] per joint.
     pub(super) half_step: &'a [f64],
@@ -130,7 +130,7 @@ pub(super) struct Back {
     pub(super) rows: usize,
     pub(super) lambda: Vec<f64>,
     next: Vec<f64>,
-    /// What the plant makes of states and torques; what is read of position and velocity; jumps of `λ_P`.
+    /// Rows at the plant's states and torques; rows at the readings of position and velocity; jumps of `λ_P`.
     made: Vec<f64>,
     read: Vec<f64>,
     jump: Vec<f64>,
@@ -206,7 +206,8 @@ impl Rows<'_> {
         weights
     }
 
-    /// What the robot adds at a sample is a torque over it that follows position and velocity there.
+    /// Takes rows back through the torque that the robot adds over a sample, by the position and velocity
+    /// there.
     fn held(&self, frame: &Frame, torque: &[f64], (ahead, jump): (&mut [f64], &mut [f64])) {
         let (n, rows) = (self.n, jump.len() / self.n);
         for (i, torque) in torque.chunks_exact(rows).enumerate() {

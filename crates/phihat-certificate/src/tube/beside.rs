@@ -13,21 +13,21 @@ pub const CONFIRMED: f64 = 1.5;
 
 /// A tube that is tighter by more than this is refused.
 ///
-/// Both are bounds, made differently, and neither must lie inside the other. Of 40 studies drawn by the attack (2 to 11
-/// joints, 200 Hz to 4 kHz) the derivation bounded 31: there honest tubes were at most 1.5 times tighter in 16, twice in
-/// 21, and 36 times in the worst (250 Hz: a sample in which a velocity changes its sign costs the derivation the whole dry
-/// friction). On the Panda's design study they were 8 % wider; an honest one of a cart on a rail,
-/// with dry friction, was 115 times tighter. So this is a gross check only; that every bin meets the derivation's, and that no drawn world
-/// leaves the tube, refuses much less.
+/// Both are bounds, made differently, and neither must lie inside the other. Of 40 studies drawn by the
+/// attack (2 to 11 joints, 200 Hz to 4 kHz) the derivation bounded 31: there honest tubes were at most 1.5
+/// times tighter in 16, twice in 21, and 36 times in the worst (250 Hz: a sample in which a velocity changes
+/// its sign costs the derivation the whole dry friction). On the Panda's design study they were 8 % wider; an
+/// honest one of a cart on a rail, with dry friction, was 115 times tighter. So this is a gross check only;
+/// that every bin meets the derivation's, and that no drawn world leaves the tube, refuses much less.
 pub const TIGHTER: f64 = 1000.0;
 
-/// What two derivations may be apart by rounding alone \[rad, rad/s, N·m\].
+/// Largest difference of two derivations by rounding alone \[rad, rad/s, N·m\].
 const ROUNDING: f64 = 1e-9;
 
-/// What no encoder reads and no tube is refused for \[rad, rad/s\].
+/// Width that no encoder resolves and for which no tube is refused \[rad, rad/s\].
 const UNREAD: f64 = 2e-9;
 
-/// What no drive gives and no tube is refused for \[N·m\].
+/// Torque that no drive resolves and for which no tube is refused \[N·m\].
 const UNGIVEN: f64 = 1e-6;
 
 /// One joint of a tube beside the derivation; errors from the tube's `settle_s` on.
@@ -43,13 +43,13 @@ pub struct JointBeside {
     pub velocity_error_max_rad_s: f64,
     /// Largest |ė| \[rad/s\] that is derived here.
     pub derived_velocity_error_max_rad_s: f64,
-    /// How many times tighter than the derivation the claim is: the largest of both ratios above and of the ratios of
-    /// mean widths over the run, of `e` and `ė`.
+    /// Factor by which the claim is tighter than the derivation: the largest of both ratios above and of the
+    /// ratios of mean widths over the run, of `e` and `ė`.
     pub tighter: f64,
 }
 
 impl JointBeside {
-    /// Whether the derivation confirms the claim.
+    /// Returns true if the derivation confirms the claim.
     pub fn confirmed(&self) -> bool {
         self.tighter <= CONFIRMED
     }
@@ -59,8 +59,8 @@ impl JointBeside {
 ///
 /// # Errors
 ///
-/// [`Refutation`]: a bin has nothing in common with the derivation's, though every run is in both; or the tube is tighter
-/// than an honest one is.
+/// [`Refutation`]: a bin has nothing in common with the derivation's, though every run is in both; or the
+/// tube is tighter than an honest one is.
 pub fn beside(claimed: &Tube, own: &Tube) -> Result<Vec<JointBeside>, Refutation> {
     let same = claimed.joints.len() == own.joints.len() && claimed.bins() == own.bins();
     Refutation::unless(CLAIM, "bins are those of the study", 0.0, 1.0, same)?;
@@ -147,8 +147,9 @@ impl Sides<'_> {
     }
 }
 
-/// `own` over `claimed`, which counts as `nothing` at least: an arm that rests behind exact sensors has a tube of what a payload does
-/// to second order, and another derivation that bounds it by norms has ten thousand times as much of nothing. Not a number is no ratio.
+/// `own` over `claimed`, which counts as `nothing` at least: an arm at rest with exact sensors has a tube of
+/// what a payload does to second order, and another derivation that bounds it by norms gives ten thousand
+/// times that width. NaN is no ratio.
 fn ratio(own: f64, claimed: f64, nothing: f64) -> f64 {
     if own <= 0.0 && claimed >= 0.0 { 0.0 } else { own / larger(claimed, nothing) }
 }

@@ -1,4 +1,5 @@
-//! How much the payload's share of the arm may differ from the nominal point's, in the hand's own axes.
+//! Bounds on the difference of the payload's share of the arm from the nominal point's, in the hand's own
+//! axes.
 //!
 //! There the moments of the payload are constants, and the Jacobian turns as `∂_k J_i = −J_k × J_i`, `k > i`:
 //!

@@ -111,7 +111,7 @@ pub(super) fn count(x: f64) -> usize {
     x as usize
 }
 
-/// Whether `a` is not below `b`; not a number is below nothing.
+/// Returns true if `a` is not below `b`; NaN is below nothing.
 pub(super) fn reaches(a: f64, b: f64) -> bool {
     a.is_nan() || b.is_nan() || a >= b
 }

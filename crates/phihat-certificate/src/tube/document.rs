@@ -19,13 +19,13 @@ use crate::{PayloadSet, Tube, TubeJoint};
 /// Most joints of an arm whose tube is derived.
 const JOINTS_MAX: usize = 32;
 
-/// What covers rounding: the relative width that is added to every bound.
+/// Allowance for rounding: the relative width that is added to every bound.
 const ROUNDING: f64 = 1e-8;
 
 /// Most slices of the mass that are tried.
 const SLICES_MAX: u32 = 8;
 
-/// Where the claim took more slices than this, the mass is in [`FINE`] to begin with.
+/// Number of slices of the claim above which the mass is in [`FINE`] slices to begin with.
 const FEW: u32 = 2;
 
 /// Derives the tube of a study.

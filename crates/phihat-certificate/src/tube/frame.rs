@@ -21,16 +21,17 @@ pub(super) struct Frame {
     pub(super) outlook: Vec<f64>,
     /// `J` along the nominal run, at the samples of the window and the one after it.
     pub(super) ends: Vec<Vec<f64>>,
-    /// What one sample makes of `(ε, P)`, of a held torque and, with drives, of what their torque is off at its start:
-    /// `2n×(2n + n [+ n])`.
+    /// Transition over one sample: from `(ε, P)`, from a constant torque and, with drives, from the gap of
+    /// their torque at its start: `2n×(2n + n [+ n])`.
     pub(super) flow: Vec<f64>,
-    /// What the robot adds.
+    /// Terms that the robot adds.
     pub(super) added: Added,
     /// `T²/8` and `T/8` times the row sums of `|M⁻¹ Kᵀ|`, `|M⁻¹ Sᵀ|`: how far a weight is from its chord.
     pub(super) bend: Vec<(f64, f64)>,
 }
 
-/// What the robot adds at a sample, held over it: `G ε + D ε'`; empty where it adds nothing of the kind.
+/// Torque that the robot adds at a sample, constant over it: `G ε + D ε'`; empty where it adds nothing of the
+/// kind.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Added {
     /// `G`, the gradient of the bare arm's gravity, and `D`, of each joint.
@@ -40,7 +41,7 @@ pub(super) struct Added {
     pub(super) damping_inverse: Vec<f64>,
 }
 
-/// How far the arm may be from a frame while `|q − q_n| ≤ E`.
+/// Largest distance of the arm from a frame while `|q − q_n| ≤ E`.
 #[derive(Debug, Clone)]
 pub(super) struct Distance {
     /// The `E` it holds for.
@@ -62,7 +63,7 @@ pub(super) struct Distance {
     pub(super) added: Added,
 }
 
-/// What belongs to the arm for the whole run.
+/// Terms of the arm for the whole run.
 pub(super) struct ArmTerms<'a> {
     pub(super) chain: &'a Chain,
     pub(super) slice: Option<&'a PayloadSlice>,
@@ -162,7 +163,7 @@ impl ArmTerms<'_> {
     }
 }
 
-/// How far a parabola through three points of a sample may be above their hull.
+/// Bound on the height of a parabola through three points of a sample above their hull.
 pub(super) fn arc(ends: &[Vec<f64>], middles: &[Vec<f64>], k: usize, i: usize) -> f64 {
     (middles[k][i] - 0.5 * (ends[k][i] + ends[k + 1][i])).abs()
 }

@@ -53,7 +53,7 @@ pub struct Inputs<'a> {
     pub velocity_filter_hz: Option<f64>,
     /// The motion.
     pub reference: &'a Reference,
-    /// What the arm may carry.
+    /// Payloads that the arm may carry.
     pub payload: Option<&'a PayloadSet>,
     /// Into how many slices a claim divided it, for a hint of how finely to begin.
     pub slices: u32,
@@ -64,7 +64,7 @@ pub struct Inputs<'a> {
 }
 
 impl Inputs<'_> {
-    /// Where the run begins, and how fast.
+    /// Position \[rad\] and velocity \[rad/s\] at which the run begins.
     pub(super) fn start(&self) -> (Vec<f64>, Vec<f64>) {
         match &self.study.world.start {
             Some(start) => (start.q.clone(), start.dq.clone()),

@@ -9,12 +9,12 @@ use super::dense::{exponential, product};
 use crate::JointRecord;
 use crate::check::sight::Sight;
 
-/// One joint's loop from reading to the torque that is told to the drive.
+/// One joint's loop from the reading to the torque that is sent to the drive.
 ///
-/// State: `y` last reading, `v` filtered velocity, [`v` at the law, late messages], memory of the estimator (from positions:
-/// `ê`, `ė̂`, `φ̂`, all per unit of inertia, [`x`, `δ` of each section that filters the innovation], and the torques sent
-/// beside their feed-forward), commands from the newest to the one that acts, [what a drive's torque is off at the start of
-/// the interval].
+/// State: `y` last reading, `v` filtered velocity, [`v` at the law, late messages], memory of the estimator
+/// (from positions: `ê`, `ė̂`, `φ̂`, all per unit of inertia, [`x`, `δ` of each section that filters the
+/// innovation], and the torques sent without their feed-forward), commands from the newest to the one that
+/// acts, [the gap of a drive's torque at the start of the interval].
 ///
 /// # Law of a drive
 ///
@@ -39,7 +39,7 @@ pub(super) struct Loop {
     pub(super) size: usize,
 }
 
-/// What the first command is.
+/// Source of the first command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Begin {
     /// The law's.
@@ -61,7 +61,7 @@ pub(super) struct Drive {
     told: f64,
 }
 
-/// What the joint shall do at a sample.
+/// Reference of the joint at a sample.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Wanted {
     pub(super) q: f64,
@@ -128,7 +128,8 @@ impl Loop {
         }
     }
 
-    /// How many samples ago the torque was told that is taken to have acted until this one; `None`: the law does not ask.
+    /// Age of the command that is taken to have acted until this sample \[samples\]; `None`: the law does not
+    /// use it.
     pub(super) fn fed_before(&self) -> Option<usize> {
         self.sight.as_ref().map(|sight| sight.ahead + 1)
     }
@@ -262,13 +263,14 @@ impl Loop {
             + estimate
     }
 
-    /// What the law holds once `wanted.held` is what it would have told.
+    /// Sets the law's state so that `wanted.held` is the command that it would have sent.
     fn resume(&self, held: &mut [f64], (e, de): (f64, f64), wanted: Wanted) {
         let (kp, kd) = (self.law.kp_per_s2, self.law.kd_per_s);
         let torque = wanted.held / self.law.inertia_kg_m2 - wanted.ddq;
         if let Some(sight) = &self.sight {
-            // Carried on through the delay under `torque`, `φ̂ − K_p ê − K_d ė̂` is `torque` again; it is so for one `φ̂`:
-            // with `s` on the way, `s²(torque − φ̂)/2` and `s(torque − φ̂)` come to `ê + sė̂` and `ė̂`.
+            // Predicted through the delay under `torque`, `φ̂ − K_p ê − K_d ė̂` is `torque` again; it is so
+            // for one `φ̂`: with `s` on the way, `s²(torque − φ̂)/2` and `s(torque − φ̂)` are added to
+            // `ê + sė̂` and `ė̂`.
             let s = self.period * sight.ahead as f64;
             let (seen, sent) = held.split_at_mut(sight.length());
             seen.fill(0.0);

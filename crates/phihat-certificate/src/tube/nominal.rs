@@ -26,7 +26,7 @@ pub(super) struct Nominal {
     pub(super) command: Vec<Vec<f64>>,
     /// Dry friction that was held \[N·m\].
     pub(super) dry: Vec<Vec<f64>>,
-    /// How far one sample's integration may be off: position \[rad\], velocity \[rad/s\].
+    /// Allowance for one sample's integration error: position \[rad\], velocity \[rad/s\].
     pub(super) defect: Vec<(Vec<f64>, Vec<f64>)>,
 }
 
@@ -36,7 +36,8 @@ struct Plant<'a> {
     ws: Workspace<f64>,
     smooth: &'a [Smooth],
     torque: Vec<f64>,
-    /// What drives are off at the start of the sample, and how fast that goes \[1/s\]; empty without drives.
+    /// Gap of each drive's torque at the start of the sample, and its rate of decay \[1/s\]; empty without
+    /// drives.
     gap: Vec<(f64, f64)>,
     tau: Vec<f64>,
 }
@@ -84,7 +85,8 @@ impl Plant<'_> {
         }
     }
 
-    /// How far a sample's integration may be off that went from `start` to `(q, v)`: against those in so many steps.
+    /// Allowance for the error of a sample's integration from `start` to `(q, v)`: against those in `others`
+    /// steps.
     fn defect(
         &mut self,
         start: &(Vec<f64>, Vec<f64>),
@@ -112,7 +114,7 @@ struct Command<'a> {
     inputs: &'a Inputs<'a>,
     loops: &'a [Loop],
     states: Vec<Vec<f64>>,
-    /// What held the arm before.
+    /// Torque that held the arm before the first sample \[N·m\].
     held: Vec<f64>,
     dry: &'a Dry,
     adds: &'a Adds,

@@ -2,13 +2,13 @@
 
 use core::ops::{Add, Mul, Neg, Sub};
 
-/// What the geometry computes with.
+/// Number with which the geometry computes.
 pub(super) trait Number:
     Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
     fn exact(value: f64) -> Self;
     fn sin_cos(self) -> (Self, Self);
-    /// What it may be.
+    /// Ball of its possible values.
     fn ball(self) -> Ball;
 }
 

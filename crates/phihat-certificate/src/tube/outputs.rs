@@ -47,7 +47,7 @@ impl Setting<'_> {
         back
     }
 
-    /// What follows from a window's radii for all of its samples, `before` being the window before it.
+    /// Bounds on all samples of a window, from its radii; `before` is the window before it.
     pub(super) fn conclude(
         &self,
         before: Option<&Past>,
@@ -104,7 +104,7 @@ impl Setting<'_> {
         Most { x, u, mu }
     }
 
-    /// How far a velocity inside a sample may be from its ends.
+    /// Bound on the distance of a velocity inside a sample from those at its ends.
     fn arc(
         &self,
         frame: &Frame,

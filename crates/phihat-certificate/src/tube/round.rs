@@ -4,14 +4,14 @@ use super::adjoint::Boxes;
 use super::frame::Frame;
 use super::shapes::{Shapes, Spread};
 
-/// What is known of one finished window.
+/// Stored bounds of one finished window.
 pub(super) struct Past {
     pub(super) frame: Frame,
     /// Radii at its instants of what shapes do not explain: `ε`, `M⁻¹P`.
     pub(super) rest: (Vec<f64>, Vec<f64>),
 }
 
-/// What one round of a window gives.
+/// Result of one round of a window.
 pub(super) struct Round {
     pub(super) boxes: Vec<Boxes>,
     pub(super) shapes: Shapes,
@@ -25,7 +25,7 @@ pub(super) struct Round {
     pub(super) direct: Vec<f64>,
 }
 
-/// What is taken for granted in a round.
+/// Bounds that a round takes for granted.
 #[derive(Clone)]
 pub(super) struct Guess {
     pub(super) inside: Vec<(Vec<f64>, Vec<f64>)>,
@@ -35,7 +35,7 @@ pub(super) struct Guess {
 }
 
 impl Round {
-    /// Whether all that came out is strictly inside what was taken for granted.
+    /// Returns true if every result is strictly inside the bounds that were taken for granted.
     pub(super) fn within(&self, guess: &Guess) -> bool {
         let less = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a < b);
         let all =

@@ -1,4 +1,4 @@
-//! What the tube is about, and what it refuses.
+//! Scope of the tube, and its refusals.
 
 use phihat_model::Sigmoid;
 use phihat_study::Study;
@@ -14,13 +14,13 @@ pub enum Refusal {
     /// Something in the study acts that the derivation does not know.
     #[error("the tube does not count {what}")]
     NotCounted {
-        /// What, in words or as a study's key.
+        /// Name of the effect, in words or as a study's key.
         what: String,
     },
     /// Lengths, counts or figures that do not belong together.
     #[error("{what} does not fit the study")]
     Mismatch {
-        /// What.
+        /// Name of the input that does not fit.
         what: &'static str,
     },
     /// The arm is not serial.
@@ -56,7 +56,7 @@ pub enum Refusal {
     LimitCanAct {
         /// When \[s\].
         t: f64,
-        /// Which joint.
+        /// Joint name.
         joint: String,
     },
 }
@@ -124,7 +124,7 @@ pub(super) fn smooth(study: &Study) -> Vec<Smooth> {
     study.robot.joints.iter().enumerate().map(of).collect()
 }
 
-/// What the robot adds to a command by itself: at a sample, held over it.
+/// Torque that the robot adds to a command by itself: at a sample, constant over it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Adds {
     /// Gravity of the bare arm.
@@ -221,7 +221,8 @@ pub(super) struct PayloadSlice {
 }
 
 impl PayloadSlice {
-    /// So many equal parts of the mass; from [`FINE`] of them on, the centres' box is halved across its widest side too.
+    /// The set in `parts` equal parts of the mass; from [`FINE`] of them on, the centres' box is halved
+    /// across its widest side too.
     pub(super) fn all(set: &PayloadSet, parts: u32) -> Vec<Self> {
         let (low, high) = set.mass;
         let at = |i: u32| low + (high - low) * f64::from(i) / f64::from(parts);
@@ -304,7 +305,7 @@ impl PayloadSlice {
     }
 }
 
-/// What in a study is outside of the derivation.
+/// Refuses a study with effects that are outside of the derivation.
 pub(super) fn counted(study: &Study) -> Result<(), Refusal> {
     let world = &study.world;
     let sensor = &study.sensor;

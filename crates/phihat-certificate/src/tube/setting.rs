@@ -1,4 +1,5 @@
-//! Where a sweep takes place: the arm with one slice of the payloads, its nominal run, and the loops around its joints.
+//! Setting of a sweep: the arm with one slice of the payloads, its nominal run, and the loops around its
+//! joints.
 
 use super::adjoint::Rows;
 use super::chain::Chain;
@@ -9,7 +10,7 @@ use super::law::{LinearLoop, Loop};
 use super::nominal::Nominal;
 use super::scope::{Adds, Dry, PayloadSlice, Smooth};
 
-/// What stays the same from the first sample to the last.
+/// Data that stay the same from the first sample to the last.
 pub(super) struct Setting<'a> {
     pub(super) inputs: &'a Inputs<'a>,
     pub(super) arm: ArmTerms<'a>,
@@ -22,7 +23,7 @@ pub(super) struct Setting<'a> {
     pub(super) period: f64,
     /// The loops, linear.
     pub(super) joints: Vec<LinearLoop>,
-    /// Whether velocity at a sample is read, by a sensor or by the robot.
+    /// True if velocity at a sample is read, by a sensor or by the robot.
     pub(super) reads_rate: bool,
     /// Most that a reading may be off \[rad\] per joint.
     pub(super) half_step: Vec<f64>,

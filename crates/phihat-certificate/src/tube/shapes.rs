@@ -1,4 +1,4 @@
-//! What is known of the deviation up to constants of the run: forward runs of the reference system.
+//! Known part of the deviation, up to constants of the run: forward runs of the reference system.
 
 use super::dense::apply;
 use super::frame::Frame;

@@ -7,7 +7,7 @@ use super::setting::Setting;
 use crate::extremes::Extremes as _;
 
 impl Setting<'_> {
-    /// What the copy of a frame in another one's place is off.
+    /// Boxes of the difference between two frames, where rows of one stand for those of the other.
     pub(super) fn shifted(
         &self,
         (frame, other): (&Frame, &Frame),

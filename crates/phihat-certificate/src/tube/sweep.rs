@@ -13,7 +13,7 @@ use crate::extremes::Extremes as _;
 const WINDOW: f64 = 5e-3;
 /// Distance of the instants whose whole state is bounded \[s\].
 const ANCHORS: f64 = 0.1;
-/// How far rows go back at least \[s\]; beyond, the whole state's bound takes their place.
+/// Least time that rows go back \[s\]; beyond, the whole state's bound takes their place.
 const MEMORY: f64 = 0.3;
 /// Beyond this half width \[rad\] nothing is proved any more.
 const WIDEST: f64 = 0.5;
@@ -253,7 +253,7 @@ impl<'a> Sweep<'a> {
         )
     }
 
-    /// What the shifted copies of the reference system are off: for samples of this window.
+    /// Boxes of the difference of the shifted copies of the reference system, for samples of this window.
     fn shift_boxes(&self, frame: &Frame, rest: (&[f64], &[f64]), own: &Boxes) -> Boxes {
         let mut out = Boxes::none(self.setting.n, self.setting.hand);
         let from = (frame.first + 1).saturating_sub(self.shared);

@@ -1,5 +1,5 @@
-//! The tube's numbers and its scope. Wrong if a ball lost a member, a payload's part left its range, or something that the
-//! derivation does not know were passed over.
+//! The tube's numbers and its scope. Wrong if a ball lost a member, a payload's part left its range, or
+//! something that the derivation does not know were passed over.
 
 use phihat_model::Sigmoid;
 use phihat_study::{PayloadSet, Study, StudyError};
@@ -15,7 +15,7 @@ impl Dice {
     }
 }
 
-/// What is not known, and an edit that brings it in.
+/// Name of an effect that is not derived, and an edit that brings it in.
 type Edit = (&'static str, fn(&mut Study));
 
 fn holds(ball: Ball, x: f64) -> bool {

@@ -79,7 +79,7 @@ impl ArmTerms<'_> {
             rows.flat_map(|(row, d)| row.iter().map(move |m| d.m * m)).collect();
     }
 
-    /// What the payload of the slice makes of it.
+    /// Adds the effect of the slice's payload to frame and distance.
     fn add_carried(
         &self,
         carried: Carried,
@@ -100,7 +100,7 @@ impl ArmTerms<'_> {
         frame.ends = (frame.first..=frame.first + frame.len).map(hand_at).collect();
     }
 
-    /// What the arm's geometry may be while positions, velocities and accelerations are in balls.
+    /// Enclosure of the arm's geometry while positions, velocities and accelerations are in balls.
     fn around<const N: usize>(&self, q: &[Ball], v: &[Ball], a: &[Ball]) -> Around {
         let n = q.len();
         let q: Vec<Tangent<N>> =
@@ -139,7 +139,7 @@ impl ArmTerms<'_> {
     }
 }
 
-/// Where position, velocity and acceleration are over a window, each joint by itself.
+/// Balls of position, velocity and acceleration over a window, each joint by itself.
 fn balls(
     run: &Nominal,
     (first, len): (usize, usize),

@@ -73,7 +73,7 @@ mod tests {
     use crate::{Bounds, Gains, Motion, Phi, PhiBasis};
     use phihat::{Form, VelocitySource};
 
-    /// What a bound is made of; one part after the other is more than nothing.
+    /// Inputs of a bound; the cases set some of them to more than nothing.
     struct Case {
         size: Option<f64>,
         rate: f64,

@@ -112,7 +112,7 @@ impl Certificate {
         moving.verify(&gains.joints.iter().zip(models).collect::<Vec<_>>())
     }
 
-    /// What the document says of itself must fit together.
+    /// Checks that the parts of the document fit together.
     fn whole(&self, gains: &Gains) -> Result<(), Refutation> {
         let yes = Refutation::unless;
         let written = gains.format == FORMAT && gains.version == VERSION;
@@ -145,7 +145,8 @@ impl Certificate {
         self.one_loop()
     }
 
-    /// What holds of each joint's loop holds of a coupled arm where all share one law, or by [`crate::FrozenArm`].
+    /// Checks that claims about each joint's loop hold of a coupled arm: all share one law, or there is a
+    /// [`crate::FrozenArm`].
     fn one_law_or_proof(&self, gains: &Gains) -> Result<(), Refutation> {
         if self.arm.basis != ArmBasis::Postures || self.refused().is_some() {
             return Ok(());
@@ -169,8 +170,8 @@ impl Certificate {
         Ok(())
     }
 
-    /// Joints that an arm couples are one loop at each eigenvalue only if all of them are in the same loop. Joints that are
-    /// known one by one may have drives of their own.
+    /// Joints that an arm couples are one loop at each eigenvalue only if all of them are in the same loop.
+    /// Joints that are known one by one may have drives of their own.
     fn one_loop(&self) -> Result<(), Refutation> {
         let coupled = self.arm.basis == ArmBasis::Postures;
         let Some(first) = self.joints.first() else { return Ok(()) };
@@ -188,7 +189,7 @@ impl Certificate {
     }
 }
 
-/// Whether two joints differ in name and `M̄` alone.
+/// Returns true if two joints differ in name and `M̄` alone.
 fn one_law(one: &JointRecord, other: &JointRecord) -> bool {
     UnitLaw::from(one) == UnitLaw::from(other) && one.observer == other.observer
 }

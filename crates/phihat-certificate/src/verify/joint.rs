@@ -54,8 +54,8 @@ impl JointCertificate {
         self.verify_bounds(record, whole)
     }
 
-    /// Whether all that does not depend on the nominal inertia is the same. It is then shown already where the law is the same
-    /// too.
+    /// Returns true if all that does not depend on the nominal inertia is the same. It is then already proved
+    /// where the law is the same too.
     pub(super) fn tells_the_same(&self, other: &Self) -> bool {
         self.model == other.model
             && self.window == other.window

@@ -1,6 +1,7 @@
 //! Checking a whole certificate against the gains that carry it.
 //!
-//! Every claim's own file checks that claim; here it is asked whether the claims fit together, and each is put to its check.
+//! Every claim's own file checks that claim; this module checks that the claims fit together, and calls each
+//! check.
 
 mod arm;
 mod bounds;

@@ -1,4 +1,4 @@
-//! What a claim about the tip must be to follow from its tube.
+//! Check that a claim about the tip follows from its tube.
 
 use crate::check::agree::agrees;
 use crate::check::plausible::at_most;

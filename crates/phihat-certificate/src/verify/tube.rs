@@ -1,4 +1,4 @@
-//! What a tube must be to speak of one arm, one loop and one run; that no run leaves it is not shown here.
+//! Check that a tube is of one arm, one loop and one run; that no run leaves it is not shown here.
 
 use crate::check::agree::agrees;
 use crate::check::plausible::at_most;

@@ -1,5 +1,5 @@
-//! An arm at one posture under the core's own laws from positions: `M q̈ = τ − φ` between samples, exactly. Knows nothing
-//! of the checker.
+//! An arm at one posture under the core's own laws from positions: `M q̈ = τ − φ` between samples, exactly.
+//! Knows nothing of the checker.
 
 use phihat::{
     InnovationSection, JointGains, JointState, Measurement, PositionDesign, Reference, TorqueSource,
@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 /// A law in its loop.
 pub(crate) type Joint = (JointRecord, LoopModel);
 
-/// What acts on one joint from outside in one sample, and what is fed forward.
+/// External torque, reading error and fed-forward acceleration of one joint in one sample.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Push {
     pub(crate) phi: f64,

@@ -6,7 +6,7 @@ use phihat_certificate::Refutation;
 /// An edit of a claim, with its name.
 pub(crate) type Edit<C> = (&'static str, fn(&mut C));
 
-/// What passed though it should not have, and what was refused though it is honest.
+/// Edits that passed and should not have, and honest claims that were refused.
 #[derive(Default)]
 pub(crate) struct Passed {
     pub(crate) tried: u32,

@@ -143,7 +143,7 @@ impl Case {
     }
 }
 
-/// What one run has of its own.
+/// Payload, friction and start of one run.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Draw {
     pub(crate) payload: Option<(f64, [f64; 3])>,

@@ -113,7 +113,7 @@ fn even(n: usize, value: f64) -> Matrix {
     (0..n).map(|i| (0..n).map(|j| if i == j { value } else { 0.0 }).collect()).collect()
 }
 
-/// How the inertia is led.
+/// Path of the inertia.
 #[derive(Clone)]
 enum Leads {
     /// From one random inertia to the next.
@@ -246,7 +246,8 @@ fn arm_with_range(dice: &mut Dice, n: usize, t: f64) -> Option<(Vec<Joint>, (f64
     Some((joints, (low * room.sqrt(), high / room.sqrt())))
 }
 
-/// How many arms are tried: a few, and more with `PHIHAT_ALL=1`; `PHIHAT_ATTACKED_ARMS=1000` for those of the record.
+/// Number of arms that are tried: `few`, or `more` with `PHIHAT_ALL=1`; `PHIHAT_ATTACKED_ARMS=1000` for those
+/// of the record.
 pub(crate) fn arms(few: usize, more: usize) -> usize {
     let stated = std::env::var("PHIHAT_ATTACKED_ARMS").ok().and_then(|n| n.parse().ok());
     stated.unwrap_or(if std::env::var_os("PHIHAT_ALL").is_some() { more } else { few })
@@ -334,7 +335,7 @@ fn no_arm_whose_laws_filter_grows_where_any_speed_is_proved() {
     assert!(proved > 0 && widened > 0, "{proved} {widened}");
 }
 
-/// How many of so many arms are proved, and how many of these grow in a wider range.
+/// Number of the arms that are proved, and number of these that grow in a wider range.
 fn none_grows_at_any_speed(seed: u64, arms: usize, make: Make) -> (usize, usize) {
     let mut dice = Dice(seed);
     let (mut proved, mut widened) = (0, 0);
