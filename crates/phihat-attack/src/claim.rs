@@ -1,4 +1,4 @@
-//! What a certificate claims of a run, as bounds for every joint and time.
+//! Claims of a certificate about a run, as bounds for every joint and time.
 
 use phihat_certificate::{NotCounted, Tube, TubeJoint};
 use phihat_design::Gains;
@@ -16,7 +16,8 @@ pub struct Claim {
     pub joints: Vec<JointClaim>,
     /// When the steady part begins \[s\].
     pub settle_s: f64,
-    /// Whether it is claimed that no torque or rate limit acts. If not, a run in which one does is outside of the claim.
+    /// True if it is claimed that no torque or rate limit acts. If false, a run in which one acts is outside
+    /// of the claim.
     pub limits_silent: bool,
 }
 
@@ -62,7 +63,7 @@ pub enum NoClaim {
     NoBounds,
 }
 
-/// What gains claim about the study that they were designed for; else why they claim nothing.
+/// Bounds that gains claim for the study that they were designed for.
 ///
 /// # Errors
 ///
@@ -102,7 +103,7 @@ pub fn claimed(gains: &Gains, study: &Study) -> Result<Claim, NoClaim> {
     Ok(Claim { joints, settle_s: study.spec.settle, limits_silent: false })
 }
 
-/// What a tube in a certificate says.
+/// Bounds of a tube in a certificate.
 fn documented(tube: &Tube, study: &Study) -> Claim {
     let before = held_at_start(study).ok().flatten();
     let zip = |low: &[f64], high: &[f64]| low.iter().copied().zip(high.iter().copied()).collect();

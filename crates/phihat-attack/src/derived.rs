@@ -6,7 +6,7 @@ use phihat_session::{Checked, verify};
 
 use crate::held::Violation;
 
-/// What `phihat verify --study` says of a kept study: how far its tube is confirmed, in words; or what is refuted.
+/// Result of `phihat verify --study` for a stored study, in words: the degree to which its tube is confirmed.
 ///
 /// # Errors
 ///

@@ -18,7 +18,7 @@ pub struct Load {
     pub inertia: [f64; 6],
 }
 
-/// What one run meets.
+/// Payload, friction and encoder phase of one run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct World {
     /// Body that the arm carries, if any.
@@ -29,7 +29,7 @@ pub struct World {
     pub phase: Vec<f64>,
 }
 
-/// What a run may meet: the study's scope.
+/// Scope of the study: payloads and friction that a run may have.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scope {
     /// Frame that carries the payload; `None`: the tip.
@@ -44,7 +44,7 @@ pub struct Scope {
     pub coulomb: (Vec<f64>, Vec<f64>),
 }
 
-/// Where a study's laws come from.
+/// Source of a study's laws.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Laws {
     /// From its design.
@@ -53,7 +53,7 @@ pub enum Laws {
     Typed {
         /// They, as text.
         gains: String,
-        /// What draws filters on their innovation; `None`: they have none.
+        /// Seed of the filters on their innovation; `None`: no filters.
         filter: Option<u64>,
     },
     /// From the search by positions, once: the shares of the allowed torque noise, per joint.
@@ -75,7 +75,7 @@ pub struct Draft {
     pub own_coulomb: Vec<f64>,
     /// Lines of `[design]` besides those of the scope.
     pub design: String,
-    /// Where the laws come from.
+    /// Source of the laws.
     pub laws: Laws,
     /// Lines of `[loop]`.
     pub control: String,
@@ -87,11 +87,11 @@ pub struct Draft {
     pub substeps: u32,
     /// `[[world.push]]` and all sections after `[world]`.
     pub rest: String,
-    /// What runs may meet.
+    /// Payloads and friction that runs may have.
     pub scope: Scope,
-    /// What the study itself meets.
+    /// Payload and friction of the study itself.
     pub nominal: World,
-    /// What is in it, in words.
+    /// Names of its features.
     pub tags: Vec<String>,
 }
 

@@ -9,7 +9,8 @@ use crate::arm::UserArm;
 use crate::draft::{Draft, Laws, Load, Scope, World};
 use crate::hand::Hand;
 
-/// A random study, not yet known to be one; of all of them, a share has laws from positions, and of these a share comes from a search.
+/// A random draft of a study, which may not be valid; a share of them have laws from positions, and a share
+/// of these laws come from a search.
 ///
 /// # Errors
 ///
@@ -161,7 +162,7 @@ impl Hand<'_> {
         format!("drive_bandwidth_hz = {:?}\n", self.rate * self.dice.log_between(0.1, 1.0))
     }
 
-    /// What runs may meet, and what the study's own does.
+    /// Draws the scope of the runs, and payload and friction of the study's own run.
     fn scope(&mut self) -> (Scope, World) {
         let n = self.count();
         let mut scope = Scope {

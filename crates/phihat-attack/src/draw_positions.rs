@@ -84,8 +84,8 @@ impl Hand<'_> {
         text
     }
 
-    /// Where laws from positions come from. Most are typed: a search takes a hundred times as long as a tube of theirs. Of those
-    /// searched for, one in five is a whole design.
+    /// Source of laws from positions. Most are typed: a search takes a hundred times as long as a tube of
+    /// typed laws. One in five of the searched ones is a whole design.
     pub(crate) fn laws(&mut self, searched: f64) -> Laws {
         let share = self.dice.share();
         if share >= searched {

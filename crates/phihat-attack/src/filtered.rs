@@ -11,11 +11,11 @@ const SHARE: f64 = 0.4;
 /// Share of their joints that do.
 const JOINTS: f64 = 0.85;
 
-/// What a section's weights are at most, of what the observer by itself makes of an innovation.
+/// Largest weight of a section, relative to the observer's own gain from the innovation.
 const MOST: f64 = 0.5;
 
-/// Whether typed laws are to filter their innovation, and by what: thrown with their text, so that a study's number draws the same
-/// study as before there were filters.
+/// Seed of the innovation filter of typed laws; `None`: no filter. Drawn from their text, so that a study's
+/// number draws the same study as before there were filters.
 pub(crate) fn seed(gains: &str) -> Option<u64> {
     let seed = gains.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)

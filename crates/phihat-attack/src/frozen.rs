@@ -21,7 +21,7 @@ const DRAWN: usize = 6;
 /// Below this share of its peak a response is rounding.
 const FLOOR: f64 = 1e-9;
 
-/// What is looked at: e, ė, and the change of the commanded torque.
+/// Observed outputs: e, ė, and the change of the commanded torque.
 const OUTPUTS: [&str; 3] = ["e", "de", "torque step"];
 
 /// Outputs of one sample, per joint.
@@ -36,8 +36,8 @@ struct Frozen<'a> {
 }
 
 impl Frozen<'_> {
-    /// Plays torques `d` \[N·m\] and misreadings `n` \[rad\] from rest, one of each per joint and sample; tells what came out at
-    /// each sample. The loop runs for a sample before the first of them.
+    /// Simulates torques `d` \[N·m\] and reading errors `n` \[rad\] from rest, one of each per joint and
+    /// sample; returns the outputs at each sample. The loop runs for a sample before the first of them.
     fn play(&self, samples: usize, input: &dyn Fn(usize) -> (Vec<f64>, Vec<f64>)) -> Vec<Seen> {
         let n = self.laws.len();
         let mut states = vec![JointState::new(); n];
@@ -72,7 +72,7 @@ impl Frozen<'_> {
         all
     }
 
-    /// Whether what follows a kick of one sample on every joint shrinks.
+    /// Returns true if the response to a kick of one sample on every joint shrinks.
     fn shrinks(&self, kick: &[f64]) -> bool {
         let mut samples = SAMPLES;
         let still = vec![0.0; kick.len()];
@@ -95,7 +95,7 @@ impl Frozen<'_> {
     }
 }
 
-/// What was found at frozen postures.
+/// Results at frozen postures.
 #[derive(Debug, Default)]
 pub(crate) struct AtRest {
     /// Claims that were broken.
@@ -159,7 +159,8 @@ fn stable<'a>(
     }
 }
 
-/// One row of the coupled gains at a posture that is kept: pushes, then misreadings, with the signs of the response backwards.
+/// Attacks one row of the coupled gains at a stored posture: by pushes, then by reading errors, with the
+/// signs of the time-reversed response.
 fn coupled(
     (certificate, at): (&Certificate, usize),
     frozen: &Frozen<'_>,

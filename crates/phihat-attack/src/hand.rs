@@ -3,7 +3,7 @@
 use phihat_model::Robot;
 use phihat_session::Dice;
 
-/// What draws a study.
+/// Robot, dice and loop settings from which a study is drawn.
 pub(crate) struct Hand<'a> {
     pub(crate) robot: Robot,
     pub(crate) dice: &'a mut Dice,

@@ -1,4 +1,4 @@
-//! Whether a run keeps what is claimed of it.
+//! Comparison of a run with the bounds that are claimed of it.
 
 use phihat_sim::{JointTrace, Outcome};
 use serde::{Deserialize, Serialize};
@@ -30,11 +30,11 @@ pub struct JointFound {
 /// A bound that was left.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Violation {
-    /// Which run.
+    /// Name of the run.
     pub run: String,
     /// Joint.
     pub joint: String,
-    /// What left its bound.
+    /// Signal that left its bound.
     pub signal: String,
     /// When it was furthest out, as a ratio \[s\].
     pub t_s: f64,
@@ -53,7 +53,7 @@ pub struct Found {
     pub joints: Vec<JointFound>,
     /// Bounds that were left.
     pub violations: Vec<Violation>,
-    /// Whether a limit acted although none was claimed to be silent: nothing is claimed of this run.
+    /// True if a limit acted that the claim does not exclude: nothing is claimed of this run.
     pub outside: bool,
 }
 
@@ -111,7 +111,7 @@ pub fn held(claim: &Claim, outcome: &Outcome, run: &str) -> Found {
     found
 }
 
-/// Where a signal is furthest out of its bounds, or closest to them.
+/// Value of a signal that is furthest outside of its bounds, or closest to them.
 fn furthest(
     t: &[f64],
     values: &[f64],

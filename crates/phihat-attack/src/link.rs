@@ -65,7 +65,7 @@ impl Part {
     }
 }
 
-/// What joint `i` moves at most: kg·m² of a stretched chain, kg along a slide.
+/// Largest inertia that joint `i` moves: \[kg·m²\] of a stretched chain, \[kg\] along a slide.
 pub(crate) fn moved(parts: &[Part], i: usize) -> f64 {
     let mut far = 0.0;
     let mut sum = 0.0;

@@ -20,10 +20,10 @@ use phihat_campaign::{Ended, Journal, run_all};
                   OUT/seed-S/NUMBER."
 )]
 struct Arguments {
-    /// How many studies.
+    /// Number of studies.
     #[arg(default_value_t = 300)]
     count: u64,
-    /// What is drawn.
+    /// Seed of the random draws.
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Number of the first study.
@@ -47,8 +47,8 @@ struct Arguments {
     /// Of every so many studies, verify those certified with laws from positions against their study; 0: none.
     #[arg(long, default_value_t = 10)]
     derive_every: u64,
-    /// Of every so many studies with typed laws, find and verify all that is claimed, 0: of none; of the others find the
-    /// tube alone, which takes half of the time. Those of `--derive-every` are whole too.
+    /// Of every so many studies with typed laws, find and verify all that is claimed, 0: of none; of the
+    /// others find the tube alone, which takes half of the time. Those of `--derive-every` are whole too.
     #[arg(long, default_value_t = 1)]
     whole_every: u64,
     /// Ask Pinocchio and MuJoCo about those, by this Python, which has both.
@@ -76,7 +76,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Whether nothing was broken.
+/// Attacks the studies; returns true if no claim was broken.
 fn attack(arguments: &Arguments) -> Result<bool, Box<dyn Error>> {
     let folder = arguments.out.join(format!("seed-{}", arguments.seed));
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;

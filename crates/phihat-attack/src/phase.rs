@@ -16,7 +16,7 @@ struct Displaced {
     read: Vec<Measurement<f64>>,
     commands: Vec<Command<f64>>,
     by: Vec<f64>,
-    /// What held the arm before, until the law takes it over.
+    /// Torque that held the arm before the run \[N·m\], until the law takes it over.
     held: Option<Vec<f64>>,
 }
 

@@ -1,11 +1,11 @@
-//! What is recorded of a trial.
+//! Record of a trial.
 
 use serde::{Deserialize, Serialize};
 
 use crate::held::{JointFound, Violation};
 use crate::second::Second;
 
-/// How a trial ended.
+/// Outcome of a trial.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ended {
@@ -19,16 +19,16 @@ pub enum Ended {
     Certified,
 }
 
-/// What is recorded of a trial.
+/// Recorded result of a trial.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Its number in the attack.
     pub index: u64,
-    /// What is in it.
+    /// Names of the study's features.
     pub tags: Vec<String>,
     /// Number of joints.
     pub joints: usize,
-    /// How it ended.
+    /// Outcome of the trial.
     pub ended: Ended,
     /// Why, where it was not certified.
     pub reason: String,
@@ -40,11 +40,11 @@ pub struct Record {
     pub found: Vec<JointFound>,
     /// Bounds that were left.
     pub violations: Vec<Violation>,
-    /// What other simulators said, where they were asked.
+    /// Result of other simulators, where requested.
     pub second: Option<Second>,
     /// At frozen postures: reached over claimed coupled gains, the most; `None`: not looked at.
     pub at_rest: Option<f64>,
-    /// What `verify --study` said, where it was asked.
+    /// Result of `verify --study`, where requested.
     pub derived: Option<String>,
     /// Time of design and verification, and of the runs \[s\].
     pub seconds: (f64, f64),

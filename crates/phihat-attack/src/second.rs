@@ -12,12 +12,12 @@ use crate::held::Violation;
 /// The script that asks Pinocchio and MuJoCo.
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/python/second_opinion.py");
 
-/// What other simulators said.
+/// Result of other simulators.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Second {
     /// Runs made.
     pub runs: usize,
-    /// What of the study they do not know.
+    /// Part of the study that they do not support.
     pub skipped: Option<String>,
     /// Largest distance from the middle of the claim, in half-widths.
     pub worst: f64,
@@ -62,7 +62,7 @@ pub(crate) enum NoOpinion {
     /// The script gave no answer.
     #[error("second opinion: {why}: {said}")]
     Answer {
-        /// What is wrong with what it printed.
+        /// Parse error of its output.
         why: serde_json::Error,
         /// Its messages.
         said: String,

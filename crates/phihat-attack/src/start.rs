@@ -1,4 +1,4 @@
-//! What holds an arm before the first sample.
+//! Torque that holds an arm before the first sample.
 
 use phihat_sim::{Motion, SimError};
 use phihat_study::Study;

@@ -1,4 +1,4 @@
-//! What an attack came to, as a table and as data.
+//! Summary of an attack, as a table and as data.
 
 use core::fmt;
 use std::collections::BTreeMap;
@@ -10,7 +10,7 @@ use crate::record::{Ended, Record};
 /// Share of the largest error of an arm below which a joint's is small.
 const SMALL: f64 = 0.15;
 
-/// How far bounds are from what was measured.
+/// Distribution of the ratio of bounds to measured values.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// Joints.
@@ -48,7 +48,7 @@ pub struct Summary {
     pub ratio_step: Option<Spread>,
     /// There, reached over claimed coupled gains.
     pub reached: Option<Spread>,
-    /// What `verify --study` said of tubes of laws from positions.
+    /// Results of `verify --study` for tubes of laws from positions, with their counts.
     pub derived: BTreeMap<String, usize>,
     /// Runs by other simulators, and what of studies they do not know.
     pub second: (usize, BTreeMap<String, usize>),
@@ -122,7 +122,7 @@ impl Summary {
         summary
     }
 
-    /// What is told of laws from positions by themselves.
+    /// Adds the figures of laws from positions alone.
     fn positions(&mut self, records: &[Record]) {
         let own = || records.iter().filter(|r| r.tags.iter().any(|tag| tag == "positions"));
         let joints = || own().flat_map(|record| &record.found);

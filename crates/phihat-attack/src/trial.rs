@@ -39,13 +39,14 @@ pub struct Trial<'a> {
     pub searched: f64,
     /// Runs per study.
     pub runs: usize,
-    /// Where studies that were broken are kept, each in a folder of its number.
+    /// Folder in which broken studies are stored, each in a folder of its number.
     pub folder: &'a Path,
     /// Of every so many, the certified ones are kept, and other simulators asked; 0: none.
     pub keep_every: u64,
     /// Of every so many, those certified with laws from positions are verified against their study; 0: none.
     pub derive_every: u64,
-    /// Of every so many studies with typed laws, all claims are found and verified, 0: of none; of the others the tube alone.
+    /// Of every so many studies with typed laws, all claims are found and verified, 0: of none; of the others
+    /// the tube alone.
     pub whole_every: u64,
     /// The Python that asks them.
     pub python: Option<&'a Path>,
@@ -90,7 +91,7 @@ impl Trial<'_> {
         record
     }
 
-    /// Whether other simulators are asked.
+    /// Returns true if other simulators are requested.
     fn asked(&self, index: u64) -> bool {
         one_of(self.keep_every, index)
     }
@@ -208,7 +209,7 @@ impl Trial<'_> {
 }
 
 impl Trial<'_> {
-    /// What is claimed besides the runs, of laws from positions.
+    /// Checks the claims about laws from positions that its runs do not cover.
     fn beside(
         &self,
         (draft, gains): (&Draft, &Gains),
@@ -232,7 +233,7 @@ impl Trial<'_> {
     }
 }
 
-/// Whether a study is the one of every so many; 0: none is.
+/// Returns true for one in `every` studies; 0: for none.
 fn one_of(every: u64, index: u64) -> bool {
     every > 0 && index.is_multiple_of(every)
 }
@@ -246,7 +247,7 @@ fn write(folder: &Path, files: &[(String, String)], record: &mut Record) {
     }
 }
 
-/// What was found and does not verify is a finding too.
+/// Violation by a claim that was found and does not verify.
 fn refuted(why: &Refutation) -> Violation {
     Violation {
         run: "verify".to_owned(),

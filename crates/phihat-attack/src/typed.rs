@@ -42,12 +42,12 @@ impl From<Refutation> for NotTyped {
     }
 }
 
-/// How much is claimed of laws.
+/// Extent of the claims about laws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Claims {
     /// All that a design claims; verified as a user does it.
     All,
-    /// What a tube needs, and the tube: half of the time.
+    /// The tube, and the claims that it needs: half of the time.
     Tube,
 }
 
@@ -118,7 +118,7 @@ fn with_tube(study: &Study, mut gains: Gains) -> Result<Gains, NotTyped> {
     Ok(gains)
 }
 
-/// How far a push moves every joint, and how fast the arm may move.
+/// Adds the coupled gains, and the claims of stability while the arm moves.
 fn pushed_and_moved(study: &Study, mut gains: Gains, arm: &Arm) -> Result<Outcome, NotTyped> {
     let coupled = coupled_along(study, &gains)?;
     if let Some(certificate) = &mut gains.certificate {

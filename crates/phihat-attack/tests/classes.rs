@@ -30,7 +30,8 @@ fn class(letter: &str) -> Vec<String> {
     own
 }
 
-/// Whether the study as it runs stays inside of what is claimed, or nothing is claimed; tells what was found.
+/// Returns true if the study's run stays inside of the claimed bounds, or if nothing is claimed; prints the
+/// result.
 fn kept(name: &str) -> bool {
     let (study, path) = study(name);
     let judged = if name.ends_with("_typed") { judged_as_typed } else { judged };
@@ -179,10 +180,10 @@ fn eigenvalue(matrix: &[f64], nominal: &[f64]) -> f64 {
     value
 }
 
-/// What is edited, and how.
+/// Name of an edit, and the edit.
 type Edit = (&'static str, fn(&mut Value));
 
-/// What a file says that was edited is not believed: it is refuted, or claims nothing.
+/// An edited file is not believed: it is refuted, or claims nothing.
 #[test]
 fn e_an_edited_file_is_refused() {
     let (study, path) = study("a_planar3r_friction");

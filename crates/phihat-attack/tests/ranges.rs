@@ -35,13 +35,13 @@ impl Ranged {
         Self { travel: travel.collect(), study, range }
     }
 
-    /// Where the lower and the upper end were found, each with the sign by which further out is larger.
+    /// Witnesses of the lower and the upper end, each with the sign by which further out is larger.
     fn ends(&self) -> [(&Witness, f64); 2] {
         let found = self.range.searched.as_ref().unwrap();
         [(&found.low, -1.0), (&found.high, 1.0)]
     }
 
-    /// How far out a posture is.
+    /// Extreme eigenvalue at a posture, times `sign`: larger is further out.
     fn score(&self, witness: &Witness, sign: f64) -> f64 {
         let rotor = if sign > 0.0 { Rotor::Most } else { Rotor::Least };
         let (robot, frame) = (&self.study.robot, &self.study.design.payload.frame);
@@ -51,7 +51,8 @@ impl Ranged {
         sign * if sign > 0.0 { all.max() } else { all.min() }
     }
 
-    /// By which share the best of some postures lies beyond an end, from `at` by steps of every joint: `step(k, travel)` at most.
+    /// Share by which the best of some postures lies beyond an end, from `at` by steps `step(k, travel)` of
+    /// every joint.
     fn beyond(
         &self,
         (end, sign): (&Witness, f64),
