@@ -1,4 +1,4 @@
-//! Whether two reproductions say the same: what CI holds a fresh one against.
+//! Comparison of a fresh reproduction with a stored one, for CI.
 
 use serde::Deserialize;
 use serde_json::{Number, Value};
@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::record::{self, FORMAT, Reproduction, Statement};
 
-/// What a text is that is no `reproduction.json` of this program.
+/// Reason why a text is no `reproduction.json` of this program.
 #[derive(Debug, Error)]
 pub enum KeptError {
     /// No JSON object.
@@ -29,7 +29,7 @@ pub enum KeptError {
 const NO_REPRODUCTION: &str =
     "no reproduction: expected a reproduction.json that `phihat reproduce` wrote";
 
-/// What of a `reproduction.json` is compared: statements, their verdicts and numbers.
+/// Part of a `reproduction.json` that is compared: statements, their verdicts and numbers.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Kept {
     quick: bool,

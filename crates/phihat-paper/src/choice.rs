@@ -1,8 +1,8 @@
-//! Which part of the reproduction is meant: by its name, or by a section, statement or figure of it.
+//! Choice of a part of the reproduction: by its name, or by a section, statement or figure of it.
 
 use crate::reproduce::{ReproduceError, parts};
 
-/// How sections, statements and figures of each part begin; the longest beginning decides.
+/// Beginnings of the names of each part's sections, statements and figures; the longest match decides.
 const BEGINNINGS: &[(&str, &[&str])] = &[
     (
         "theory",
@@ -72,7 +72,7 @@ const BEGINNINGS: &[(&str, &[&str])] = &[
     ("how far does it hold", &["how far"]),
 ];
 
-/// What `--only` takes, in words.
+/// Help text of `--only`.
 pub fn only_help() -> String {
     let names: Vec<_> = parts().collect();
     format!(
@@ -127,7 +127,7 @@ fn words(text: &str) -> Vec<String> {
     words
 }
 
-/// Whether these words stand in others, one after the other.
+/// Returns true if `all` contains the words `some`, one after the other.
 fn within(some: &[String], all: &[String]) -> bool {
     !some.is_empty() && all.windows(some.len()).any(|window| window == some)
 }

@@ -177,7 +177,8 @@ pub(crate) fn figure(id: &str, title: &str, caption: &str, panels: Vec<Panel>) -
 mod tests {
     use super::way;
 
-    /// A quick approach of five samples in a thousand is not drawn with the two or three corners that even thinning leaves.
+    /// A quick approach of five samples in a thousand is drawn with more than the two or three corners that even
+    /// thinning leaves.
     #[test]
     fn what_is_quick_keeps_its_shape() {
         let quick = (0..40).map(|k| [1.0 - f64::from(k) / 40.0, 0.0]);

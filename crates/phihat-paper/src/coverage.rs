@@ -1,4 +1,4 @@
-//! How many of the paper's numbered items the statements cover, and which they leave out.
+//! Coverage of the paper's numbered items by the statements: how many, and which are left out.
 
 use std::collections::BTreeSet;
 
@@ -7,14 +7,14 @@ use serde::Serialize;
 use crate::item::{Item, Kind};
 use crate::record::Reproduction;
 
-/// What is covered of one kind.
+/// Coverage of one kind.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Coverage {
     /// The kind.
     pub kind: Kind,
-    /// How many some statement covers.
+    /// Number of items that some statement covers.
     pub covered: usize,
-    /// How many there are.
+    /// Number of all items.
     pub all: usize,
     /// The others.
     pub left_out: Vec<NotCovered>,
@@ -48,7 +48,7 @@ fn why(reproduction: &Reproduction, item: Item) -> String {
     }
 }
 
-/// What the statements cover, kind by kind; counted from the statements' own references.
+/// Coverage by the statements, kind by kind; counted from their own references.
 pub fn coverage(reproduction: &Reproduction) -> Vec<Coverage> {
     let statements = reproduction.sections.iter().flat_map(|section| &section.statements);
     let covered: BTreeSet<Item> = statements.flat_map(|s| s.covers.iter().copied()).collect();

@@ -27,7 +27,7 @@ impl Kind {
     pub const ALL: [Self; 6] =
         [Self::Equation, Self::Figure, Self::Table, Self::Remark, Self::Lemma, Self::Theorem];
 
-    /// How many of it the paper numbers, from 1.
+    /// Number of items of this kind in the paper, which numbers them from 1.
     pub fn count(self) -> u8 {
         match self {
             Self::Equation => 51,

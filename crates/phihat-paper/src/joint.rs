@@ -5,7 +5,7 @@
 use phihat_design::claims::UnitLaw;
 use phihat_design::claims::matrix::{Matrix, apply, dot, exponential, norm_inf, product};
 
-/// Which of the paper's two forms of the estimator.
+/// Form of the estimator, one of the paper's two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PaperForm {
     /// (8) as a differential equation for `φ̂`; state `(e, ė, φ̂, …)`, `m + 2` long.

@@ -72,7 +72,7 @@ impl ReproduceOptions {
         Ok(ReproduceAnswer { reproduction, page: self.out.join("report.html"), no_pictures })
     }
 
-    /// What is written for sure, and one figure for those whose names are not known before.
+    /// Files that are written in any case, and one figure for those whose names are not known before.
     fn results(&self) -> Vec<PathBuf> {
         let names = ["reproduction.json", "report.html", "figures/figure.svg"].into_iter();
         names

@@ -12,17 +12,17 @@ use thiserror::Error;
 
 use crate::record::{Assumption, Section};
 
-/// How much is done.
+/// Extent of the computation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Extent {
     /// Coarser maps and sweeps, for tests; what is in both is the same.
     pub quick: bool,
 }
 
-/// What one part of the reproduction gives.
+/// Result of one part of the reproduction.
 #[derive(Debug, Clone, Default)]
 pub struct Part {
-    /// What it had to assume.
+    /// Assumptions that it needed.
     pub assumptions: Vec<Assumption>,
     /// Its sections, in the order of the paper.
     pub sections: Vec<Section>,

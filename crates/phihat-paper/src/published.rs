@@ -3,14 +3,14 @@
 use super::item::Item;
 use super::record::{Number, Origin, Statement, Verdict};
 
-/// What the paper says, before it is looked at.
+/// Statement of the paper, before it is checked.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Published<'a> {
     /// Short name, unique.
     pub(crate) id: &'a str,
-    /// Where it stands.
+    /// Place in the paper.
     pub(crate) place: &'a str,
-    /// What is claimed, in our words.
+    /// Claim, in our words.
     pub(crate) claim: &'a str,
     /// The paper's value or wording.
     pub(crate) paper: &'a str,
@@ -46,14 +46,14 @@ impl Published<'_> {
 }
 
 impl Statement {
-    /// How it was read.
+    /// Sets how it was read.
     #[must_use]
     pub(crate) fn read_as(mut self, reading: impl Into<String>) -> Self {
         self.reading = reading.into();
         self
     }
 
-    /// Which assumptions were varied, and how far.
+    /// Sets the assumptions that were varied, and how far.
     #[must_use]
     pub(crate) fn varying(mut self, varied: impl Into<String>) -> Self {
         self.varied = varied.into();
@@ -67,7 +67,7 @@ impl Statement {
         self
     }
 
-    /// Which numbered items of the paper it covers.
+    /// Sets the numbered items of the paper that it covers.
     #[must_use]
     pub(crate) fn covering(mut self, items: &[Item]) -> Self {
         self.covers = items.to_vec();

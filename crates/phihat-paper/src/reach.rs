@@ -1,4 +1,4 @@
-//! How far the law as printed holds: over the size of the arm and the sample rate.
+//! Reach of the law as printed: over the size of the arm and the sample rate.
 
 use phihat::{Form, TorqueSource, VelocitySource};
 use std::path::Path;
@@ -21,7 +21,7 @@ const LAWS: [(&str, &[f64]); 2] = [("m = 1", &[69.6]), ("m = 2, H1", &[4844.0, 6
 /// The rate of the paper \[Hz\].
 const PRINTED_HZ: f64 = 1000.0;
 
-/// What a cell of a map says: bit 0, the printed law; bit 1, `M̄` per joint.
+/// Classes of a map's cells: bit 0, the printed law; bit 1, `M̄` per joint.
 const CLASSES: [&str; 4] = ["neither", "printed law only", "M̄ per joint only", "both"];
 
 /// Eigenvalues of `M̄^{-1/2} M(q) M̄^{-1/2}` over an arm's postures.
@@ -41,12 +41,12 @@ struct Measured {
 struct Mapped {
     arm: &'static str,
     law: &'static str,
-    /// How many times as large or small an arm may be at [`PRINTED_HZ`] under the printed law.
+    /// Least and largest inertia, over the arm's, at which the printed law is stable at [`PRINTED_HZ`].
     scales: Option<(f64, f64)>,
     cells: Vec<Vec<u8>>,
 }
 
-/// Where the printed law is stable, and where it is with one nominal inertia per joint.
+/// Maps of where the printed law is stable, and where it is with one nominal inertia per joint.
 ///
 /// # Errors
 ///
@@ -163,7 +163,7 @@ impl Window {
         Self { around_one: InertiaWindow::find(&law, &model).ok(), law, model }
     }
 
-    /// Whether the loop is stable for every ratio of a range.
+    /// Returns true if the loop is stable for every ratio of a range.
     fn holds(&self, Range { low, high }: Range) -> bool {
         if let Some(window) = self.around_one {
             return window.contains(low, high);

@@ -1,4 +1,4 @@
-//! What a reproduction of the paper leaves, as data: statements with verdicts, tables and figures.
+//! Record of a reproduction of the paper, as data: statements with verdicts, tables and figures.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,11 +14,11 @@ pub struct Reproduction {
     pub format: u32,
     /// Version of this program.
     pub phihat_version: String,
-    /// Whether the shorter runs were asked for.
+    /// True if the shorter runs were requested.
     pub quick: bool,
     /// The text that chose some of the parts; `None`: all were done.
     pub only: Option<String>,
-    /// What the paper does not print and was assumed.
+    /// Assumptions in place of what the paper does not print.
     pub assumptions: Vec<Assumption>,
     /// In the order of the paper.
     pub sections: Vec<Section>,
@@ -47,11 +47,11 @@ impl Reproduction {
 pub struct Assumption {
     /// Short name, by which statements refer to it.
     pub id: String,
-    /// What is missing in the paper.
+    /// Information that is missing in the paper.
     pub missing: String,
-    /// What is used in its place, and from where.
+    /// Assumption in its place, and its source.
     pub assumed: String,
-    /// How much verdicts depend on it, measured where it was varied.
+    /// Influence on the verdicts, measured where it was varied.
     pub influence: String,
 }
 
@@ -64,11 +64,11 @@ pub struct Section {
     pub title: String,
     /// Paragraphs before the statements.
     pub text: Vec<String>,
-    /// What the paper states here, each with a verdict.
+    /// Statements of the paper, each with a verdict.
     pub statements: Vec<Statement>,
     /// Figures with more than a statement can say.
     pub tables: Vec<Table>,
-    /// What is better seen.
+    /// Plots and maps.
     pub figures: Vec<Figure>,
 }
 
@@ -77,29 +77,29 @@ pub struct Section {
 pub struct Statement {
     /// Short name, unique: `fig7-m1-error`.
     pub id: String,
-    /// Where it stands: `Fig. 7 (a)`, `(40)`, `Theorem 2`, `Table 2 (B)`.
+    /// Place in the paper: `Fig. 7 (a)`, `(40)`, `Theorem 2`, `Table 2 (B)`.
     pub place: String,
     /// Whose it is: only the paper's are counted as such.
     #[serde(default)]
     pub origin: Origin,
-    /// What is claimed, in our words.
+    /// Claim, in our words.
     pub claim: String,
     /// The paper's value or wording, as short as it can be.
     pub paper: String,
     /// Ours, with its unit.
     pub ours: String,
-    /// Whether it holds.
+    /// Verdict on it.
     pub verdict: Verdict,
-    /// How the statement was read: what exactly was held against what.
+    /// Reading of the statement: what exactly was compared with what.
     #[serde(default)]
     pub reading: String,
-    /// Which assumptions were varied and how far; empty: none.
+    /// Assumptions that were varied, and how far; empty: none.
     #[serde(default)]
     pub varied: String,
     /// The threshold at which the verdict would be another one.
     #[serde(default)]
     pub turns: String,
-    /// Which numbered items of the paper it covers.
+    /// Numbered items of the paper that it covers.
     #[serde(default)]
     pub covers: Vec<Item>,
     /// Why, and what would be right.
@@ -125,7 +125,7 @@ pub enum Origin {
     Ours,
 }
 
-/// Whether a statement of the paper holds.
+/// Verdict on a statement of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -146,7 +146,7 @@ impl Reproduction {
         all.filter(move |statement| statement.origin == origin && statement.verdict == verdict)
     }
 
-    /// How many statements of an origin there are.
+    /// Number of statements of an origin.
     pub fn count(&self, origin: Origin) -> usize {
         Verdict::ALL.iter().map(|verdict| self.of(origin, *verdict).count()).sum()
     }
@@ -180,7 +180,7 @@ impl Verdict {
 /// A figure by name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Number {
-    /// What it is.
+    /// Name of the quantity.
     pub name: String,
     /// Its unit; empty for none.
     pub unit: String,
@@ -195,7 +195,7 @@ pub struct Number {
 pub struct Table {
     /// Short name, unique.
     pub id: String,
-    /// What it shows.
+    /// Title.
     pub title: String,
     /// Headings, with units in brackets.
     pub columns: Vec<String>,
@@ -208,9 +208,9 @@ pub struct Table {
 pub struct Figure {
     /// Short name, unique, the file's stem: `fig-07`.
     pub id: String,
-    /// What it shows.
+    /// Title.
     pub title: String,
-    /// What to see in it, and what differs from the paper's.
+    /// Caption: what to note in it, and what differs from the paper's.
     pub caption: String,
     /// Its panels, in reading order.
     pub panels: Vec<Panel>,
@@ -225,9 +225,9 @@ pub struct Panel {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// Whether a unit is as long on both axes.
+    /// True if a unit is as long on both axes.
     pub equal: bool,
-    /// What is drawn.
+    /// Contents.
     pub content: Content,
 }
 
@@ -236,13 +236,13 @@ pub struct Panel {
 pub struct Axis {
     /// Label with the unit in brackets: `t [s]`.
     pub label: String,
-    /// Whether it is logarithmic.
+    /// True if it is logarithmic.
     pub log: bool,
     /// Ends; `None`: those of the data.
     pub range: Option<[f64; 2]>,
 }
 
-/// What a panel shows.
+/// Contents of a panel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Content {
@@ -261,7 +261,7 @@ pub enum Content {
         y: Vec<f64>,
         /// Class of every place.
         cells: Vec<Vec<u8>>,
-        /// What the classes mean, six at most.
+        /// Meanings of the classes, six at most.
         classes: Vec<String>,
     },
 }
@@ -269,21 +269,21 @@ pub enum Content {
 /// A curve.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Series {
-    /// What it is.
+    /// Label of the curve.
     pub label: String,
     /// Points `[x, y]`, thinned to what a figure can show.
     pub points: Vec<[f64; 2]>,
-    /// Whether points are marked and not joined.
+    /// True if points are marked and not joined.
     pub marks: bool,
 }
 
 /// A line across a panel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Bound {
-    /// What it is.
+    /// Label of the line.
     pub label: String,
-    /// Where it lies on the vertical axis.
+    /// Position on the vertical axis.
     pub value: f64,
-    /// Whether it is drawn at `−value` too.
+    /// True if it is drawn at `−value` too.
     pub both: bool,
 }

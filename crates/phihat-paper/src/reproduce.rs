@@ -19,7 +19,7 @@ pub enum ReproduceError {
     Part {
         /// The part.
         part: &'static str,
-        /// What went wrong.
+        /// Cause of the failure.
         why: PartError,
     },
     /// No part's name contains such words.

@@ -73,7 +73,8 @@ fn without_a_torque_limit_the_printed_form_does_what_fig_11_says() {
     let limited = experiment(&Studies::shipped(), QUICK, &|_| ()).unwrap();
     let free = Studies::shipped().replaced("torque_max_nm = 50.0", "torque_max_nm = \"none\"");
     let free = experiment(&free, QUICK, &|_| ()).unwrap();
-    // Under a limit that is not printed, m = 1 keeps its bounds from a nearer start; m = 2 is open, whatever our own form does.
+    // Under a limit that is not printed, m = 1 satisfies its bounds from a nearer start; m = 2 is open, whatever
+    // our own form does.
     for (id, verdict) in [("fig11-m1", Verdict::AsPrinted), ("fig11-m2", Verdict::Open)] {
         assert_eq!(statement(&limited, id).verdict, verdict, "{id}");
         assert_eq!(statement(&free, id).verdict, Verdict::AsPrinted, "{id}");
@@ -141,8 +142,8 @@ fn the_start_decides(part: &Part) {
     assert!(value(part, "fig11-m2", "farthest start under 50.0 N·m, m = 2, H3").is_none());
 }
 
-/// At `b_0 = a_0/a_1` the last entry of Q is `K̃ − 2 b_0` and A3 is `K̃ a_1 > 2 a_0`; the other figures are those of an audit made
-/// elsewhere.
+/// At `b_0 = a_0/a_1` the last entry of Q is `K̃ − 2 b_0` and A3 is `K̃ a_1 > 2 a_0`; the other figures are
+/// those of an audit made elsewhere.
 #[test]
 fn a_misprinted_name_gives_gains_with_a_certificate() {
     let part = simulation(&Studies::shipped(), QUICK, &|_| ()).unwrap();
@@ -213,7 +214,7 @@ fn both_forms_are_judged_by_the_same_quantities() {
     }
 }
 
-/// What the start makes is gone in observer form at every order; what a jump of φ makes grows with it in both.
+/// The overshoot from the start vanishes in observer form at every order; that from a jump of φ grows with it in both.
 #[test]
 fn peaking_is_told_apart() {
     let studies = Studies::shipped();

@@ -49,7 +49,7 @@ fn points(document: &Document<'_>, name: &str, key: &str, colour: &str) -> Vec<V
         .collect()
 }
 
-/// Where the ticks of an axis stand, by what they say: the anchor tells the axis.
+/// Values and positions of the ticks of an axis; the anchor identifies the axis.
 fn ticks(document: &Document<'_>, anchor: &str, key: &str) -> Vec<(f64, f64)> {
     let found = document.descendants().filter(|n| n.has_tag_name("text"));
     found

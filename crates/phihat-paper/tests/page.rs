@@ -17,7 +17,7 @@ fn all<'a>(document: &'a Html, selector: &str) -> Vec<ElementRef<'a>> {
     document.select(&Selector::parse(selector).unwrap()).collect()
 }
 
-/// What is read: without the marks that only keep a line from breaking.
+/// Text that is read: without the marks that only prevent a line break.
 fn text(node: &ElementRef<'_>) -> String {
     let all = node.text().collect::<Vec<_>>().join(" ").replace('\u{2060}', "");
     all.split_whitespace().collect::<Vec<_>>().join(" ")
@@ -81,7 +81,7 @@ fn counts_are_those_of_the_verdicts() {
     assert_eq!(["holds", "corrected", "refuted", "open"].map(listed), [2, 0, 1, 1]);
 }
 
-/// What the paper does not state, or states twice, is on the page and in no count.
+/// Statements that the paper does not make, or makes twice, are on the page and in no count.
 #[test]
 fn findings_of_ours_are_not_counted_among_the_papers() {
     let mut whole = reproduction();

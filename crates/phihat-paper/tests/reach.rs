@@ -30,7 +30,8 @@ fn a_change_of_order_hands_the_estimate_over() {
     }
 }
 
-/// Less a_0 at the start asks for less torque, as φ̂(0) is proportional to it; the steady error is that of the full gain.
+/// Less a_0 at the start requires less torque, as φ̂(0) is proportional to it; the steady error is that of the
+/// full gain.
 #[test]
 fn less_gain_in_the_transient_asks_for_less_torque() {
     let part = order_switching(&Studies::shipped(), QUICK, &|_| ()).unwrap();

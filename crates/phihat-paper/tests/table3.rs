@@ -1,5 +1,5 @@
-//! For this to be wrong, three laws would have to fall apart on seven joints in the way that their structure says they must,
-//! by accident.
+//! For this to be wrong, three laws would have to differ by accident on seven joints in the way that their
+//! structure predicts.
 
 use std::collections::BTreeSet;
 

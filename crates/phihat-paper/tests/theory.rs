@@ -237,7 +237,7 @@ fn table_1_has_the_rows_of_the_paper() {
     }
 }
 
-/// What is not the paper's is not counted as such, and nothing is said of H1 and H2 that needs a certificate.
+/// Statements that are not the paper's are not counted as such, and H1 and H2 have none that needs a certificate.
 fn whose_statement_it_is() {
     let of = |origin| all().filter(move |s| s.origin == origin).map(|s| s.id.as_str());
     let ours: Vec<_> = of(Origin::Ours).collect();
@@ -271,7 +271,7 @@ fn errata_come_out_as_corrections() {
     }
 }
 
-/// What a page needs: unique names, square tables, curves that can be drawn.
+/// Requirements of a page: unique names, square tables, curves that can be drawn.
 fn well_formed() {
     let mut ids = BTreeSet::new();
     for name in ["theory", "table 1", "table 2", "figures 12 and 13"] {

@@ -1,4 +1,4 @@
-//! What the paper does not publish of its three-joint arm, and what stands in for it.
+//! Assumptions in place of what the paper does not publish of its three-joint arm.
 
 use crate::record::Assumption;
 

@@ -14,7 +14,7 @@ pub(crate) const BOUNDS: [f64; 4] = [1e-4, 1e-3, 1e-2, 1e-1];
 /// Torques that differ by less than this share of the largest count as one curve.
 const ONE_CURVE: f64 = 0.01;
 
-/// Whether (48) or (49), whichever is for the setting, holds in the steady part: all its quantities, of either form alike.
+/// Returns true if the steady part satisfies (48) for m = 1, (49) for m = 2; integrals count alike in either form.
 pub(crate) fn keeps_bounds(run: &Run, setting: Setting) -> bool {
     let first = usize::from(setting == Setting::First);
     run.steady().is_some_and(|steady| {
@@ -22,12 +22,12 @@ pub(crate) fn keeps_bounds(run: &Run, setting: Setting) -> bool {
     })
 }
 
-/// Whether joint 2 overshoots more in the first run.
+/// Returns true if joint 2 overshoots more in `second` than in `first`.
 pub(crate) fn peaks_more(second: &Run, first: &Run) -> bool {
     second.overshoot(1) > first.overshoot(1)
 }
 
-/// Whether less mismatch is left in the first run.
+/// Returns true if the rms mismatch of the worst joint is smaller in `second` than in `first`.
 pub(crate) fn estimates_better(second: &Run, first: &Run) -> bool {
     !second.diverged() && !first.diverged() && second.mismatch()[1] < first.mismatch()[1]
 }
@@ -48,7 +48,7 @@ pub(crate) fn torque_difference(a: &Run, b: &Run) -> Option<f64> {
     Some(apart / most)
 }
 
-/// Whether two runs' torques are one curve in the steady part.
+/// Returns true if the torques of two runs are one curve in the steady part.
 pub(crate) fn same_torque(a: &Run, b: &Run) -> bool {
     torque_difference(a, b).is_some_and(|share| share < ONE_CURVE)
 }
@@ -61,15 +61,15 @@ pub(crate) type Holds = fn(&Runs, Setting, Form) -> Result<bool, PartError>;
 pub(crate) struct Claim {
     /// In words.
     pub(crate) says: &'static str,
-    /// Whether it is about (48) or (49).
+    /// True if it is about (48) or (49).
     pub(crate) bounds: bool,
     /// The settings it is about.
     pub(crate) settings: &'static [Setting],
-    /// Whether it holds.
+    /// Test of the statement for one setting and form.
     pub(crate) holds: Holds,
 }
 
-/// What the simulations are said to show.
+/// Statements on the simulations.
 pub(crate) const SIMULATED: &[Claim] = &[
     Claim {
         says: "m = 2 overshoots more than m = 1 (Figs. 5, 6)",
@@ -103,7 +103,7 @@ pub(crate) const SIMULATED: &[Claim] = &[
     },
 ];
 
-/// What the experiments are said to show, order by order: of the printed form they depend on it.
+/// Statements on the experiments, order by order; in the printed form they depend on the order.
 pub(crate) const EXPERIMENTED: &[Claim] = &[
     Claim {
         says: "the arm settles in spite of saturation, m = 1 (Figs. 9, 10)",
@@ -152,15 +152,15 @@ fn keeps(runs: &Runs, setting: Setting, form: Form) -> Result<bool, PartError> {
 }
 
 impl Claim {
-    /// Whether it holds for every setting in a form.
+    /// Returns true if it holds for every setting in a form.
     pub(crate) fn everywhere(&self, runs: &Runs, form: Form) -> Result<bool, PartError> {
         let each = self.settings.iter().map(|setting| (self.holds)(runs, *setting, form));
         each.collect::<Result<Vec<_>, _>>().map(|all| all.into_iter().all(|holds| holds))
     }
 }
 
-/// The verdict on something that holds as printed, or with the observer form only; where neither, on an arm that is assumed,
-/// it is open.
+/// Verdict on a statement that holds as printed, or only in the observer form; open where neither, as the arm is
+/// assumed.
 pub(crate) fn verdict(as_printed: bool, corrected: bool) -> Verdict {
     Verdict::assumed(as_printed, corrected)
 }

@@ -23,7 +23,7 @@ const STEPS: u32 = 40;
 /// Tolerance of our own figures on another machine.
 const AGAIN: f64 = 1e-2;
 
-/// What Figs. 5 to 8 say of m = 2, on one run: the overshoot, (49), the mismatch, (50).
+/// Truth of the statements of Figs. 5 to 8 on m = 2, for one run: the overshoot, (49), the mismatch, (50).
 fn figures(run: &Run, first: &Run) -> [bool; 4] {
     [
         peaks_more(run, first),
@@ -33,7 +33,7 @@ fn figures(run: &Run, first: &Run) -> [bool; 4] {
     ]
 }
 
-/// Whether A1 to A3 hold at the printed `K̃`, and Theorem 2 gives its certificate.
+/// Returns true if A1 to A3 hold at the printed `K̃`, and Theorem 2 gives its certificate.
 fn proved(law: &UnitLaw) -> Result<bool, PartError> {
     let met = conditions(law, K_TILDE).iter().all(|condition| condition.left > condition.right);
     Ok(met && Optimality::at(law, K_TILDE)?.certified().is_some())
@@ -57,7 +57,7 @@ fn largest() -> Result<f64, PartError> {
     Ok(low)
 }
 
-/// What Figs. 5 to 8 say with another `a_0`.
+/// Returns true if all statements of [`figures`] hold with another `a_0`.
 fn other(studies: &Studies, first: &Run, a_0: f64) -> Result<bool, PartError> {
     let mut study = studies.study(Kind::Simulation, Setting::H4, Form::Literal)?;
     if let Some(LawRequest::Coefficients { a, .. }) =

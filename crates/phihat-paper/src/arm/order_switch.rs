@@ -28,7 +28,7 @@ struct OrderSwitch {
     stage: Stage,
 }
 
-/// Which law runs.
+/// Law in use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Stage {
     /// The first; every mismatch has been settled for so many samples.
@@ -37,7 +37,7 @@ enum Stage {
 }
 
 impl OrderSwitch {
-    /// Whether the last estimate was that of the torque that then acted, on every joint.
+    /// Returns true if, on every joint, the last estimate is within [`SETTLED_NM`] of the φ that then acted.
     fn settled(&self, moment: &Moment<'_>) -> bool {
         let joints = moment.sample.joints.iter().zip(&self.first).zip(&self.commands).zip(&self.dq);
         joints.into_iter().all(|(((measured, gains), command), dq)| {

@@ -1,4 +1,5 @@
-//! What peaks: the printed start, or the order. Orders 1 to 4 at one rate, in both forms, off the path and pushed.
+//! Cause of peaking: the printed start, or the order. Orders 1 to 4 at one rate, in both forms, off the path
+//! and pushed.
 
 use phihat::Form;
 use phihat_design::claims::times::estimator_at;
@@ -16,12 +17,12 @@ use crate::record::{Statement, Table, Verdict};
 const RATE: f64 = 69.6;
 /// Orders tried.
 const ORDERS: [usize; 4] = [1, 2, 3, 4];
-/// What is run \[s\].
+/// Duration of a run \[s\].
 const DURATION_S: f64 = 4.0;
 /// The push: a jump of φ of joint 2 \[N·m\], on the path, from then \[s\] to the end.
 const PUSH_NM: f64 = 10.0;
 const PUSH_S: f64 = 2.0;
-/// How long after it is looked at \[s\]: the arm moves on, and its own φ must not pass for the answer.
+/// Time after the push that is evaluated \[s\]: the arm moves on, and its own φ must not count as response.
 const ANSWER_S: f64 = 0.3;
 /// An overshoot below this share of the least one of the printed form counts as gone.
 const GONE: f64 = 0.1;
@@ -35,13 +36,13 @@ struct Tried {
     push: Pushed,
 }
 
-/// What a jump of φ does to joint 2.
+/// Response of joint 2 to a jump of φ.
 struct Pushed {
     /// Peak of the error \[rad\].
     peak: f64,
-    /// How far it swings back, over that peak.
+    /// Swing back of the error, over that peak.
     back: f64,
-    /// How far φ̂ goes beyond the jump, over the jump.
+    /// Overshoot of φ̂ beyond the jump, over the jump.
     beyond: f64,
 }
 

@@ -10,10 +10,10 @@ use crate::record::{Number, Statement, Table, Verdict};
 use phihat::{Form, VelocitySource};
 use phihat_study::Study;
 
-/// What counts as none, as a share of φ, root mean square.
+/// Mismatch below which it counts as zero, as a share of φ, root mean square.
 const NONE: f64 = 1e-2;
 
-/// What counts as found, as a share of φ, root mean square.
+/// Mismatch below which φ counts as estimated, as a share of φ, root mean square.
 const FOUND: f64 = 0.1;
 
 /// Root mean squares over the steady part, of the joint where the last is largest \[N·m\].
@@ -82,7 +82,7 @@ fn smooth(mut study: Study) -> Study {
     study
 }
 
-/// What is left in every world: m = 1 and H3, both forms, no torque limit.
+/// Remaining mismatch in every world: m = 1 and H3, both forms, no torque limit.
 pub(crate) struct Left(Vec<(&'static str, Setting, Form, Sizes)>);
 
 impl Left {

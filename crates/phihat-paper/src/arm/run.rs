@@ -61,8 +61,8 @@ impl Run {
         self.ladder(self.steady_from())
     }
 
-    /// The largest errors of [`Run::steady`], with integrals counted from the first sample on: those of the printed form
-    /// are its state.
+    /// The largest errors of [`Run::steady`], with integrals counted from the first sample on: in the printed form
+    /// they are its state.
     pub(crate) fn since_start(&self) -> Option<[f64; 4]> {
         self.ladder(0)
     }
@@ -106,7 +106,7 @@ impl Run {
         inside.then_some(settled as f64 * self.period())
     }
 
-    /// How far a joint's error goes beyond zero, as a share of its initial error.
+    /// Overshoot of a joint's error beyond zero, as a share of its initial error.
     pub(crate) fn overshoot(&self, joint: usize) -> f64 {
         let e = &self.joints()[joint].e;
         let Some(first) = e.first().filter(|e| **e != 0.0) else { return 0.0 };
@@ -137,7 +137,7 @@ impl Run {
         Ok(samples.map(|k| [at(&of(|j| &j.q, k)), at(&of(|j| &j.q_desired, k))]).collect())
     }
 
-    /// How far the tip goes beyond its desired place, along the line of its initial error \[m\].
+    /// Overshoot of the tip beyond its desired position, along the line of its initial error \[m\].
     pub(crate) fn tip_overshoot(&self) -> Result<f64, PartError> {
         let tips = self.tips(1)?;
         let away = |[tip, wanted]: &[[f64; 2]; 2]| [tip[0] - wanted[0], tip[1] - wanted[1]];

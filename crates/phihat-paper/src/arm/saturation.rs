@@ -1,4 +1,4 @@
-//! What a torque limit does to the transient, and how near the path the arm must start for it to do no harm.
+//! Effect of a torque limit on the transient, and the start distance from the path at which it does no harm.
 
 use super::run::Run;
 use super::runs::{Runs, form_name};
@@ -14,7 +14,7 @@ use phihat::Form;
 /// Runs that settled and kept their bounds.
 const GOOD: [Outcome; 2] = [Outcome::Soon, Outcome::Late];
 
-/// What the start and the limit were varied over, in words.
+/// Variations of the start and the limit, in words.
 fn varied(map: &StartMap) -> String {
     let rows = map.maps.first().map_or(&[][..], |map| &map.rows);
     let cells = rows.first().map_or(&[][..], |row| &row.cells);
@@ -28,7 +28,8 @@ fn varied(map: &StartMap) -> String {
     )
 }
 
-/// From how far the printed form still settles under the limit of the studies, and which limit it needs from where they start.
+/// Farthest start from which the printed form settles under the limit of the studies, and the limit that it
+/// needs from their start, in words.
 pub(crate) fn turning(map: &StartMap, settings: &[Setting]) -> String {
     let (limit, far) = map.assumed;
     let of = |map: &Mapped| {
@@ -65,8 +66,8 @@ pub(crate) fn thresholds(map: &StartMap, settings: &[Setting]) -> Vec<Number> {
     maps.flat_map(of).flatten().collect()
 }
 
-/// The longest transient of a setting that is long because of the limit of the studies: where it starts, when it has settled,
-/// and when without the limit.
+/// Nearest start from which the limit of the studies makes the transient of a setting long: its distance \[m\], and
+/// the settling times with the limit and without \[s\].
 fn longest(map: &StartMap, setting: Setting) -> Option<(f64, f64, f64)> {
     let late = map.printed(setting)?.rows.iter().filter_map(|row| {
         let at_limit = |cell: &&Cell| {
@@ -79,7 +80,8 @@ fn longest(map: &StartMap, setting: Setting) -> Option<(f64, f64, f64)> {
     late.reduce(|first, _| first)
 }
 
-/// Joint 2 of m = 1 as printed, from the nearest start at which the limit makes the transient long; none where there is none.
+/// Joint 2 of m = 1 as printed, from the nearest start at which the limit makes the transient long; `None`: there
+/// is no such start.
 pub(crate) fn near_figure(studies: &Studies, map: &StartMap) -> Result<Option<Figure>, PartError> {
     let Some((distance, ..)) = longest(map, Setting::First) else { return Ok(None) };
     let [with, without] = nearer(studies, distance)?;

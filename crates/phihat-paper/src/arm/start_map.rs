@@ -17,11 +17,12 @@ const LIMITS: [f64; 11] = [10.0, 20.0, 35.0, 50.0, 70.0, 100.0, 150.0, 200.0, 40
 const FEW: ([usize; 1], [usize; 2]) = ([3], [3, 7]);
 /// A transient this many times as long as without the limit is a long one.
 pub(crate) const LONG: f64 = 1.5;
-/// The nearest start that is tried for the edge \[m\] (a path that begins nearer leaves the arm's reach), and steps of the bisection.
+/// Nearest start that is tried for the edge \[m\] (a path that begins nearer leaves the arm's reach), and number
+/// of bisection steps.
 pub(crate) const NEAREST_M: f64 = 5e-3;
 const STEPS: u32 = 7;
 
-/// What a run under a limit did, beside the run without one.
+/// Outcome of a run under a limit, compared with the run without one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Outcome {
     /// It does not settle in two turns.
@@ -34,7 +35,7 @@ pub(crate) enum Outcome {
     Late,
 }
 
-/// What the classes of the map mean, in the order of [`Outcome`].
+/// Meaning of the classes of the map, in the order of [`Outcome`].
 pub(crate) const CLASSES: [&str; 4] = [
     "does not settle",
     "settles, bounds not kept",
@@ -65,7 +66,8 @@ pub(crate) struct Mapped {
     pub(crate) setting: Setting,
     pub(crate) form: Form,
     pub(crate) rows: Vec<Row>,
-    /// The farthest start from which the printed form settles and keeps its bounds under the limit of the studies \[m\].
+    /// Farthest start from which the printed form settles and satisfies its bounds under the limit of the
+    /// studies \[m\].
     pub(crate) edge: Option<f64>,
 }
 
@@ -75,7 +77,7 @@ pub(crate) struct StartMap {
     pub(crate) maps: Vec<Mapped>,
     /// The limit of the studies \[N·m\], and how far from the path they start \[m\].
     pub(crate) assumed: (f64, f64),
-    /// Whether all places were tried.
+    /// True if all places were tried.
     pub(crate) whole: bool,
 }
 
@@ -118,8 +120,8 @@ impl StartMap {
         self.maps.iter().find(|map| map.setting == setting && map.form == Form::Literal)
     }
 
-    /// Whether under the limit of the studies there is a start, for each of some settings in the printed form, at which a run
-    /// came to one of these outcomes.
+    /// Returns true if, for each of some settings in the printed form, a run from some start under the limit of the
+    /// studies came to one of these outcomes.
     pub(crate) fn somewhere(&self, settings: &[Setting], outcomes: &[Outcome]) -> bool {
         let of = |map: &Mapped| {
             let cells = map.rows.iter().flat_map(|row| &row.cells);
@@ -129,7 +131,7 @@ impl StartMap {
         settings.iter().all(|setting| self.printed(*setting).is_some_and(of))
     }
 
-    /// How many places of a form came to one of these outcomes, and how many there are.
+    /// Number of places of a form with one of these outcomes, and number of all its places.
     pub(crate) fn count(&self, form: Form, outcomes: &[Outcome]) -> (usize, usize) {
         let maps = self.maps.iter().filter(|map| map.form == form);
         let cells = || maps.clone().flat_map(|map| &map.rows).flat_map(|row| &row.cells);
@@ -169,7 +171,7 @@ fn moved(mut study: Study, [start, begin]: [[f64; 2]; 2], distance: f64) -> Stud
     study
 }
 
-/// What a run with a limit did beside the one without.
+/// Outcome of a run with a limit, compared with the run without one.
 fn outcome(run: &Run, free: &Run, setting: Setting) -> Outcome {
     let spoiled = keeps_bounds(free, setting) && !keeps_bounds(run, setting);
     match (run.settled_at(), free.settled_at()) {

@@ -21,10 +21,10 @@ use crate::record::{Number, Section, Statement, Table};
 /// Tolerance of our own figures on another machine.
 const AGAIN: f64 = 1e-2;
 
-/// What errors count as "much smaller" than a bound.
+/// Bound over error from which on an error counts as "much smaller".
 const MUCH: f64 = 10.0;
 
-/// Which of the paper's two figures.
+/// One of the paper's two figures.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shown {
     pub(crate) figure: &'static str,
@@ -56,9 +56,9 @@ pub(crate) fn simulated(runs: &Runs) -> Result<Section, PartError> {
 /// The quantities of (48) and (49) with their units, in the order of [`BOUNDS`].
 const LADDER: [(&str, &str); 4] = [("∬e", "rad·s²"), ("∫e", "rad·s"), ("e", "rad"), ("ė", "rad/s")];
 
-/// Whether the bounds of some settings are kept, by either form, integrals counted alike.
+/// Statement that some settings satisfy their bounds, in either form, integrals counted alike.
 ///
-/// What fails in an experiment from every start is open, whatever the observer form does.
+/// An experiment that fails from every start is open, whatever the observer form does.
 pub(crate) fn kept(
     runs: &Runs,
     shown: Shown,
@@ -116,7 +116,8 @@ pub(crate) fn kept(
     Ok(read(whole, (order, settings), open.map(|(_, map)| (map, depends.unwrap_or_default()))))
 }
 
-/// How it was read, what was varied and where it turns; of an experiment with the map, and what the other assumptions do.
+/// Adds how the statement was read, what was varied and where it turns; for an experiment, from the map and the
+/// effect of the other assumptions.
 fn read(
     statement: Statement,
     (order, settings): (usize, &[Setting]),
@@ -257,7 +258,7 @@ fn margin(runs: &Runs) -> Result<Statement, PartError> {
     .covering(&[Item { kind: Kind::Figure, number: 7 }]))
 }
 
-/// What a run's largest φ can do to `e` \[rad\], by the peak-to-peak gain of its sampled loop.
+/// Bound on `e` for the largest φ of a run \[rad\], by the peak-to-peak gain of its sampled loop.
 pub(crate) fn error_bound(run: &Run) -> Result<f64, PartError> {
     let gains =
         requested_gains(&run.study).ok_or(PartError::Missing("the study states no gains"))?;

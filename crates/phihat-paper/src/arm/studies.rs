@@ -115,7 +115,7 @@ impl Studies {
     ///
     /// # Errors
     ///
-    /// What is wrong with its text.
+    /// [`PartError`]: there is no such study, or its text is not valid.
     pub fn study(&self, kind: Kind, setting: Setting, form: Form) -> Result<Study, PartError> {
         let mut study = self.read(&name(kind, setting))?;
         study.control.form = form;
@@ -126,7 +126,7 @@ impl Studies {
     ///
     /// # Errors
     ///
-    /// What is wrong with its text.
+    /// [`PartError`]: there is no such study, or its text is not valid.
     pub fn read(&self, name: &str) -> Result<Study, PartError> {
         let path = path(name);
         let Some(text) = self.texts.get(&path) else { return Err(PartError::NoStudy(path)) };
@@ -134,12 +134,12 @@ impl Studies {
     }
 }
 
-/// Where the study of a setting lies in the repository.
+/// Path of the study of a setting in the repository.
 pub(crate) fn path_of(kind: Kind, setting: Setting) -> String {
     path(&name(kind, setting))
 }
 
-/// Where a study lies in the repository.
+/// Path of a study in the repository.
 pub(crate) fn path(name: &str) -> String {
     format!("studies/paper/{name}.toml")
 }

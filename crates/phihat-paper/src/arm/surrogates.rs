@@ -12,12 +12,12 @@ use crate::compose::{figure, log_axis, number, rests_on, section, table, three};
 use crate::part::{Extent, PartError};
 use crate::record::{Assumption, Content, Number, Panel, Section, Statement};
 
-/// How many times as heavy the links are.
+/// Factors on the masses of the links.
 const LINKS: &[f64] = &[0.3, 0.5, 1.0, 2.0, 3.0];
 /// Rotor inertia of every joint \[kg·m²\].
 const ARMATURES: &[f64] = &[0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.6];
 
-/// Which statements hold on one variation: by claim, in the printed and in the observer form.
+/// Truth of each statement on one variation: by claim, in the printed and in the observer form.
 type Answers = Vec<[bool; 2]>;
 
 /// The statements of one kind over all variations.
@@ -29,7 +29,7 @@ pub(crate) struct Varied {
     /// Row by row of `links`.
     arms: Vec<Answers>,
     others: Vec<(&'static str, &'static str, Answers)>,
-    /// Whether all variations were run.
+    /// True if all variations were run.
     whole: bool,
 }
 
@@ -110,7 +110,7 @@ impl Varied {
         )
     }
 
-    /// What a statement was varied over, and at which arms it turns: of the printed form.
+    /// Adds what a statement was varied over, and the arms at which it turns in the printed form.
     pub(crate) fn around(&self, statement: Statement, claim: usize) -> Statement {
         let lost = self.others.iter().filter(|(.., answers)| !answers[claim][0]);
         let lost: Vec<&str> = lost.map(|(_, says, _)| *says).collect();
@@ -191,7 +191,7 @@ impl Varied {
         section
     }
 
-    /// Where the bounds of (48), (49) are kept.
+    /// Map of the arms on which (48), (49) are satisfied.
     fn map(&self, id: &str) -> crate::record::Figure {
         let class = |answers: &Answers| {
             let bounds = || self.claims.iter().zip(answers).filter(|(claim, _)| claim.bounds);
@@ -249,7 +249,7 @@ impl Varied {
         format!("Links {links} times as heavy, rotors of {rotors} kg·m².{claims}")
     }
 
-    /// What the variations of one assumption did; empty where there were none.
+    /// Effect of the variations of one assumption, in words; empty where there were none.
     fn over(&self, id: &str) -> String {
         let varied = || self.others.iter().filter(|(other, ..)| *other == id);
         let all: Vec<&str> = varied().map(|(_, says, _)| *says).collect();

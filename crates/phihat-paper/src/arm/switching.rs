@@ -27,7 +27,7 @@ struct Pair {
     switched: Run,
     /// Sample of the last torque of the first law; `None`: it never changed.
     at: Option<usize>,
-    /// What φ̂ would jump by if (10) took over with the integrals as they stand \[N·m\].
+    /// Jump of φ̂ if (10) took over with the integrals as they stand \[N·m\].
     naive_jump: f64,
 }
 
@@ -107,7 +107,8 @@ impl Pair {
     }
 }
 
-/// What φ̂ jumps by where (10) takes over from (9) at sample `at` with ∫e and ∬e summed since the start \[N·m\].
+/// Largest jump of φ̂ on any joint if (10) takes over from (9) at sample `at` with ∫e and ∬e summed since the
+/// start \[N·m\].
 fn naive_jump(first: &Run, second: &Study, at: usize) -> Result<f64, PartError> {
     let gains = phihat_design::requested_gains(second)
         .ok_or(PartError::Missing("the study states no gains"))?;

@@ -15,7 +15,7 @@ use crate::item::{Item, Kind};
 use crate::part::PartError;
 use crate::record::{Figure, Section, Statement, Table, Verdict};
 
-/// How much of the run Figs. 6 and 9 show \[s\].
+/// Duration that Figs. 6 and 9 show \[s\].
 pub(crate) const SHOWN_S: f64 = 1.5;
 
 /// Tolerance of our own figures on another machine.

@@ -1,11 +1,11 @@
-//! What is varied besides the arm: path, start and world.
+//! Variations besides the arm: path, start and world.
 
 use phihat_study::{Curve, Reference, Study};
 
 /// A change of a study.
 pub(crate) type Change = fn(Study) -> Study;
 
-/// What else is varied: the assumption, in words, and the change.
+/// Another variation: the assumption, its description, and the change.
 pub(crate) type Other = (&'static str, &'static str, Change);
 
 /// For the simulations.

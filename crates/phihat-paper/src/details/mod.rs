@@ -1,5 +1,5 @@
-//! What every statement says of itself besides its figures: what it covers, how it was read, what was varied, where
-//! its verdict turns. A statement that says so where it is made keeps that.
+//! Details of every statement besides its figures: what it covers, how it was read, what was varied, where its
+//! verdict turns. Details given where a statement is made take precedence.
 
 mod arm;
 mod detail;

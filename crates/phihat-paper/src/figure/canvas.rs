@@ -1,4 +1,4 @@
-//! What every part of a figure is drawn with: sizes, the plane, and why it cannot be drawn.
+//! Canvas of all parts of a figure: sizes, the plane, and the reasons why it cannot be drawn.
 
 use phihat_report::kit::sheet::DrawError;
 use plotters::prelude::*;

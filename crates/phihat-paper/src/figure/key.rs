@@ -1,4 +1,4 @@
-//! What the marks of a figure mean.
+//! Key of a figure: the meaning of its marks.
 
 use crate::record::{Content, Panel};
 use plotters::prelude::*;

@@ -1,4 +1,4 @@
-//! Where the parts of a figure go.
+//! Layout of the parts of a figure.
 
 use phihat_report::kit::sheet::{HEADER, WIDTH};
 use phihat_report::kit::text::{line, short};
@@ -8,7 +8,7 @@ use super::key::{self, Entry};
 use super::plane;
 use crate::record as data;
 
-/// Where things go, from the figure's data alone.
+/// Positions and sizes of the parts, from the figure's data alone.
 pub(super) struct Layout {
     pub(super) title: Vec<String>,
     /// The key of all panels, where they share it.

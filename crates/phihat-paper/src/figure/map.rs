@@ -41,7 +41,7 @@ fn sign(class: usize, (x, y): (i32, i32)) -> Text<'static, (i32, i32), &'static 
     Text::new(name, (x - 15, y - 18), ("sans-serif", TEXT).into_font())
 }
 
-/// Where cells end that lie around places: half-way, as the axis counts; in values.
+/// Borders of the cells around some places: half-way on the scale of the axis, as values.
 pub(super) fn edges(places: &[f64], log: bool) -> Vec<f64> {
     let to = |v: f64| if log { v.log10() } else { v };
     let back = |v: f64| if log { 10.0_f64.powf(v) } else { v };

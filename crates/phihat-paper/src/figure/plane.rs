@@ -20,7 +20,7 @@ pub(super) fn height(panel: &Panel, width: u32, most: u32) -> Option<u32> {
     panel.equal.then(|| fitted(room, x.length() / y.length()).1 + TOP + BOTTOM)
 }
 
-/// What a panel cannot show and says in words.
+/// Contents of a panel that it cannot show, in words.
 pub(super) fn words(panel: &Panel) -> Vec<String> {
     match &panel.content {
         Content::Lines { bounds, .. } => lines::off_axis(bounds, &scales(panel).1),

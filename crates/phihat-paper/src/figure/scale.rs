@@ -38,17 +38,17 @@ impl Scale {
         Self { ticks: ticks(&range, axis.log), range, log: axis.log }
     }
 
-    /// Whether coordinates are logarithms.
+    /// Returns true if coordinates are logarithms.
     pub(super) fn is_log(&self) -> bool {
         self.log
     }
 
-    /// Where a value lies; not finite where the axis has no place for it.
+    /// Coordinate of a value; not finite where the axis has none for it.
     pub(super) fn at(&self, value: f64) -> f64 {
         coordinate(value, self.log)
     }
 
-    /// Whether a coordinate lies on the axis.
+    /// Returns true if a coordinate lies on the axis.
     pub(super) fn holds(&self, coordinate: f64) -> bool {
         (self.range.start..=self.range.end).contains(&coordinate)
     }
@@ -63,7 +63,7 @@ impl Scale {
         self.range.end - self.range.start
     }
 
-    /// What a tick says.
+    /// Label of a tick.
     pub(super) fn label(&self, coordinate: f64) -> String {
         let value = if self.log { 10.0_f64.powf(coordinate) } else { coordinate };
         let short = (1e-4..1e5).contains(&value.abs()) || value.abs() < 1e-9 * self.length();

@@ -41,7 +41,7 @@ impl Window {
         strokes.iter().map(|stroke| self.thinned(stroke)).collect()
     }
 
-    /// Whether a point lies inside.
+    /// Returns true if a point lies inside.
     pub(super) fn holds(&self, (x, y): Point) -> bool {
         (self.x.start..=self.x.end).contains(&x) && (self.y.start..=self.y.end).contains(&y)
     }

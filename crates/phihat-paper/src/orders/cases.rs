@@ -1,4 +1,4 @@
-//! What the estimators of Figs. 12 and 13 are run with: gains, rates and φ.
+//! Inputs of the estimators of Figs. 12 and 13: gains, rates and φ.
 
 use crate::gains::equal_rate;
 use crate::joint::{Instant, PaperForm, Phi, run};

@@ -1,4 +1,4 @@
-//! What the paper states about gain and order of the estimator, each on one joint.
+//! Statements of the paper on gain and order of the estimator, each on one joint.
 
 use phihat_design::claims::polynomial;
 

@@ -42,7 +42,7 @@ pub enum OwnError {
         file: String,
         /// The line, from 1.
         line: usize,
-        /// What is wrong, and what would be right.
+        /// Error in the line, and the correct form.
         why: &'static str,
     },
     /// A run cannot begin.

@@ -1,7 +1,8 @@
-//! What the paper does with its own arm, done with a user's: Figs. 12 and 13 for an own φ, Table 3 and Fig. 14 with own gains.
+//! The paper's computations for its own arm, done for a user's: Figs. 12 and 13 for an own φ, Table 3 and Fig. 14
+//! with own gains.
 //!
-//! No verdict on the paper comes out: its statements are about its own arm. What it would take more than a study to do again
-//! is listed with the reason.
+//! No verdict on the paper results: its statements are about its own arm. Parts that need more than a study are
+//! listed with the reason.
 
 mod error;
 mod law;

@@ -25,7 +25,7 @@ pub struct OwnOptions {
     pub out: Option<PathBuf>,
 }
 
-/// What was written.
+/// Written results.
 #[derive(Debug)]
 pub struct OwnAnswer {
     /// Tables and figures.

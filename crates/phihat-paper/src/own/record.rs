@@ -1,4 +1,4 @@
-//! What is left of a reproduction on an own arm, as data.
+//! Record of a reproduction on an own arm, as data.
 
 use serde::Serialize;
 
@@ -7,7 +7,7 @@ use crate::record::{Number, Section};
 /// Version of the layout of [`OwnReproduction`].
 pub const OWN_FORMAT: u32 = 1;
 
-/// What of the paper was done again with a study's arm and gains.
+/// Parts of the paper computed again with a study's arm and gains.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OwnReproduction {
     /// [`OWN_FORMAT`].
@@ -20,13 +20,13 @@ pub struct OwnReproduction {
     pub study_sha256: String,
     /// The joint that is shown in the figures of one φ.
     pub joint: String,
-    /// Where φ comes from.
+    /// Source of φ, in words.
     pub phi_from: String,
     /// Figs. 12 and 13, then Table 3 and Fig. 14.
     pub sections: Vec<Section>,
     /// The figures behind the tables.
     pub numbers: Vec<Number>,
-    /// What of the paper is not done here, and why.
+    /// Parts of the paper that are not computed here, and why.
     pub left_out: Vec<LeftOutOfPaper>,
 }
 

@@ -1,4 +1,4 @@
-//! Which numbered items of the paper are covered.
+//! Table of the numbered items of the paper that are covered.
 
 use maud::{Markup, html};
 use phihat_report::kit::text::line;

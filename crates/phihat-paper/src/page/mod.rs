@@ -13,11 +13,11 @@ mod statement;
 mod summary;
 mod words;
 
-/// What searches, and opens what a link points at.
+/// Script of the page: searches, and opens the target of a link.
 const SCRIPT: &str = include_str!("reproduction.js");
 
-/// The self-contained page of a reproduction. Nothing is loaded. Its script searches, and opens what a link points at; without it the page
-/// reads as well, and the choice of verdicts is made of styles.
+/// The self-contained page of a reproduction. Nothing is loaded. Its script searches, and opens the target of a
+/// link; without it the page reads as well, and the choice of verdicts is made by styles.
 pub fn reproduction_page(reproduction: &Reproduction) -> String {
     let main = html! {
         (overview::header(reproduction))
@@ -94,7 +94,7 @@ fn values(table: &Table) -> Markup {
     }
 }
 
-/// Whether a column holds words: most of its cells begin with no figure.
+/// Returns true if a column contains words: most of its cells begin with no figure.
 fn is_text(table: &Table, place: usize) -> bool {
     let cells = table.rows.iter().filter_map(|row| row.get(place)).map(|cell| cell.trim());
     let cells: Vec<&str> = cells.filter(|cell| !cell.is_empty()).collect();

@@ -1,4 +1,4 @@
-//! What came of the paper, at a glance: counts, links, assumptions.
+//! Overview of the results for the paper: counts, links, assumptions.
 
 use crate::record::{Origin, Reproduction, Statement, Verdict};
 use maud::{Markup, html};
@@ -46,7 +46,7 @@ pub(super) fn header(reproduction: &Reproduction) -> Markup {
     }
 }
 
-/// Which verdicts are shown; styles do the rest.
+/// Choice of the verdicts that are shown; styles do the rest.
 pub(super) fn choice() -> Markup {
     html! {
         fieldset.choice {
@@ -76,7 +76,7 @@ pub(super) fn overview(reproduction: &Reproduction) -> Markup {
     }
 }
 
-/// What is on the page and not counted.
+/// Statements that are on the page and not counted.
 fn beside(reproduction: &Reproduction) -> Markup {
     let all = || statements(reproduction).filter(|statement| statement.origin != Origin::Paper);
     html! { @if all().next().is_some() {

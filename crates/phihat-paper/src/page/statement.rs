@@ -81,7 +81,7 @@ fn evidence(statement: &Statement) -> Markup {
     } }
 }
 
-/// How it was read, what was varied, where the verdict turns, what it covers.
+/// Scope of a statement: how it was read, what was varied, where the verdict turns, what it covers.
 fn scope(statement: &Statement) -> Markup {
     let Statement { reading, varied, turns, covers, .. } = statement;
     let covers: Vec<String> = covers.iter().map(ToString::to_string).collect();

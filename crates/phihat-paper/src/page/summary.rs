@@ -14,7 +14,7 @@ fn count(number: usize, one: &str, many: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { many })
 }
 
-/// How many of the paper's statements in some sections hold, as printed or with a correction, and how many there are.
+/// Number of the paper's statements in some sections that hold, as printed or with a correction, and of all of them.
 fn held(reproduction: &Reproduction, within: &[&str]) -> (usize, usize) {
     let chosen = |section: &&Section| within.iter().any(|id| section.id.starts_with(id));
     let statements = reproduction.sections.iter().filter(chosen).flat_map(|s| &s.statements);
@@ -50,7 +50,7 @@ const GROUPS: [(&str, &[&str]); 5] = [
     ),
 ];
 
-/// What somebody who implements the paper has to do otherwise: the statement in which it was found, what to do, and why.
+/// Corrections for an implementation of the paper: the statement behind each, what to do, and why.
 const CORRECTIONS: [(&str, &str, &str); 5] = [
     (
         "remark5-parameters",
@@ -98,7 +98,7 @@ fn corrections(reproduction: &Reproduction) -> Markup {
     } }
 }
 
-/// What cannot be told, by its places.
+/// Statements that are open, by their places.
 fn untold(reproduction: &Reproduction) -> Markup {
     let open: Vec<_> = reproduction.of(Origin::Paper, Verdict::Open).collect();
     html! { @if !open.is_empty() { p {

@@ -48,7 +48,8 @@ impl Sorted {
         sorted
     }
 
-    /// A row that is wrong is corrected, as long as others are right; without one that is wrong, what is unsure is open.
+    /// With rows that differ: corrected if others agree, else refuted. With no row that differs, but rows that are
+    /// unsure: open.
     fn verdict(&self) -> Verdict {
         match (self.agree.is_empty(), self.against.is_empty(), self.unsure.is_empty()) {
             (_, true, true) => Verdict::AsPrinted,
@@ -80,7 +81,7 @@ impl Sorted {
     }
 }
 
-/// What is varied in the columns that need runs.
+/// Variations in the columns that need runs, in words.
 const VARIED: &str = "four worlds (exact, encoder, payload, friction), default and tuned gains";
 
 /// "Quantitative performance."

@@ -7,7 +7,7 @@ use crate::compose::number;
 use crate::published::Published;
 use crate::record::{Statement, Verdict};
 
-/// What a description says that the needs of a law show.
+/// Property in a description that the needs of a law show.
 struct Said {
     row: &'static str,
     words: &'static str,
@@ -36,7 +36,7 @@ const SAID: [Said; 10] = [
     Said { row: "[20]", words: "stays in an orbit of the path", shown: |n| n.orbit },
 ];
 
-/// What is printed in words, against what each law here is handed.
+/// Statement that compares the printed words with the inputs of each law here.
 pub(super) fn described(rows: &[Row]) -> Statement {
     let (mut agree, mut against, mut unsure) = (0, Vec::new(), Vec::new());
     for said in &SAID {

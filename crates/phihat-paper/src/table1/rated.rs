@@ -39,7 +39,7 @@ pub(super) fn rate(rows: &[Row], progress: &dyn Fn(f64)) -> Result<Vec<Vec<Rated
 }
 
 impl Rated {
-    /// Whether the published law itself was found.
+    /// Returns true if the published law itself is known.
     pub(super) fn known(&self) -> bool {
         self.entry.card.grade != Grade::C
     }
@@ -48,17 +48,17 @@ impl Rated {
         self.columns.as_ref().map(of)
     }
 
-    /// Whether a bound on the error is stated before a run.
+    /// Returns true if a bound on the error is stated before a run.
     pub(super) fn bounded(&self) -> Option<bool> {
         self.mark(|columns| columns.quantitative.mark).map(|mark| mark != Mark::No)
     }
 
-    /// Whether that bound was there and held in every run, within a factor of ten.
+    /// Returns true if that bound was satisfied in every run and was at most ten times the measured error.
     pub(super) fn tightly(&self) -> Option<bool> {
         self.mark(|columns| columns.quantitative.mark).map(|mark| mark == Mark::Yes)
     }
 
-    /// Whether a certificate, or the condition of the authors' proof, holds at the tuned gains.
+    /// Returns true if a certificate, or the condition of the authors' proof, holds at the tuned gains.
     pub(super) fn optimal(&self) -> Option<bool> {
         self.mark(|columns| columns.optimal.mark).map(|mark| mark == Mark::Yes)
     }
@@ -86,7 +86,7 @@ impl Rated {
         self.columns.as_ref().map(|columns| columns.share_of_draws)
     }
 
-    /// How many gains there are to choose.
+    /// Number of gains to choose.
     pub(super) fn scalars(&self) -> f64 {
         self.entry.scalars.len() as f64
     }

@@ -27,7 +27,7 @@ impl Row {
         Ok(Self { name, printed: first, laws })
     }
 
-    /// Whether the printed mark is right for none, some or all of its laws; `None` for "-".
+    /// Number of its laws for which the printed mark is right; `None` for "-".
     pub(super) fn right(&self) -> Option<usize> {
         let says = match self.printed.model_free {
             Tick::Yes => true,

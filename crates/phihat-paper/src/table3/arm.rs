@@ -7,10 +7,10 @@ use crate::part::PartError;
 /// Runs of the optimiser per law and arm.
 pub(super) const RUNS: usize = 40;
 
-/// What a comparator of a weaker hand is given, over its default gains.
+/// Gain of the weak comparator, over its default gain.
 const WEAK: f64 = 0.25;
 
-/// How weak a comparator is tried, and steps of the bisection from there to its defaults.
+/// Default gain of the comparator over the least gain that is tried, and bisection steps between the two.
 const LEAST: f64 = 64.0;
 const STEPS: u32 = 8;
 
@@ -25,13 +25,13 @@ pub(super) struct ArmScores {
     pub(super) second: Score,
     /// The same gains on robots that compensate by themselves.
     pub(super) robots: Vec<Robot>,
-    /// Where PD as (3) is as good on some joint: the share of friction left, and the joint.
+    /// Share of friction left at which PD as (3) is as good on some joint, and that joint; `None`: at none.
     pub(super) as_good: Option<(f64, usize)>,
     /// The largest share of its default gain at which the comparator is worse on every joint.
     pub(super) weak_enough: Option<f64>,
     /// All tuned alike.
     pub(super) fair: Vec<Score>,
-    /// What the optimiser found.
+    /// Results of the optimiser, law by law.
     pub(super) values: Vec<Vec<f64>>,
 }
 
@@ -56,8 +56,8 @@ impl ArmScores {
     }
 }
 
-/// The largest share of its default gain, down to a [`LEAST`]th, at which the comparator is worse than `proposed` on every
-/// joint; `None`: at none.
+/// The largest share of its default gain, down to a [`LEAST`]th, at which the comparator is worse than `proposed`
+/// on every joint; `None`: at none.
 fn weak_enough(bench: &Bench, proposed: &Score) -> Result<Option<f64>, PartError> {
     let worse = |share: f64| -> Result<bool, PartError> {
         let comparator = bench.comparator_at(share)?;

@@ -27,7 +27,7 @@ pub(super) struct Bench {
     units: Vec<f64>,
 }
 
-/// What one law did.
+/// Result of one law.
 #[derive(Debug, Clone)]
 pub(super) struct Score {
     /// (51) per joint \[rad²\]; infinite where the run did not end.
@@ -134,7 +134,7 @@ impl Bench {
         Ok(Score::of(&simulation?.run(|_| ()), &study, &self.units))
     }
 
-    /// What is run.
+    /// Study that is run.
     pub(super) fn study(&self) -> &Study {
         &self.study
     }

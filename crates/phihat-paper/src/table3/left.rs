@@ -1,4 +1,5 @@
-//! How much of its gravity and friction a robot leaves to the law: a lightweight arm's interface compensates most of both.
+//! Shares of its gravity and friction that a robot leaves to the law: a lightweight arm's interface compensates
+//! most of both.
 
 use phihat_study::Study;
 

@@ -12,7 +12,7 @@ use crate::part::PartError;
 use crate::published::Published;
 use crate::record::{Statement, Verdict};
 
-/// What is run \[s\]: the transient is over long before.
+/// Duration of a run \[s\]: the transient is over long before.
 const DURATION_S: f64 = 2.0;
 /// A joint that starts nearer to its reference does not start off it \[rad\].
 const OFF_RAD: f64 = 1e-3;

@@ -4,7 +4,7 @@ use super::bench::{Bench, Score};
 use super::left::Left;
 use crate::part::PartError;
 
-/// What the robots leave: nothing compensated; gravity compensated, and more and more of the friction.
+/// Shares left by the robots: nothing compensated; gravity compensated, and more and more of the friction.
 pub(super) const LEFT: [Left; 5] = [
     Left { gravity: 1.0, friction: 1.0 },
     Left { gravity: 0.0, friction: 1.0 },
@@ -16,7 +16,7 @@ pub(super) const LEFT: [Left; 5] = [
 /// Steps of the bisection for where PD is as good.
 const STEPS: u32 = 10;
 
-/// What was run on one robot.
+/// Results on one robot.
 pub(super) struct Robot {
     pub(super) left: Left,
     /// `−K_p e − K_d ė`.
@@ -50,8 +50,8 @@ impl Robot {
     }
 }
 
-/// The largest share of friction left, gravity compensated, at which (3) is as good as the proposed law on some joint, and
-/// that joint, counted from 1; `None`: it is worse on all, even with none left.
+/// The largest share of friction left, gravity compensated, at which (3) is as good as the proposed law on some
+/// joint, and that joint, counted from 1; `None`: it is worse on all, even with none left.
 pub(super) fn as_good(bench: &Bench) -> Result<Option<(f64, usize)>, PartError> {
     let worst = |friction: f64| -> Result<(f64, usize), PartError> {
         let left = Left { gravity: 0.0, friction };

@@ -1,4 +1,4 @@
-//! How large the errors of Table 3 are, and in what unit.
+//! Size of the errors of Table 3, and their unit.
 
 use super::arm::ArmScores;
 use super::bench::{Score, mean_square};
@@ -19,7 +19,7 @@ const COVERS: [Item; 2] =
 
 /// A quantity per joint: the paper's as printed, and ours on a robot, both as rms \[rad\] or a ratio of rms.
 struct Sized<'a> {
-    /// What it is, for names of numbers.
+    /// Name of the quantity, for names of numbers.
     what: &'a str,
     paper: Vec<f64>,
     ours: &'a dyn Fn(&Robot) -> Vec<f64>,
@@ -33,8 +33,8 @@ fn mean(values: &[f64]) -> f64 {
 }
 
 impl Sized<'_> {
-    /// Geometric mean of the paper over that of ours, on every arm and robot; the paper read as its heading has it, or as its
-    /// text has it.
+    /// Geometric mean of the paper over that of ours, on every arm and robot; the paper read as its heading has it,
+    /// or as its text has it.
     fn apart(&self, arms: &[ArmScores], heading: bool) -> Vec<Vec<f64>> {
         let read = |value: &f64| if heading { *value } else { (self.as_text)(*value) };
         let paper = mean(&self.paper.iter().map(read).collect::<Vec<_>>());
@@ -75,7 +75,7 @@ impl Sized<'_> {
         arms.iter().zip(&apart).flat_map(of).collect()
     }
 
-    /// How far apart on every robot, and with the text's reading at best.
+    /// Robots on which the sizes agree, and the smallest factor between the sizes in either reading, in words.
     fn threshold(&self, arms: &[ArmScores]) -> String {
         let nearest = |heading: bool| {
             let all =
@@ -121,7 +121,7 @@ fn sized(arms: &[ArmScores], of: &Sized<'_>, published: Published<'_>, why: &str
         .covering(&COVERS)
 }
 
-/// What the proposed law leaves.
+/// Statement on the error of the proposed law.
 pub(super) fn size_of_proposed(arms: &[ArmScores]) -> Statement {
     let paper: Vec<f64> = PRINTED.iter().map(|row| row[2] * 1e-4 * 1e3).collect();
     let of = Sized {
@@ -143,7 +143,7 @@ pub(super) fn size_of_proposed(arms: &[ArmScores]) -> Statement {
     sized(arms, &of, published, why)
 }
 
-/// What PD leaves.
+/// Statement on the error of PD.
 pub(super) fn size_of_pd(arms: &[ArmScores]) -> Statement {
     let paper: Vec<f64> = PRINTED.iter().map(|row| row[0] * 1e-4 * 1e3).collect();
     let of = Sized {

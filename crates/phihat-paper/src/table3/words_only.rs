@@ -1,4 +1,4 @@
-//! What Sec. VII-D says without a figure: (40) on seven joints, and a higher order.
+//! Statements of Sec. VII-D without a figure: (40) on seven joints, and a higher order.
 
 use phihat_design::claims::{Iss, Optimality, PaperRadius};
 use phihat_design::prelude::*;

@@ -12,7 +12,7 @@ use crate::record::{Section, Statement, Verdict};
 /// Joints of the arm of (7).
 const N: usize = 3;
 
-/// What the paper sets up before its theorems.
+/// Sec. II: statements before the paper's theorems.
 pub(super) fn section_2() -> Section {
     Section {
         id: "section-2".to_owned(),
@@ -157,7 +157,7 @@ fn extra_term() -> Statement {
     .assuming(&["gains"])
 }
 
-/// Where things are said to be shown.
+/// Statement on the paper's references to its own sections.
 fn references() -> Statement {
     Published {
         id: "erratum-references",

@@ -1,4 +1,4 @@
-//! What bounds the state of a law, and the worst case that is met.
+//! Bounds on the state of a law, and the worst case that is met.
 
 use phihat_design::claims::{
     Certified, Iss, Optimality, PaperRadius, PeakGains, Refutation, UnitLaw, WorstCase,
@@ -19,7 +19,7 @@ pub(super) struct Bounds {
     pub(super) paper: Option<Paper>,
 }
 
-/// What Theorem 5 needs.
+/// Data that Theorem 5 needs.
 pub(super) struct Paper {
     pub(super) certified: Certified,
     pub(super) radius: PaperRadius,

@@ -132,7 +132,7 @@ fn shapes() -> Statement {
     )
 }
 
-/// Where e and φ̃ go.
+/// Theorem 1: convergence of e and φ̃.
 pub(super) fn theorem_1() -> Section {
     let (mut rows, mut numbers) = (Vec::new(), Vec::new());
     let (mut vanish, mut persist, mut off): (f64, f64, f64) = (0.0, f64::INFINITY, 0.0);
@@ -187,7 +187,7 @@ pub(super) fn theorem_1() -> Section {
     }
 }
 
-/// What is left, order by order.
+/// Remaining mismatch, order by order.
 fn mismatch_table(rows: Vec<Vec<String>>) -> Table {
     Table {
         id: "theorem-1-mismatch".to_owned(),

@@ -52,13 +52,13 @@ impl Beside {
         (worst, ratio(worst))
     }
 
-    /// How far any entry goes beyond the length of (40).
+    /// Largest gain to an entry, over the length of (40).
     fn whole(&self) -> f64 {
         largest(self.gains) / length(&self.printed)
     }
 }
 
-/// What a search over laws of order 1 meets: the law whose entry goes farthest beyond (40), and the largest
+/// Result of a search over laws of order 1: the law whose entry goes farthest beyond (40), and the largest
 /// [`Beside::whole`] on its way. Draws first, then steps that halve.
 fn search() -> Option<(Beside, f64)> {
     let mut draw = Draw::new(48);

@@ -23,7 +23,7 @@ struct Gain {
     certified: Certified,
     /// On every simulated φ.
     runs: Vec<(&'static str, f64)>,
-    /// Where over frequency it is largest \[rad/s\], and how large.
+    /// Frequency at which it is largest \[rad/s\], and its value there.
     peak: (f64, f64),
 }
 

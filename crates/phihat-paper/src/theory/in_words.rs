@@ -1,4 +1,4 @@
-//! What the paper states in words only and a computation can meet or miss: the recipe's steps, what its proofs prove.
+//! Statements in words only that a computation can meet or miss: the recipe's steps, the results of the proofs.
 
 use core::f64::consts::{FRAC_PI_2, TAU};
 

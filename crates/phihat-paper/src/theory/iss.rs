@@ -78,7 +78,7 @@ fn asymptotic() -> Statement {
     .assuming(&["gains", "phi-max"])
 }
 
-/// How many of some random (x, φ) break (27), V̇ from the state equation.
+/// Number of random (x, φ) that violate (27), with V̇ from the state equation.
 fn broken(law: &UnitLaw, iss: &Iss, draws: usize) -> usize {
     let (a, mut draw) = (law.closed_loop(), Draw::new(3));
     let n = a.len();
@@ -194,7 +194,7 @@ fn trajectories(any: &[(&str, UnitLaw, Iss)]) -> Statement {
     .assuming(&["gains"])
 }
 
-/// How far (32) with the corrected `Q_33` and the missing term is from an identity, and that term's coefficient.
+/// Deviation of (32), with the corrected `Q_33` and the missing term, from an identity; and that term's coefficient.
 fn off_32(law: &UnitLaw, k_tilde: f64, draws: usize) -> (f64, f64) {
     let mut draw = Draw::new(5);
     let scalars = Scalars::of(law, k_tilde);

@@ -5,7 +5,8 @@ use crate::compose::{number, three};
 use crate::gains::PHI_MAX;
 use crate::record::{Statement, Verdict};
 
-/// The values of φ_max that Table 2 (A) can have been computed with: K_p and K_d give the first one, K̃ alone half of it.
+/// Values of φ_max that Table 2 (A) can have been computed with: K_p and K_d give the first one, K̃ alone half
+/// of it.
 const PHI: [f64; 2] = [PHI_MAX, 0.5 * PHI_MAX];
 
 /// Errors that share a statement: its name, and how they count from the velocity error downwards.

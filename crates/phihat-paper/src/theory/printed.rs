@@ -7,7 +7,7 @@ use phihat_design::claims::matrix::{Matrix, product, transpose};
 
 use crate::joint::{outer, zeros};
 
-/// Which `Q_33` of (18).
+/// Form of `Q_33` in (18).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Q33 {
     /// `K̃ b_0 + …`

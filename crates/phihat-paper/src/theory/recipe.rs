@@ -178,7 +178,7 @@ fn settles(law: &UnitLaw) -> f64 {
     rows.iter().rev().find(|x| (x.phi_hat - x.phi).abs() > 1e-2).map_or(0.0, |x| x.t)
 }
 
-/// What is left of a sine of one turn.
+/// Largest mismatch that remains with a sine of one turn.
 fn left_of_turn(law: &UnitLaw) -> f64 {
     let rows =
         run(law, PaperForm::Estimator, &[], &Phi::sines(&[(1.0, TURN, 0.0)]), (1e-3, 12_000));

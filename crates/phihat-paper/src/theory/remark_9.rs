@@ -160,7 +160,7 @@ fn torque_difference(law: &UnitLaw, choi: [f64; 4], period: f64) -> Result<(f64,
     Ok((most, size))
 }
 
-/// What a rival may know of an arm of three joints; Choi's law asks for none of it.
+/// Data of an arm of three joints that a rival may use; Choi's law needs none of them.
 fn an_arm() -> Result<Supply, PartError> {
     let text = "duration_s = 2.0\n[robot]\nname = \"planar3r\"\n[gains]\norder = 1\ninertia_kg_m2 = 1.0\n\
         bandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 69.6\n[reference]\nkind = \"sines\"\n\

@@ -28,8 +28,8 @@ fn least(kp: f64, kd: f64) -> Option<f64> {
     Some(entries.fold(0.0, f64::max) / w_min)
 }
 
-/// L1 norms of `1/D`, `s/D` and `s²/D` by quadrature. At m = 1, `1/(s + a_0)` of L1 norm `1/a_0` is between φ and each of
-/// them for `∫e`, `e` and `ė`, so that the errors are at most these over `a_0`, times φ_max.
+/// L1 norms of `1/D`, `s/D` and `s²/D` by quadrature. At m = 1, `1/(s + a_0)` of L1 norm `1/a_0` is between φ
+/// and each of them for `∫e`, `e` and `ė`, so that the errors are at most these over `a_0`, times φ_max.
 fn outer(kp: f64, kd: f64) -> [f64; 3] {
     let steps = 40_000;
     let dt = 40.0 * kd / kp / f64::from(steps);

@@ -13,7 +13,7 @@ use crate::part::PartError;
 use crate::published::Published;
 use crate::record::{Statement, Verdict};
 
-/// What counts as rounding.
+/// Largest relative deviation that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// All of them.

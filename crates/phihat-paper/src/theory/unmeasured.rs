@@ -1,4 +1,4 @@
-//! What the paper states without a number, and what can be said of it.
+//! Statements of the paper without a number, and what can be said of them.
 
 use crate::compose::words;
 use crate::record::{Section, Table};

@@ -7,7 +7,8 @@ use phihat_paper::{
     Reproduction, Section, Series, Statement, Table, Verdict,
 };
 
-/// Two sections, a statement of every verdict (one of them among the corrections at the top of the page), a table, and every kind of figure.
+/// Two sections, a statement of every verdict (one of them among the corrections at the top of the page), a table,
+/// and every kind of figure.
 pub(crate) fn reproduction() -> Reproduction {
     Reproduction {
         format: FORMAT,
