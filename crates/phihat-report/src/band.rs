@@ -16,7 +16,7 @@ pub(crate) struct Band {
     pub high: Vec<f64>,
 }
 
-/// Which quantity of a tube: least and largest, per bin.
+/// Least and largest value of one quantity of a tube, per bin.
 pub(crate) type Ends = fn(&TubeJoint) -> (&[f64], &[f64]);
 
 impl Band {

@@ -1,4 +1,4 @@
-//! What was proved about the gains, beside what the run measured.
+//! Proved properties of the gains, alongside the measurements of the run.
 
 use crate::coarser::coarser;
 use crate::coupled::coupled;
@@ -58,7 +58,7 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
     }
 }
 
-/// How a figure is read.
+/// Caption that explains a figure.
 fn reading(figure: &str) -> &'static str {
     match figure {
         "inertia-window" => {
@@ -114,7 +114,7 @@ fn bounds(certificate: &Certificate, measured: &[JointMetrics]) -> Markup {
     }
 }
 
-/// How the inertia may change while the arm moves, and how it does.
+/// Rate at which the inertia may change while the arm moves, and the rates that the motion needs.
 fn moving(certificate: &Certificate) -> Markup {
     let rate = |rate: Option<f64>| rate.map_or_else(|| "–".to_owned(), number);
     html! {

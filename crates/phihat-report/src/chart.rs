@@ -10,7 +10,7 @@ use phihat_design::Tube;
 #[derive(Debug, Clone)]
 pub(crate) struct Panel {
     pub joint: String,
-    /// Whether it slides: then mrad reads mm.
+    /// True if the joint is prismatic: then mrad reads mm.
     pub slides: bool,
     pub drawn: Drawn,
     pub bound: Option<f64>,

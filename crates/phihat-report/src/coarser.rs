@@ -1,4 +1,4 @@
-//! What becomes of the tube behind coarser encoders.
+//! Errors of the tube with coarser encoders.
 
 use crate::kit::number::number;
 use crate::kit::text::{line, parted, prose};

@@ -1,4 +1,4 @@
-//! How far a push on one joint moves every joint, as tables.
+//! Coupled gains, from a push on one joint to the error of every joint, as tables.
 
 use maud::{Markup, html};
 use phihat_design::{CoupledGains, Gains};

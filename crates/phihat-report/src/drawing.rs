@@ -1,4 +1,4 @@
-//! What is drawn of a run, chosen while its record goes by.
+//! Samples of a run that are drawn, chosen as its record passes.
 
 use core::ops::Range;
 
@@ -13,14 +13,14 @@ use crate::supervision::Course;
 /// Stretches kept per panel of a static figure: two pixels each where a panel has half the width.
 const BUCKETS: usize = 220;
 
-/// What a page and its figures show of a run: a bounded part of its record, however long it was.
+/// Part of a run that a page and its figures show: bounded in size, however long the record was.
 #[derive(Debug, Clone)]
 pub struct Drawing {
     /// Of the static figures, per chart and joint.
     chosen: Vec<Vec<Chosen>>,
     /// Of the page, per joint, in the order of [`signal::sources`].
     pub(crate) signals: Vec<Vec<Signal>>,
-    /// How many samples share a value of them.
+    /// Number of samples that share a value of them.
     pub(crate) each: u64,
     pub(crate) times: Times,
     pub(crate) arm: Option<Arm>,
@@ -53,8 +53,8 @@ pub(crate) struct Drawn {
 }
 
 impl Drawing {
-    /// A drawing before the first sample of a run of so many joints, with this period \[ns\], number of samples, and beginning of its
-    /// steady part \[s\].
+    /// A drawing before the first sample of a run of so many joints, with this period \[ns\], number of samples, and
+    /// beginning of its steady part \[s\].
     #[must_use]
     pub fn new(joints: Vec<String>, period_ns: u64, samples: u64, settle_s: f64) -> Self {
         let (mut settle, mut begun) = (0, samples);
@@ -69,7 +69,7 @@ impl Drawing {
         Self::parted(joints, settle, samples)
     }
 
-    /// What is drawn of a whole record whose steady part begins at a time \[s\].
+    /// The drawing of a whole record whose steady part begins at a time \[s\].
     #[must_use]
     pub fn of(trace: &Trace, settle_s: f64) -> Self {
         let names = trace.joints.iter().map(|joint| joint.name.clone()).collect();
@@ -144,7 +144,7 @@ impl Drawing {
         self.end_s = trace.t_ns.last().map_or(self.end_s, |t| *t as f64 * 1e-9);
     }
 
-    /// What is drawn of each chart, per joint.
+    /// Samples that are drawn of each chart, per joint.
     pub(crate) fn drawn(&self) -> impl Iterator<Item = Vec<Drawn>> {
         self.chosen.iter().map(|joints| joints.iter().map(Chosen::drawn).collect())
     }

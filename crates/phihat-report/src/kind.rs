@@ -6,7 +6,7 @@ use phihat_sim::{JointMetrics, JointTrace, Metrics};
 /// Beyond this a sample is drawn as a gap: the run has diverged, and no axis helps.
 pub(crate) const DRAWABLE_MAX: f64 = 1e12;
 
-/// How the curves of a chart are drawn.
+/// Plane in which a chart draws its curves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Plane {
     /// Every curve over time.
@@ -21,18 +21,18 @@ pub(crate) struct Curve {
     pub label: &'static str,
     pub unit: &'static str,
     pub dashed: bool,
-    /// Whether it is held from one sample to the next: a step, no slope.
+    /// True if it is constant from one sample to the next: a step, no slope.
     pub held: bool,
     /// Its value at a sample of a block, in SI units; with the command before the block.
     pub of: fn(&JointTrace, usize, Option<f64>) -> f64,
 }
 
-/// What `± bound` means.
+/// Meaning of `± bound`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bound {
     /// `bound` for the study's, `limit` for the robot's, empty where neither makes sense.
     pub label: &'static str,
-    /// Whether it holds from the settling time on only.
+    /// True if it holds from the settling time on only.
     pub after_settle: bool,
     /// Its value, in SI units.
     pub of: fn(&JointMetrics) -> Option<f64>,
@@ -43,7 +43,7 @@ pub(crate) struct Bound {
 pub(crate) struct Kind {
     /// File stem.
     pub stem: &'static str,
-    /// What it shows; the second where there is a tube around the first curve.
+    /// Title; the second where there is a tube around the first curve.
     pub title: [&'static str; 2],
     /// File stem and titles of a figure of the steady part alone, where there is one. On paper nobody can
     /// zoom: the start-up would hide how the error sits in its bound.
@@ -57,7 +57,7 @@ pub(crate) struct Kind {
     pub bound: Bound,
     /// The tube around the first curve.
     pub tube: Option<Ends>,
-    /// Whether it is shown of a run with these figures, and with a tube or without.
+    /// Returns true if it is shown of a run with these figures, and with a tube or without.
     pub shown: fn(&Metrics, bool) -> bool,
 }
 

@@ -1,4 +1,4 @@
-//! How far the laws are from what no linear law undercuts.
+//! Comparison of the laws with the limit of any linear law.
 
 use crate::kit::number::number;
 use crate::kit::text::line;

@@ -8,10 +8,10 @@ use crate::kit::text::line;
 /// Joints named for each limit; the others are counted.
 const NAMED: usize = 3;
 
-/// How many commands of a joint's steady part met a limit.
+/// Number of commands in a joint's steady part that met a limit.
 type Met = fn(&JointMetrics) -> u64;
 
-/// What limited a run after its `settle_s`, in words; `None`: nothing did.
+/// Limits that acted in a run after its `settle_s`, in words; `None`: none did.
 ///
 /// "the torque-rate limit acted in 30 % of the samples of joint2 (4.3 % of all joints') after t = 2 s: no certificate
 /// speaks of that"

@@ -115,7 +115,7 @@ fn heading(record: &Record<'_>) -> Markup {
     }
 }
 
-/// Where the tip was, in millimetres, beside its bound and its tube.
+/// Error of the tip in millimetres, alongside its bound and its tube.
 fn tip(record: &Record<'_>) -> Markup {
     let Some(tip) = &record.metrics.tip else { return html! {} };
     let tube =

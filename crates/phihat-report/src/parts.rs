@@ -1,4 +1,4 @@
-//! What a page that is not a record draws with: the view of the arm, plots, and the styles of all pages.
+//! Drawing parts of a page that is not a record: the view of the arm, plots, and the styles of all pages.
 
 use crate::policy;
 

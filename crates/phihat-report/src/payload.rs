@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// What `assets/page.js` reads.
+/// Input of `assets/page.js`.
 #[derive(Serialize)]
 struct Payload<'a> {
     settle_s: f64,
@@ -46,7 +46,7 @@ struct ChartData {
 struct CurveData {
     label: &'static str,
     dashed: bool,
-    /// Whether it is held from one sample to the next.
+    /// True if it is constant from one sample to the next.
     held: bool,
 }
 

@@ -17,7 +17,7 @@ pub(crate) const PAGE_SCRIPT: &str = concat!(
     include_str!("../assets/page.js"),
     include_str!("../assets/hover.js"),
 );
-/// What every page tells of a figure that somebody points at.
+/// Script of every page that explains the figure under the pointer.
 pub(crate) const HOVER_SCRIPT: &str = include_str!("../assets/hover.js");
 const PAGE_STYLE: &str = include_str!("../assets/page.css");
 const ARM_STYLE: &str = include_str!("../assets/arm.css");

@@ -1,4 +1,4 @@
-//! What a page is made from.
+//! Data that a page is made from.
 
 use phihat_design::{Gains, Tube};
 use phihat_sim::Metrics;
@@ -10,13 +10,13 @@ use crate::tube::TubeRun;
 /// Everything a page is made from: recorded data only.
 #[derive(Debug, Clone, Copy)]
 pub struct Record<'a> {
-    /// Where the run came from and how to make it again.
+    /// Origin of the run, and the command that makes it again.
     pub run: &'a RunInfo,
     /// The study file as it was read.
     pub study_text: &'a str,
     /// The gains that ran; `None`: another controller did.
     pub gains: Option<&'a Gains>,
-    /// What is drawn of it.
+    /// Samples that are drawn.
     pub drawing: &'a Drawing,
     /// The figures of the run.
     pub metrics: &'a Metrics,
@@ -24,10 +24,10 @@ pub struct Record<'a> {
     pub tube: Option<&'a TubeRun>,
 }
 
-/// What was seen of a run, whatever law drove it.
+/// Measurements of a run, whatever law drove it.
 #[derive(Debug, Clone, Copy)]
 pub struct Seen<'a> {
-    /// What is drawn of it.
+    /// Samples that are drawn.
     pub drawing: &'a Drawing,
     /// Its figures.
     pub metrics: &'a Metrics,
@@ -58,7 +58,7 @@ pub struct RunInfo {
     pub robot: String,
     /// The robot in words.
     pub robot_description: String,
-    /// Where the robot's numbers come from.
+    /// Source of the robot's numbers.
     pub robot_provenance: String,
     /// Version of phihat.
     pub phihat_version: String,
@@ -70,10 +70,10 @@ pub struct RunInfo {
     pub rate_hz: f64,
     /// Delay from sample to acting torque \[samples\].
     pub delay_samples: u32,
-    /// What was in the world: label, and value with its unit.
+    /// Contents of the world: label, and value with its unit.
     pub world: Vec<(String, String)>,
     /// The command that makes this page again.
     pub command: String,
-    /// What a reader must know before believing the figures.
+    /// Warnings to read before believing the figures.
     pub warnings: Vec<String>,
 }

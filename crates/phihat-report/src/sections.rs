@@ -1,4 +1,4 @@
-//! What stands below the plots: gains, loop and world, study, origin, limits of the claim.
+//! Sections below the plots: gains, loop and world, study, origin, limits of the claim.
 
 use crate::kit::number::stated;
 use crate::kit::text::{line, visible};
@@ -147,7 +147,7 @@ pub(crate) fn study(record: &Record<'_>) -> Markup {
     }
 }
 
-/// How to make it again.
+/// Section on the origin of the run: the command and data that make it again.
 pub(crate) fn origin(record: &Record<'_>) -> Markup {
     let run = record.run;
     html! {
@@ -166,7 +166,7 @@ pub(crate) fn origin(record: &Record<'_>) -> Markup {
     }
 }
 
-/// What a reader may not conclude.
+/// Section on the limits of the claim.
 pub(crate) fn not_claimed(certified: bool) -> Markup {
     html! {
         h2 id="limits" { "What this page does not claim" }

@@ -48,7 +48,7 @@ struct Stretch {
     curves: [Seen; CURVES],
 }
 
-/// What a stretch has of one curve.
+/// Samples of one curve that a stretch stores.
 #[derive(Debug, Clone, Copy, Default)]
 struct Seen {
     low: Option<Row>,
@@ -74,7 +74,7 @@ impl Stretches {
         made
     }
 
-    /// Where a stretch begins.
+    /// First sample of a stretch.
     fn border(&self, stretch: u64) -> u64 {
         let length = u128::from(self.part.end.saturating_sub(self.part.start));
         let at = u128::from(stretch) * length / u128::from(self.count);
@@ -100,7 +100,7 @@ impl Stretches {
         self.stretch.add(row);
     }
 
-    /// What is kept, in the order of the run.
+    /// Stored samples, in the order of the run.
     pub(crate) fn finish(mut self) -> Vec<Row> {
         self.close();
         self.rows

@@ -1,4 +1,4 @@
-//! What the supervisor did, moment by moment.
+//! Actions of the supervisor, moment by moment.
 
 use crate::kit::number::stated;
 use maud::{Markup, html};
@@ -18,7 +18,7 @@ struct Moment {
     mode: &'static str,
 }
 
-/// What a supervisor did, as its record goes by.
+/// Actions of a supervisor, collected as its record passes.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Course {
     /// The first ones.
@@ -83,7 +83,7 @@ impl Course {
         }
     }
 
-    /// Whether an event is a new one, and not one going on.
+    /// Returns true if an event is a new one, and not one going on.
     fn is_fresh(&mut self, name: &'static str, t: f64) -> bool {
         if let Some((_, last)) = self.seen.iter_mut().find(|(event, _)| *event == name) {
             return t - core::mem::replace(last, t) > APART_S;

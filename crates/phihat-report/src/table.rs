@@ -7,7 +7,7 @@ use crate::verdict::{CLAUSES, Clause, excess, share};
 use maud::{Markup, html};
 use phihat_sim::{JointMetrics, Metrics};
 
-/// Whether the spec holds, joint by joint.
+/// Table of the errors against the spec, joint by joint.
 pub fn tracking(metrics: &Metrics) -> Markup {
     let steady = format!("steady: from {} s on", stated(metrics.settle_s));
     html! {
@@ -33,7 +33,7 @@ pub fn tracking(metrics: &Metrics) -> Markup {
     }
 }
 
-/// What the torque and the estimate did, joint by joint.
+/// Table of torque and estimate, joint by joint.
 pub fn torque(metrics: &Metrics) -> Markup {
     html! {
         div.scroll tabindex="0" role="region" aria-label="Table: torque per joint" {

@@ -16,7 +16,7 @@ pub struct TubeRun {
     pub kept: TubeKept,
     /// Why the tube is no promise for this run; `None`: it is one.
     pub no_promise: Option<String>,
-    /// Whether the joint that left slides.
+    /// True if the joint that left is prismatic.
     #[serde(skip)]
     pub slides: bool,
 }
@@ -81,7 +81,7 @@ impl TubeRun {
         self.kept.left.as_ref().filter(|_| self.no_promise.is_none())
     }
 
-    /// What came of the run, in one sentence.
+    /// Result of the run against its tube, in one sentence.
     pub fn sentence(&self) -> String {
         match (&self.kept.left, &self.no_promise) {
             (None, None) => {

@@ -37,7 +37,7 @@ pub(crate) const CLAUSES: [Clause; 3] = [
     },
 ];
 
-/// What the spec says of a run.
+/// Verdict of the spec on a run.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Verdict {
     /// Nothing was recorded.

@@ -180,7 +180,7 @@ fn nonsense_in_the_file_leaves_its_figure_out() {
     }
 }
 
-/// What an older page left is removed by these names.
+/// Figures of an older page are removed by these names.
 #[test]
 fn the_name_of_every_figure_is_listed() {
     let mut drawn: Vec<_> =

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use crate::support::fixture;
 use crate::support::hostile::PAYLOADS;
 
-/// How many of each element and of each attribute a document has, and every script and policy.
+/// Number of each element and of each attribute in a document, and every script and policy.
 fn shape(html: &str) -> (BTreeMap<String, usize>, Vec<String>) {
     let document = Html::parse_document(html);
     let mut counts = BTreeMap::new();

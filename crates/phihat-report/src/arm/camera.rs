@@ -7,7 +7,7 @@ use super::kinematics::norm;
 pub(super) const WIDTH: f64 = 860.0;
 pub(super) const HEIGHT: f64 = 520.0;
 
-/// How far above the horizon it stands, and how far to the side of the arm's work \[rad\].
+/// Elevation of the camera, and its angle to the side of the arm's work \[rad\].
 const ELEVATION: f64 = 0.32;
 const ASIDE: f64 = 1.05;
 
@@ -51,7 +51,7 @@ impl Camera {
         }
     }
 
-    /// Where a point is on paper, and how far away.
+    /// Position of a point on paper \[px\], and its depth \[m\].
     pub(super) fn see(&self, p: [f64; 3]) -> ([f64; 2], f64) {
         let d: [f64; 3] = core::array::from_fn(|i| p[i] - self.from[i]);
         let along = |axis: [f64; 3]| axis.iter().zip(d).map(|(a, d)| a * d).sum::<f64>();
@@ -60,7 +60,7 @@ impl Camera {
         ([0.5 * WIDTH + x, 0.5 * HEIGHT - y], far)
     }
 
-    /// How many pixels a length has at a distance.
+    /// Size of a length at a depth \[px\].
     pub(super) fn size(&self, length: f64, far: f64) -> f64 {
         self.focal * length / far
     }

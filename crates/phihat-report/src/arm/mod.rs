@@ -27,7 +27,7 @@ pub struct Arm {
     pub forces: Vec<PointForce>,
     /// Planes that it can touch.
     pub walls: Vec<Plane>,
-    /// What its links look like; where there is none, they are drawn from their masses.
+    /// Shapes of its links; where there is none, they are drawn from their masses.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub shapes: Vec<Surface>,
     /// In words: what is drawn of its description's shapes, and what is not, and why.
@@ -45,7 +45,7 @@ pub struct ArmLink {
     pub parent: Option<usize>,
     /// The joint that moves it; `None`: it is fixed to its parent.
     pub joint: Option<usize>,
-    /// Whether that joint slides.
+    /// True if that joint is prismatic.
     pub slides: bool,
     /// Origin in its parent at position 0 \[m\].
     pub p: [f64; 3],

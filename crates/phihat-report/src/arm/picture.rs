@@ -22,7 +22,7 @@ const SHOWN_S: f64 = 20.0;
 /// Height of the strip with the errors \[px\].
 const STRIP: f64 = 150.0;
 
-/// What of a run a picture shows: the joints at some instants.
+/// Motion that a picture shows: the joints at some instants.
 struct Motion<'a> {
     arm: &'a Arm,
     camera: Camera,

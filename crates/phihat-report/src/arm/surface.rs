@@ -7,7 +7,7 @@ use serde::Serialize;
 /// Steps of a coordinate between the least and the largest of it.
 const STEPS: f64 = 65_535.0;
 
-/// What a link looks like: triangles in its own axes, each coordinate to 1/65 535 of its range.
+/// Shape of a link: triangles in its own axes, each coordinate to 1/65 535 of its range.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Surface {
     link: usize,
@@ -22,8 +22,8 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The surface of a link from points \[m\] and triangles, which are their corners' places among the points; `None`: more
-    /// than 65 536 points, a point that is not finite, or a corner that is none.
+    /// The surface of a link from points \[m\] and triangles, which are their corners' places among the points;
+    /// `None`: more than 65 536 points, a point that is not finite, or a corner that is none.
     pub fn of(link: usize, points: &[[f64; 3]], triangles: &[[usize; 3]]) -> Option<Self> {
         if points.is_empty() || !points.iter().flatten().all(|x| x.is_finite()) {
             return None;

@@ -159,7 +159,7 @@ fn draw(chart: &Chart, view: &View) -> String {
     }
 }
 
-/// What is drawn of a chart.
+/// Part of a chart that a figure draws: the whole run or the steady part.
 struct View {
     title: &'static str,
     settle_s: f64,

@@ -16,7 +16,7 @@ use std::ops::Range;
 /// be a line.
 const BOUND_REACH: f64 = 10.0;
 
-/// What one panel shows.
+/// Contents of one panel.
 pub(super) struct Ink<'a> {
     pub kind: &'a Kind,
     pub name: String,

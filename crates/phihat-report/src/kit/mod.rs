@@ -1,4 +1,4 @@
-//! What every page and figure of this project is drawn with: the frame of a document, its content policy, numbers, text
+//! Drawing kit of every page and figure of this project: the frame of a document, its content policy, numbers, text
 //! that came from a user, static figures.
 
 pub mod number;
@@ -23,7 +23,7 @@ pub fn unit_of(turning: &str, slides: bool) -> String {
     sliding.iter().fold(turning.to_owned(), |unit, (turns, slides)| unit.replace(turns, slides))
 }
 
-/// What stands beside a figure of a joint: nothing where the unit of the heading is its own.
+/// Unit beside a figure of a joint: empty where the unit of the heading is its own.
 pub fn own_unit(turning: &str, slides: bool) -> String {
     if slides { format!("\u{a0}{}", unit_of(turning, true)) } else { String::new() }
 }
@@ -104,7 +104,7 @@ mod units {
 
 #[cfg(test)]
 mod words {
-    /// What a page says that a word means is what the glossary says.
+    /// The meaning of a word on a page is that of the glossary.
     #[test]
     fn are_those_of_the_glossary() {
         let glossary = include_str!("../../../../GLOSSARY.md");

@@ -10,7 +10,7 @@ use thiserror::Error;
 pub struct Figure {
     /// File stem: `tracking`, `error`, …
     pub name: String,
-    /// What it shows.
+    /// Title.
     pub title: String,
     /// The figure, made for 16 cm of width.
     pub svg: String,
@@ -27,7 +27,7 @@ pub const TEXT: u32 = 52;
 /// Height of a title, on the same scale.
 pub const TITLE: u32 = 62;
 
-/// What is drawn on.
+/// Drawing area.
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
 /// A figure that cannot be drawn: its space is too small, or its text cannot be written.

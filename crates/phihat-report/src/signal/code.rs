@@ -22,10 +22,10 @@ const REMAINDER: u32 = 22;
 ///
 /// # Method
 ///
-/// Blocks of 256 samples. A block has one quantum, a power of two, so that its largest value has 17 bits; its values are
-/// whole multiples of it. Of them the differences of order 0 to 3 are taken, whichever are shortest, and written in Rice's
-/// code: the low bits as they are, the rest as so many ones and a zero. Values that are not finite are marked, and stand
-/// as the value before them.
+/// Blocks of 256 samples. A block has one quantum, a power of two, so that its largest value has 17 bits; its
+/// values are whole multiples of it. Of them the differences of order 0 to 3 are taken, whichever are shortest,
+/// and written in Rice's code: the low bits as they are, the rest as so many ones and a zero. Values that are not
+/// finite are marked, and stand as the value before them.
 ///
 /// # References
 ///

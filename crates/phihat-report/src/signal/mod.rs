@@ -79,7 +79,7 @@ impl Signal {
     }
 }
 
-/// How many samples share a value, so that the page stays small.
+/// Number of samples that share a value, so that the page stays small.
 pub(crate) fn each(samples: u64, joints: usize) -> u64 {
     let values = samples.saturating_mul(joints as u64).saturating_mul(sources().len() as u64);
     if values <= VALUES_MAX { 1 } else { (2 * values).div_ceil(VALUES_MAX) }

@@ -20,7 +20,7 @@ pub(crate) struct Fixture {
 }
 
 impl Fixture {
-    /// What is drawn stays in memory: a test ends soon.
+    /// The drawing stays in memory: a test ends soon.
     pub(crate) fn record(&self) -> Record<'_> {
         let (trace, settle_s) = (&self.trace, self.metrics.settle_s);
         let tube = TubeSeen::new(&self.gains, trace.joints.len()).map(|mut tube| {

@@ -17,7 +17,7 @@ use crate::kit::number::number;
 use crate::kit::sheet::{Area, DrawError, Figure, TEXT, log_ticks};
 use crate::kit::text::short;
 
-/// Where the curves begin \[Hz\], and how many points they have.
+/// Lowest frequency of the curves \[Hz\], and number of their points.
 const LOWEST: f64 = 0.1;
 const POINTS: u32 = 220;
 

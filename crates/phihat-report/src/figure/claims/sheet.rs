@@ -1,4 +1,4 @@
-//! What the figures of the claims are drawn with: their sheet, legend, axes.
+//! Drawing parts of the figures of the claims: their sheet, legend, axes.
 
 use plotters::coord::ranged1d::{Ranged, ValueFormatter};
 use plotters::prelude::*;

@@ -1,4 +1,4 @@
-//! What other error bounds would have cost in torque noise.
+//! Torque noise of laws with other error bounds.
 
 use phihat_design::TradeOff;
 
