@@ -1,4 +1,4 @@
-//! What a run is begun with.
+//! Study and gains that a run begins with.
 
 use phihat_design::Gains;
 use phihat_sim::{ControlSide, Simulation, WorldSide};

@@ -16,8 +16,8 @@ pub struct Beside {
     values: Vec<f64>,
 }
 
-/// What a page asks for: a law by its name, with its scalars in the law's order, or as published where none are given; no law: the
-/// arm is alone again.
+/// Request of a page: a law by its name, with its scalars in the law's order, or as published where none are
+/// given; no law: the arm is alone again.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Wanted {
@@ -78,8 +78,8 @@ impl Beside {
         self.entry.card.title
     }
 
-    /// Its control side and a world for it. Units are the gains' nominal inertia; a model has links as much too light as in
-    /// `phihat compare`.
+    /// Its control side and a world for it. Units are the gains' nominal inertia; the links of a model are too light
+    /// by as much as in `phihat compare`.
     pub(crate) fn sides(&self, begin: &Begin) -> Result<(ControlSide, WorldSide), StudioError> {
         let study = &begin.study;
         let told =

@@ -1,4 +1,4 @@
-//! What can go wrong in a studio.
+//! Errors of a studio.
 
 use phihat_session::SessionError;
 use phihat_sim::SimError;
@@ -18,10 +18,10 @@ pub enum StudioError {
     Listen {
         /// The port.
         port: u16,
-        /// What the system says.
+        /// Error that the system reports.
         why: std::io::Error,
     },
-    /// What was asked for is not on offer.
+    /// The request is refused.
     #[error("{0}")]
     Refused(String),
 }

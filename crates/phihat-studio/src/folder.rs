@@ -24,7 +24,7 @@ impl Folder {
         &self.0
     }
 
-    /// Where a study of this name is written: letters, digits, `-`, `_`; nothing that leads elsewhere.
+    /// Path of a study of this name: letters, digits, `-`, `_`; nothing that leads elsewhere.
     pub(crate) fn place(&self, name: &str) -> Result<PathBuf, StudioError> {
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
         if name.is_empty() || name.len() > NAME_MAX || !name.chars().all(plain) {

@@ -1,4 +1,4 @@
-//! Who is let in: by Host, Origin, key and rate, before anything is read.
+//! Access control: by Host, Origin, key and rate, before anything is read.
 
 use std::sync::Mutex;
 
@@ -9,7 +9,7 @@ use tokio::time::Instant;
 const RATE: f64 = 100.0;
 const BURST: f64 = 200.0;
 
-/// What a request must show.
+/// Conditions that a request must satisfy.
 #[derive(Debug)]
 pub(crate) struct Gate {
     hosts: [String; 3],
@@ -28,7 +28,7 @@ impl Gate {
         Self { hosts, key, left: Mutex::new((BURST, Instant::now())) }
     }
 
-    /// Whether a request may go on.
+    /// Checks that a request may go on.
     pub(crate) fn lets(&self, method: &Method, uri: &Uri, headers: &HeaderMap) -> Result<(), No> {
         self.host(uri, headers)?;
         // After it: a page of another origin does not use up what ours may ask.

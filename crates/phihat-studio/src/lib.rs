@@ -1,8 +1,9 @@
 //! The arm under control, live, in a browser: `phihat studio`.
 //!
-//! [`Live`] is a run that goes on sample by sample and meets faults as they come; while none comes, its rows are those of
-//! `phihat run`, bit for bit. [`Studio`] serves it to pages of this machine: a thread keeps real time, pages get pictures of it and
-//! give orders that act between two samples, and what their gains promise is found beside it.
+//! [`Live`] is a run that goes on sample by sample and meets faults as they come; while none comes, its rows are
+//! those of `phihat run`, bit for bit. [`Studio`] serves it to pages of this machine: a thread runs in real time,
+//! pages get pictures of it and give orders that act between two samples, and the claims of their gains are
+//! computed alongside.
 //!
 //! # Example
 //!
@@ -18,12 +19,14 @@
 //!
 //! # Who is let in
 //!
-//! Connections of this machine, with the key that was printed, from no page of another origin. Nothing is read or written outside of the
-//! working folder. Connections, sizes, rates and times are bounded; `tests/attacks.rs` is the list of what was tried against that.
+//! Connections of this machine, with the key that was printed, from no page of another origin. Nothing is read or
+//! written outside of the working folder. Connections, sizes, rates and times are bounded; `tests/attacks.rs` is
+//! the list of what was tried against that.
 //!
 //! # Not claimed
 //!
-//! The arm is simulated; a studio never talks to a robot. Whoever can read this process's output, or its memory, has the key.
+//! The arm is simulated; a studio never talks to a robot. Whoever can read this process's output, or its memory,
+//! has the key.
 #![forbid(unsafe_code)]
 
 mod begin;

@@ -8,10 +8,10 @@ use crate::beside::Beside;
 use crate::error::StudioError;
 use crate::offer::{Offer, offered};
 
-/// How long a run without an end of its own goes on \[s\].
+/// Duration of a run without an end of its own \[s\].
 const LONG: f64 = 3600.0;
 
-/// How many faults a run remembers; beyond, no more are taken.
+/// Number of faults that a run stores; beyond, no more are taken.
 const FAULTS_MAX: usize = 4000;
 
 /// A run that goes on sample by sample. While nothing is done to it, its rows are those of `phihat run`, bit for bit.
@@ -73,8 +73,8 @@ impl Live {
         })
     }
 
-    /// Other gains take over at the next sample, without a step in the torque; `false`: a supervisor is in between, so only a new
-    /// run has them.
+    /// Other gains take over at the next sample, without a step in the torque; `false`: a supervisor is in between,
+    /// so only a new run has them.
     ///
     /// # Errors
     ///
@@ -110,7 +110,7 @@ impl Live {
         (self.k * self.world.period_ns()) as f64 * 1e-9
     }
 
-    /// Whether nothing came but what the study says.
+    /// Returns true if no fault came but those of the study.
     pub fn is_undisturbed(&self) -> bool {
         self.came.is_empty()
     }
@@ -134,7 +134,7 @@ impl Live {
         Some((t_ns, &self.rows))
     }
 
-    /// Whether it came to its end.
+    /// Returns true if it came to its end.
     pub fn is_whole(&self) -> bool {
         self.world.abort().is_none() && self.k >= self.world.samples()
     }
@@ -152,8 +152,8 @@ impl Live {
     ///
     /// # Errors
     ///
-    /// [`StudioError`]: there is no such joint or size, the world cannot meet it, or too much came already. Nothing has changed
-    /// then.
+    /// [`StudioError`]: there is no such joint or size, the world cannot meet it, or too much came already. Nothing
+    /// has changed then.
     pub(crate) fn meet(
         &mut self,
         offer: &Offer,
@@ -200,7 +200,7 @@ impl Live {
         self.meet(offer, joint, size)
     }
 
-    /// What still acts of a kind ends before the next sample.
+    /// Ends the faults of a kind on a joint before the next sample.
     fn end(&mut self, kind: FaultKind, joint: Option<usize>) {
         let now = self.time();
         // A little before the sample, so that rounding never lets it act there.
@@ -214,20 +214,21 @@ impl Live {
         self.came.retain(|(fault, _)| fault.duration > 0.0);
     }
 
-    /// What the world is told of: all but pushes that are over, which nothing remembers.
+    /// Faults that are passed to the world: all but pushes that are over, which leave no state.
     fn felt(&self) -> Vec<Fault> {
         let over = |(fault, acts): &&(Fault, bool)| *acts || fault.kind != FaultKind::Push;
         let came = self.came.iter().filter(over).map(|(fault, _)| fault.clone());
         self.own.iter().cloned().chain(came).collect()
     }
 
-    /// What acts now of what came: kind, joint, size.
+    /// Faults that came and still act: kind, joint, size.
     pub fn acting(&self) -> impl Iterator<Item = (FaultKind, Option<usize>, f64)> {
         let acts = self.came.iter().filter(|(_, acts)| *acts);
         acts.map(|(fault, _)| (fault.kind, fault.joint, fault.size))
     }
 
-    /// What came, as sections of a study; and the integration steps, where the world needed more than at its begin.
+    /// Faults that came, as sections of a study; and the integration steps, where the world needed more than
+    /// at its begin.
     pub fn sections(&self) -> (String, Option<u32>) {
         let joints = &self.study.robot.joints;
         let mut text = String::new();

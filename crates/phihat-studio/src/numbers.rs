@@ -1,4 +1,4 @@
-//! What gains amount to: window, margins, torque noise, while a person drags.
+//! Properties of gains: window, margins, torque noise, while a person drags.
 
 use phihat::Form;
 use phihat_design::prelude::*;
@@ -20,7 +20,7 @@ pub(crate) struct Factors {
     pub(crate) inertia: f64,
 }
 
-/// What is shown of gains.
+/// Properties of gains that a page shows.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Numbers {
     pub(crate) armed: bool,
@@ -48,7 +48,7 @@ struct Joint {
 impl Factors {
     pub(crate) const ONE: Self = Self { outer: 1.0, estimator: 1.0, inertia: 1.0 };
 
-    /// Whether all are moderate.
+    /// Checks that all are moderate: 0.1 to 10.
     pub(crate) fn check(&self) -> Result<(), StudioError> {
         let all = [self.outer, self.estimator, self.inertia];
         let moderate = all.iter().all(|factor| (0.1..=10.0).contains(factor));

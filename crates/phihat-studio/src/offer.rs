@@ -1,4 +1,4 @@
-//! What may be done to an arm while it runs: kinds of fault, each with the sizes that are taken.
+//! Faults that may be applied to an arm while it runs, each with the sizes that are taken.
 
 use phihat_study::FaultKind;
 use serde::Serialize;
@@ -12,7 +12,7 @@ pub(crate) struct Offer {
     pub(crate) kind: FaultKind,
     /// Its word in a study.
     pub(crate) word: &'static str,
-    /// What a person reads.
+    /// Label on the page.
     pub(crate) label: &'static str,
     /// Unit of its size; empty: a ratio.
     pub(crate) unit: &'static str,
@@ -23,7 +23,7 @@ pub(crate) struct Offer {
     pub(crate) neutral: Option<f64>,
     /// Step of its slider.
     pub(crate) step: f64,
-    /// Whether it is about the joint that is picked.
+    /// True if it acts on the joint that is picked.
     pub(crate) per_joint: bool,
 }
 
@@ -43,8 +43,8 @@ const fn switch(
     Offer { kind, word, label, unit: "", low: 1.0, high: 1.0, neutral: None, step: 1.0, per_joint }
 }
 
-/// All that is on offer. What hides an arm's state from its controller for good (a reading that is no number, joints in the
-/// wrong order) is left to `phihat faults`.
+/// All faults on offer. Those that hide an arm's state from its controller for good (a reading that is no number,
+/// joints in the wrong order) are left to `phihat faults`.
 pub(crate) const OFFERS: [Offer; 11] = [
     sized((FaultKind::Push, "push", "push"), "N·m", (-200.0, 200.0, 0.0, 0.1), true),
     sized(

@@ -1,4 +1,4 @@
-//! What is open: a study that runs, or a record that is played.
+//! Study that runs, or record that is played.
 
 use std::path::PathBuf;
 
@@ -17,13 +17,13 @@ pub(crate) struct Open {
     /// `None`: another controller's record is played.
     pub(crate) gains: Option<Gains>,
     pub(crate) warnings: Vec<String>,
-    /// Where its text stands, or would.
+    /// Path of its text, whether it exists or not.
     pub(crate) path: PathBuf,
     /// Of a record that is played.
     pub(crate) played: Option<Played>,
 }
 
-/// What a page is told of a record before it is played.
+/// Description of a record for a page, before it is played.
 #[derive(Debug, Clone)]
 pub(crate) struct Played {
     /// Its length \[s\].
@@ -33,7 +33,7 @@ pub(crate) struct Played {
 }
 
 impl Open {
-    /// What a run is begun with, where this is one.
+    /// Study and gains of a run; `None`: a record is played.
     pub(crate) fn begin(&self) -> Option<Begin> {
         let gains = self.gains.clone().filter(|_| self.played.is_none())?;
         Some(Begin { study: self.study.clone(), gains })

@@ -25,7 +25,7 @@ const BEHIND: f64 = 0.2;
 /// Orders that may wait.
 const ORDERS_MAX: usize = 64;
 
-/// What a run is told.
+/// Order to a run.
 pub(crate) enum Order {
     /// An offer acts on a joint with a size, or ends.
     Meet(&'static Offer, Option<usize>, Option<f64>),
@@ -43,7 +43,7 @@ pub(crate) enum Order {
     Late(u32),
     /// A record goes to a time \[s\].
     Seek(f64),
-    /// Which sections came, for a study of this run.
+    /// Report of the sections that came, for a study of this run.
     Tell,
 }
 
@@ -53,7 +53,7 @@ struct Asked {
     answer: oneshot::Sender<Result<Value, StudioError>>,
 }
 
-/// Who gives orders to the thread.
+/// Sender of orders to the thread.
 #[derive(Debug, Clone)]
 pub(crate) struct Player {
     orders: SyncSender<Asked>,
@@ -72,7 +72,7 @@ impl Range {
     }
 }
 
-/// What one joint shows.
+/// Values of one joint in a picture.
 #[derive(Debug, Clone, Copy, Serialize)]
 struct Shown {
     q: f64,
@@ -134,7 +134,7 @@ impl Player {
     }
 }
 
-/// What is on, and its clock.
+/// Stage and its clock.
 struct Run {
     stage: Stage,
     told: watch::Sender<Arc<str>>,

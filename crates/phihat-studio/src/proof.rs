@@ -16,7 +16,7 @@ use crate::begin::Begin;
 use crate::error::StudioError;
 use crate::numbers::{Factors, Numbers};
 
-/// What a person asks of gains.
+/// Requested change of gains.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Wish {
@@ -34,7 +34,7 @@ impl Wish {
     }
 }
 
-/// Who finds out what gains amount to. Of wishes that wait, the last one counts.
+/// Worker that computes the claims of gains. Of requests that wait, the last one counts.
 #[derive(Debug)]
 pub(crate) struct Proof {
     wish: Mutex<Option<(u64, Wish)>>,
@@ -48,7 +48,7 @@ pub(crate) struct Proof {
     arm: Mutex<Option<Arm>>,
 }
 
-/// What is done with gains that are armed.
+/// Action on gains that are armed.
 type Take = Box<dyn Fn(Begin) -> bool + Send>;
 
 #[expect(clippy::disallowed_methods, reason = "how long a search took is told")]
@@ -70,7 +70,7 @@ impl Proof {
         })
     }
 
-    /// What was found of the last wish, as a document.
+    /// Result of the last request, as a document.
     pub(crate) fn told(&self) -> String {
         self.told.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }

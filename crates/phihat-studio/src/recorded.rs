@@ -21,7 +21,7 @@ const TOPICS: [(&str, usize, Column); 5] = [
 
 type Column = fn(&mut Sampled) -> &mut f64;
 
-/// What messages tell, by their times \[ns\]: which topic, and a value for each joint that it names.
+/// Values in messages, by their times \[ns\]: the topic, and a value for each joint that it names.
 type Told = BTreeMap<u64, Vec<(usize, Vec<Option<f64>>)>>;
 
 /// A run of the past.
@@ -55,8 +55,8 @@ impl Recorded {
         }
     }
 
-    /// A log (MCAP, CDR) with `/joint_states` that name the arm's joints; what else phihat writes into a log, where it is there.
-    /// What is not there is 0.
+    /// A log (MCAP, CDR) with `/joint_states` that name the arm's joints; other topics that phihat writes into a log
+    /// are read where they are there. A value that is missing is 0.
     pub(crate) fn of_log(path: &Path, study: &Study) -> Result<Self, StudioError> {
         let told = |why: String| StudioError::refused(format!("{}: {why}", path.display()));
         let bytes = std::fs::read(path).map_err(|why| told(why.to_string()))?;
@@ -87,7 +87,8 @@ impl Recorded {
         Ok(whole)
     }
 
-    /// Samples at the times of positions; of all else what was told last, of what is desired what is, where it was never told.
+    /// Samples at the times of positions, with the last reported value of every other topic; before the first desired
+    /// position, the measured one in its place.
     fn together(told_at: Told, joints: usize) -> Self {
         let mut whole = Self { joints, ..Self::default() };
         let (mut now, mut referred) = (vec![Sampled::default(); joints], false);

@@ -1,4 +1,4 @@
-//! What a page can ask for.
+//! Requests that a page can make.
 
 use std::convert::Infallible;
 use std::future::Future;
@@ -36,14 +36,14 @@ use crate::text;
 
 /// Bytes of a request's body.
 const BODY_MAX: usize = 256 * 1024;
-/// How long a body may take.
+/// Time limit for a body.
 const BODY: Duration = Duration::from_secs(5);
 /// Pages that look on at a time.
 const LIVE_MAX: usize = 8;
 /// Studies that are looked at, at a time.
 const CHECKS_MAX: usize = 2;
 
-/// What all requests share.
+/// State that all requests share.
 pub(crate) struct Shared {
     pub(crate) gate: Gate,
     pub(crate) player: Player,
@@ -201,13 +201,13 @@ fn schema() -> &'static str {
     SCHEMA.get_or_init(phihat_study::schema)
 }
 
-/// What the gains that were asked for last amount to.
+/// Reports the result for the gains that were requested last.
 async fn tell_proof(State(shared): Of) -> Response {
     let text = shared.proof.as_ref().map_or_else(|| "{}".to_owned(), |proof| proof.told());
     ([(header::CONTENT_TYPE, "application/json")], text).into_response()
 }
 
-/// What acts on the arm: an offer, its joint, its size; no size: it ends.
+/// Fault on the arm: an offer, its joint, its size; no size: it ends.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Meet {
@@ -227,7 +227,7 @@ async fn meet(State(shared): Of, request: Request) -> Response {
     answered(shared.player.ask(Order::Meet(offer, joint, size)).await)
 }
 
-/// How time goes on.
+/// Speed over real time, and whether the run begins again.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Run {
@@ -367,8 +367,8 @@ async fn open(State(shared): Of, request: Request) -> Response {
     answered(begun)
 }
 
-/// A study's text, ready to be run; its gains are designed where it leaves them to the design. What its arm looks like is read within the
-/// working folder alone.
+/// A study's text, ready to be run; its gains are designed where it leaves them to the design. The shapes of its
+/// arm are read within the working folder alone.
 fn opened(text: &str, path: PathBuf, within: &Folder) -> Result<Open, StudioError> {
     let study = text::study(text, &path)?;
     let session = Session::new(study, &path, None, false)?;
@@ -428,7 +428,7 @@ async fn look_on(State(shared): Of) -> Response {
     ([(header::CONTENT_TYPE, "text/event-stream")], body).into_response()
 }
 
-/// What one page listens to. Of pictures that it is too slow for, it gets the last one.
+/// Stream of pictures to one page. Of pictures that it is too slow for, it gets the last one.
 struct Events {
     frames: watch::Receiver<Arc<str>>,
     _held: OwnedSemaphorePermit,

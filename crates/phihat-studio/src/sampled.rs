@@ -1,4 +1,4 @@
-//! What a page is shown of a joint at a sample, wherever it comes from.
+//! Values of a joint at a sample that a page shows, from a live run or a record.
 
 use phihat_sim::Row;
 

@@ -1,4 +1,4 @@
-//! What is on: an arm under control, another law beside it where one was asked for; or a run that was recorded.
+//! Stage: an arm under control, another law alongside where one was requested; or a run that was recorded.
 
 use serde_json::{Value, json};
 
@@ -13,7 +13,7 @@ use crate::sampled::Sampled;
 /// Samples that measurements may be late at most, as in a study.
 const LATE_MAX: u32 = 8;
 
-/// What is on.
+/// A live run or a record.
 #[derive(Debug)]
 pub(crate) enum Stage {
     Live(Box<Pair>),
@@ -27,7 +27,7 @@ pub(crate) struct Pair {
     live: Box<Live>,
     rows: Vec<Sampled>,
     other: Option<Other>,
-    /// Whether measurements come later than the study says.
+    /// True once the delay of the measurements was set by hand.
     is_late: bool,
 }
 
@@ -78,7 +78,7 @@ impl Stage {
         }
     }
 
-    /// What acts now of what came.
+    /// Faults that came and still act: word, joint, size.
     pub(crate) fn acting(&self) -> Vec<(&'static str, Option<usize>, f64)> {
         let Self::Live(pair) = self else { return Vec::new() };
         pair.live.acting().map(|(kind, joint, size)| (kind.word(), joint, size)).collect()
@@ -112,7 +112,8 @@ impl Stage {
         }
     }
 
-    /// After its last sample: a motion that came to its end begins anew, with what acts; so does a record. Why it does not, else.
+    /// Begins anew after the last sample: a motion that came to its end, with the faults that act, or a record.
+    /// The error says why it does not.
     pub(crate) fn round(&mut self) -> Result<(), StudioError> {
         match self {
             Self::Live(pair) if pair.live.is_whole() => pair.restart(pair.begin.clone(), true),
@@ -225,7 +226,7 @@ impl Pair {
         Ok(json!({ "t": 0.0 }))
     }
 
-    /// What came, for a study of this run.
+    /// Faults that came, for a study of this run.
     pub(crate) fn tell(&self) -> Value {
         let (sections, substeps) = self.live.sections();
         let late = self.is_late.then_some(self.begin.study.sensor.delay_samples);

@@ -1,4 +1,4 @@
-//! What a page is told of a study when it opens.
+//! State of a study for a page that opens.
 
 use phihat::Form;
 use phihat_model::JointKind;
@@ -49,7 +49,7 @@ pub(crate) fn state(open: &Open) -> Value {
     })
 }
 
-/// Where the motion goes: times and desired positions.
+/// Path of the motion: times and desired positions.
 fn path(study: &Study) -> Value {
     let Ok(motion) = Motion::of(study) else { return Value::Null };
     let length = study.duration.min(DRAWN);

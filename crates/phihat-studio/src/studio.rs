@@ -21,7 +21,7 @@ use crate::stage::Stage;
 use crate::text;
 use crate::wire::serve;
 
-/// What a studio is told.
+/// Options of a studio.
 #[derive(Debug, Clone, Default)]
 pub struct StudioOptions {
     /// The study file (TOML); `None`: that of the record that is played.
@@ -30,7 +30,7 @@ pub struct StudioOptions {
     pub gains: Option<PathBuf>,
     /// A record to be played: the folder of a run or a drive, or a log of joint states (MCAP) of the study's arm.
     pub replay: Option<PathBuf>,
-    /// Where studies are written, and all that is read after the start.
+    /// Folder in which studies are written, and from which all is read after the start.
     pub folder: PathBuf,
     /// Port on this machine that is listened on; 0: any that is free.
     pub port: u16,
@@ -117,7 +117,8 @@ fn folder_beside(file: &Path) -> &Path {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Where a study that is read again would stand: beside what it names, where that is inside of the working folder.
+/// Path of a study that is read again: its own where that is inside of the working folder, else `name` in
+/// that folder.
 fn folder_of(folder: &Folder, study: &Path, name: &Path) -> PathBuf {
     match study.canonicalize() {
         Ok(real) if real.starts_with(folder.path()) => real,
@@ -126,12 +127,12 @@ fn folder_of(folder: &Folder, study: &Path, name: &Path) -> PathBuf {
 }
 
 impl Studio {
-    /// Where it listens.
+    /// Address that it listens on.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// What a browser opens: with the key, without which nothing is told.
+    /// Link for a browser, with the key, without which nothing is reported.
     pub fn link(&self) -> String {
         format!("http://{}/?key={}", self.address, self.key)
     }
@@ -141,7 +142,7 @@ impl Studio {
         &self.open.study.name
     }
 
-    /// What is said before the run.
+    /// Warnings before the run.
     pub fn warnings(&self) -> &[String] {
         &self.open.warnings
     }

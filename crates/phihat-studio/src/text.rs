@@ -46,7 +46,8 @@ pub(crate) fn with_what_came(text: &str, came: &Value) -> String {
     whole
 }
 
-/// The text with another value of a key in a section that has a header of its own; without one, with such a section at its end.
+/// The text with another value of a key in a section that has a header of its own; without one, with such a
+/// section at its end.
 fn with_key(text: &str, section: &str, key: &str, value: &str) -> String {
     let header = format!("[{section}]");
     let is_header = |line: &&str| line.split('#').next().is_some_and(|line| line.trim() == header);

@@ -17,9 +17,9 @@ use tokio::time::{Sleep, sleep};
 
 /// Connections at a time; a browser opens six.
 const CONNECTIONS_MAX: usize = 32;
-/// How long the head of a request may take.
+/// Time limit for the head of a request.
 const HEAD: Duration = Duration::from_secs(5);
-/// How long a client may read nothing of what it was sent.
+/// Time limit for a client that reads nothing of what it was sent.
 const STALLED: Duration = Duration::from_secs(10);
 /// Bytes of a request's head.
 const HEAD_MAX: usize = 16 * 1024;

@@ -1,5 +1,5 @@
-//! What was tried against a studio. Wrong if one of these requests were obeyed, told a secret, left a file outside of the
-//! working folder, or kept an honest page from being answered afterwards.
+//! Attacks on a studio. Wrong if one of these requests were obeyed, returned a secret, left a file outside of the
+//! working folder, or prevented an honest page from being answered afterwards.
 
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::net::TcpStream;
@@ -11,7 +11,7 @@ use crate::support::{Place, document, place, status, wait_for};
 /// An attempt: its name, the whole request, and the answers that are right; 0: closed without one.
 type Attempt = (&'static str, Vec<u8>, &'static [u16]);
 
-/// Who is not let in: by host, origin, key or method.
+/// Requests that are refused: by host, origin, key or method.
 fn strangers(place: &Place) -> Vec<Attempt> {
     let Place { address, key, .. } = place;
     let port = address.port();
@@ -230,10 +230,12 @@ fn still_serves(place: &Place, after: &str) -> serde_json::Value {
     })
 }
 
-/// Connects 500 times without a word: the connections, and how many of them are open. `None`: the first one is not, any more.
+/// Connects 500 times and sends nothing: the connections, and how many of them are open. `None`: the first one is
+/// not open any more.
 ///
-/// Connections are taken in their order, and one beyond the bound is closed at once: when the last one is closed, all have been taken,
-/// and the first ones still have time to say something. Without a bound the first would be given up before the last.
+/// Connections are taken in their order, and one beyond the bound is closed at once: when the last one is closed,
+/// all have been taken, and the first ones still have time to send something. Without a bound the first would be
+/// given up before the last.
 fn crowd(place: &Place) -> Option<(Vec<TcpStream>, usize)> {
     let all: Vec<_> = (0..500).map(|_| place.connect()).collect();
     let mut byte = [0];
@@ -344,8 +346,8 @@ fn slow_and_many_clients_are_bounded() {
         let answer = place.send(bytes.as_bytes());
         assert!([0, 400, 408].contains(&status(&answer)), "slow {name}: {answer}");
     }
-    // 500 connections: few are kept, and an honest page is answered when they are given up. A machine that was busy with something
-    // else for longer than a connection may say nothing has another try.
+    // 500 connections: few stay open, and an honest page is answered when they are given up. A machine that was busy
+    // with something else for longer than a connection may send nothing has another try.
     let tried = (0..10).find_map(|_| {
         still_serves(&place, "slow clients");
         crowd(&place)

@@ -1,4 +1,5 @@
-//! A studio's run against `phihat run`. Wrong if its rows were another run's in a single bit, or if a saved run were not repeated.
+//! A studio's run against `phihat run`. Wrong if its rows were another run's in a single bit, or if a saved run
+//! were not repeated.
 
 use phihat_session::{RunOptions, TraceKind};
 use phihat_sim::{Row, Trace};
@@ -146,7 +147,8 @@ fn a_page_pushes_drags_gains_checks_and_saves() {
     trace(&place.folder.join("kept.toml"));
 }
 
-/// By the law's own formula; wrong if the other law were told, or sensed, anything but what phihat's is, or met other faults.
+/// By the law's own formula; wrong if the other law received, or measured, anything but what phihat's does, or met
+/// other faults.
 #[test]
 fn the_other_law_runs_on_the_same_arm_and_meets_what_comes() {
     let study = folder("beside").join("arm.toml");
@@ -202,7 +204,8 @@ fn a_page_sets_a_law_beside_it_and_makes_measurements_late() {
     assert_eq!(study.sensor.delay_samples, 3);
 }
 
-/// Wrong if a picture showed another position, error or torque than the trace has at its time, or if an order were obeyed.
+/// Wrong if a picture showed another position, error or torque than the trace has at its time, or if an order were
+/// obeyed.
 #[test]
 fn what_was_recorded_is_played_and_nothing_is_done_to_it() {
     let folder = folder("recorded");

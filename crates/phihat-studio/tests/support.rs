@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use phihat_studio::StudioOptions;
 
-/// How long a test waits for what comes: only what never comes takes longer.
+/// Longest wait of a test for an event: only one that never comes takes longer.
 const PATIENCE: Duration = Duration::from_mins(10);
 
 /// From one look to the next: seldom enough that the studio answers each.
