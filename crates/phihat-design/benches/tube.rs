@@ -1,5 +1,5 @@
-//! What a tube costs: `cargo bench -p phihat-design --bench tube` prints one JSON line per study and duration, with
-//! the search for the gains beside it.
+//! Computing time of a tube: `cargo bench -p phihat-design --bench tube` prints one JSON line per study and
+//! duration, with the time of the search for the gains alongside.
 #![allow(clippy::print_stdout, reason = "a benchmark prints its figures")]
 #![allow(clippy::disallowed_methods, reason = "a benchmark reads the clock")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a benchmark stops on a bad set-up")]

@@ -1,4 +1,4 @@
-//! What a study types against what the model of its own robot says.
+//! Contradictions between values typed in a study and the model of its own robot.
 
 use phihat_study::{InertiaSource, Study};
 use thiserror::Error;
@@ -22,13 +22,13 @@ pub struct Contradiction {
     pub key: String,
     /// The joint; `None`: the arm.
     pub joint: Option<String>,
-    /// What is typed.
+    /// Typed value.
     pub typed: f64,
-    /// What the model has.
+    /// Value of the model.
     pub model: f64,
     /// The unit of both; empty for a ratio.
     pub unit: &'static str,
-    /// What of the model.
+    /// Quantity of the model.
     pub what: &'static str,
 }
 
@@ -49,8 +49,8 @@ impl From<Contradiction> for ContradictionError {
     }
 }
 
-/// Whether typed intervals of inertia hold the arm of the study's robot: of every joint its own inertia, and of the
-/// coupled arm, at every posture and payload tried,
+/// Checks that typed intervals of inertia contain the arm of the study's robot: for every joint its own
+/// inertia, and for the coupled arm, at every posture and payload tried,
 ///
 /// ```text
 /// diag(low) ≼ M(q) ≼ diag(high)

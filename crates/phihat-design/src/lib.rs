@@ -47,13 +47,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Joints push each other, which bounds that go joint by joint do not count: [`tube::tube`] finds an envelope of the error
-//! of a whole run, as the command `phihat design` does.
+//! Joints push each other, which bounds that go joint by joint do not count: [`tube::tube`] finds an envelope
+//! of the error of a whole run, as the command `phihat design` does.
 //!
 //! # Where next
 //!
 //! [`sampled::FindWindow`] for the inertia window alone, [`requested_gains`] for gains that a study states,
-//! [`export::export`] for ROS 2, C and tables, `examples/rust/04_design.rs` of the repository for a design with its tube.
+//! [`export::export`] for ROS 2, C and tables, `examples/rust/04_design.rs` of the repository for a design
+//! with its tube.
 //!
 //! # Not claimed
 //!

@@ -3,12 +3,12 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::ScopedJoinHandle;
 
-/// How many run side by side.
+/// Number of threads that run in parallel.
 pub(crate) fn threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// What is made of each entry of a list, in its order; a thread that is done takes the next one.
+/// Results of `make` for each entry of a list, in its order; a thread that is done takes the next one.
 pub(crate) fn parallel<T: Send>(
     list: &[usize],
     threads: usize,
@@ -35,7 +35,7 @@ pub(crate) fn parallel<T: Send>(
     all.into_iter().map(|(_, made)| made).collect()
 }
 
-/// What two make, side by side where there is more than one thread.
+/// Results of two functions, run in parallel where there is more than one thread.
 pub(crate) fn both<A: Send, B>(
     threads: usize,
     one: impl FnOnce() -> A + Send,

@@ -88,8 +88,8 @@ fn row(row: &RowDVector<f64>, x: &[f64]) -> f64 {
 
 /// Shows `b, Ab, A²b, …` until it has died; `None` when it does not.
 ///
-/// Most of a search's time is spent here, so that loops of the usual sizes have a product compiled for theirs; its sums are in the
-/// order of the general one, and the bits the same.
+/// Most of a search's time is spent here, so that loops of the usual sizes have a product compiled for
+/// theirs; its sums are in the order of the general one, and the bits the same.
 fn walk(matrix: &StateMatrix, b: &DVector<f64>, visit: impl FnMut(&[f64])) -> Option<()> {
     let a = matrix.matrix();
     match b.len() {
@@ -143,7 +143,7 @@ fn fixed<const N: usize>(
     None
 }
 
-/// Whether a response has died.
+/// Detection of the end of a response.
 #[derive(Default)]
 struct Life {
     largest: [f64; 2],

@@ -24,7 +24,7 @@ const EXACT: f64 = 1e-9;
 /// Powers of time beside the jump: what goes on smoothly through a reversal, gravity and smooth friction.
 const POWERS: u8 = 4;
 
-/// What a record shows of one joint's dry friction.
+/// Estimate of one joint's dry friction from a record.
 ///
 /// # Method
 ///
@@ -34,14 +34,15 @@ const POWERS: u8 = 4;
 /// τ_i = Σ_j M_ij q̈_j + Σ_{p<4} c_p (t − t_r)^p + f sign(q̇_i)                                             (R2)
 /// ```
 ///
-/// without the samples that the filter mixes both directions in, and without those in which the joint hardly moves. The level is the mean
-/// of all windows, each weighed by the inverse of its variance; the interval is three standard errors of that mean either way, by the
-/// windows' own or by how far they are apart, whichever is larger.
+/// without the samples in which the filter mixes both directions, and without those in which the joint hardly
+/// moves. The level is the mean of all windows, each weighted by the inverse of its variance; the interval is
+/// three standard errors of that mean either way, by the windows' own or by the spread between them,
+/// whichever is larger.
 ///
 /// # Not claimed
 ///
-/// An estimate, not a proof: friction that changes fast with velocity counts as dry, and what a joint does in other postures, warm or
-/// under load is not in it.
+/// An estimate, not a proof: friction that changes fast with velocity counts as dry, and what a joint does in
+/// other postures, warm or under load is not in it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DryFriction {
@@ -56,8 +57,8 @@ pub struct DryFriction {
 }
 
 impl DryFriction {
-    /// What signals that went through a filter which mixes so many samples show of joint `of`; `None` where it never reverses between
-    /// two ways that are long enough.
+    /// Estimate for joint `of` from signals that went through a filter which mixes so many samples; `None`
+    /// where it never reverses between two ways that are long enough.
     #[must_use]
     pub fn of(
         joints: &[JointSignals<'_>],
@@ -85,7 +86,7 @@ impl DryFriction {
         pooled(&found)
     }
 
-    /// What holds for both.
+    /// Both estimates together: the mean of the levels, and the interval that contains both.
     #[must_use]
     pub fn and(&self, other: &Self) -> Self {
         let (a, b) = (self.reversals as f64, other.reversals as f64);

@@ -2,7 +2,7 @@
 
 use crate::trace::JointSignals;
 
-/// What was recorded of one joint at every sample.
+/// Record of one joint at every sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedJoint {
     /// Joint name.
@@ -17,10 +17,10 @@ pub struct RecordedJoint {
 ///
 /// # Method
 ///
-/// With `B` the mean over a box of width `w`, and `Δ` the difference over it, `B⁴τ` stands beside `B²Δ²q/w² = B⁴q̈` and
-/// `B³Δq/w = B⁴q̇`. Positions are never differenced over one sample, and what is linear with constant coefficients,
-/// `τ = M q̈ + d q̇ + G q + τ_0`, stays exactly so, because all of it went through the same `B⁴`. Row `k` is about the time
-/// from sample `k` to `4w` later.
+/// With `B` the mean over a box of width `w`, and `Δ` the difference over it, `B⁴τ` is paired with
+/// `B²Δ²q/w² = B⁴q̈` and `B³Δq/w = B⁴q̇`. Positions are never differenced over one sample, and what is linear
+/// with constant coefficients, `τ = M q̈ + d q̇ + G q + τ_0`, stays exactly so, because all of it went
+/// through the same `B⁴`. Row `k` is about the time from sample `k` to `4w` later.
 ///
 /// # Example
 ///
@@ -63,7 +63,8 @@ struct Joint {
 }
 
 impl Smoothed {
-    /// A record seen through boxes of a width \[s\]; `None` where it is too short for them, or its joints differ in length.
+    /// A record filtered by boxes of a width \[s\]; `None` where it is too short for them, or its joints
+    /// differ in length.
     #[must_use]
     pub fn new(joints: &[RecordedJoint], period_ns: u64, width: f64) -> Option<Self> {
         let period = period_ns as f64 * 1e-9;

@@ -35,7 +35,7 @@ pub struct JointSignals<'a> {
     pub tau: &'a [f64],
 }
 
-/// What a trace shows of one joint's effective inertia `M_ii`.
+/// Estimate of one joint's effective inertia `M_ii` from a trace.
 ///
 /// # Method
 ///
@@ -111,9 +111,10 @@ const MOVING_WINDOWS: usize = 5;
 /// Share of the largest speed below which a sample tells of stiction and of the filter, not of inertia.
 const SLOW: f64 = 0.15;
 
-/// Estimates the effective inertia of one joint from a record in which it goes to and fro in one posture, and the others are held: (R1) over
-/// longer windows than those of [`estimate_inertia`], without the samples in which it hardly moves, and without `G_j` of the others. The interval
-/// is that of two fits together: with `q̈_j` of the others, which give way a little, and without.
+/// Estimates the effective inertia of one joint from a record in which it goes to and fro in one posture, and
+/// the others stand still: (R1) over longer windows than those of [`estimate_inertia`], without the samples
+/// in which it hardly moves, and without `G_j` of the others. The interval is that of two fits together: with
+/// `q̈_j` of the others, which give way a little, and without.
 ///
 /// # Errors
 ///
@@ -201,14 +202,14 @@ impl InertiaEstimate {
     }
 }
 
-/// What the joints beside the one that is looked at do in a fit.
+/// Motion of the other joints in a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Others {
-    /// As they like.
+    /// Free.
     Move,
     /// They stay where they are, and give way a little.
     Accelerate,
-    /// Nothing.
+    /// None.
     Stand,
 }
 
@@ -249,8 +250,8 @@ fn fit(
     coefficient(x.select_columns(&kept), tau, at)
 }
 
-/// One coefficient of a least-squares fit and its standard error, from the residual as if it were white; `None` where the columns do
-/// not tell it.
+/// One coefficient of a least-squares fit and its standard error, from the residual as if it were white;
+/// `None` where the columns do not determine it.
 pub(crate) fn coefficient(
     mut x: DMatrix<f64>,
     y: impl Iterator<Item = f64>,

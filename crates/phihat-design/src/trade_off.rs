@@ -1,4 +1,4 @@
-//! What another error bound would have cost: the laws that no other beats in both error and torque noise.
+//! Trade-off between error bound and torque noise: the laws that no other beats in both.
 
 use phihat_certificate::TradeOff;
 

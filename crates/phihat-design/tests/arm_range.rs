@@ -12,7 +12,7 @@ use phihat_design::{Arm, ArmInertia, Unproved};
 use phihat_model::{Robot, Rotor, Workspace};
 use phihat_study::Study;
 
-/// How many folders this process has made.
+/// Number of folders that this process has made.
 static COUNT: AtomicUsize = AtomicUsize::new(0);
 
 /// A planar chain of equal links, endless joints.
@@ -185,8 +185,9 @@ fn what_is_false_is_not_proved_and_what_is_stopped_says_how_far_it_came() {
     assert!(progress.cells == 200 && progress.done < 1.0);
 }
 
-/// Two joints that make most of their inertia far from a motion whose postures, each with every corner of the payload's box, are
-/// next best: they crowded out what the ends were sought from. The attack found it (seed 1700, study 570).
+/// Two joints that make most of their inertia far from a motion whose postures, each with every corner of the
+/// payload's box, are next best: they crowded out what the ends were sought from. The attack found it (seed
+/// 1700, study 570).
 const TWO_MAXIMA: &str = r#"<robot name="two"><link name="base"/>
 <joint name="joint1" type="revolute"><parent link="base"/><child link="link1"/><origin xyz="0 0 0.1" rpy="1.5707963267948966 1.5707963267948966 0"/>
 <axis xyz="0 0 1"/><limit lower="-2.32213" upper="2.5971" effort="25" velocity="2.8"/></joint>

@@ -1,5 +1,6 @@
-//! Parts of an error budget against closed forms of the continuous loop, and how fast a law may be against the loop itself, played.
-//! Wrong if a part had another size than the integral that it stands for, or if a law that is told stable grew.
+//! Parts of an error budget against closed forms of the continuous loop, and the largest speed of a law
+//! against the loop itself, played. Wrong if a part had another size than the integral that it stands for, or
+//! if a law reported as stable grew.
 
 use phihat::{
     Form, JointDesign, JointGains, JointState, Measurement, Reference, TorqueSource, VelocitySource,
@@ -36,8 +37,8 @@ fn known(rate: f64, jump: f64) -> Phi {
 fn parts_are_the_integrals_of_the_continuous_loop() {
     let study = study("");
     let gains: Gains = requested_gains(&study).unwrap();
-    // e/(φ/M̄) = s/((s + A)(s + W)²): with its impulse response h, a jump costs at most ∫|h|, a ramp ∫|∫h| = 1/(A W²), as
-    // 1/((s + A)(s + W)²) has no sign changes.
+    // e/(φ/M̄) = s/((s + A)(s + W)²): with its impulse response h, a jump costs at most ∫|h|,
+    // a ramp ∫|∫h| = 1/(A W²), as 1/((s + A)(s + W)²) has no sign changes.
     let c = 1.0 / (A - W);
     let g = |t: f64| c * c * (-A * t).exp() + (c * t - c * c) * (-W * t).exp();
     let n = 200_000;
@@ -75,7 +76,8 @@ fn delay_and_encoder_cost_more_the_more_of_them_there_is() {
     assert!(lost > 0.0 && (within.error_rad / lost - 1.0).abs() < 1e-9, "{within:?} {lost}");
 }
 
-/// Whether a loop of the core's law and a double integrator forgets a kick, played sample by sample.
+/// Returns true if a kick dies out in a loop of the core's law and a double integrator, played sample by
+/// sample.
 fn forgets(law: &JointRecord, delay: usize, mu: f64, factor: f64) -> bool {
     let t = 1e-3;
     let a = [law.a[0] * factor];

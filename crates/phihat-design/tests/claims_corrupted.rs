@@ -1,4 +1,5 @@
-//! For this to be wrong, `verify` would have to accept evidence with one number changed, or refuse it for another reason.
+//! For this to be wrong, `verify` would have to accept evidence with one number changed, or refuse it for
+//! another reason.
 
 use crate::claims_support::{Random, law, random_law};
 use phihat_design::claims::{

@@ -1,5 +1,6 @@
-//! Coupled gains: found by modes and for the whole arm at once, checked by playing the loop, attacked with signals matched to them.
-//! Wrong if a push moved a joint by more than Γ says, or if Γ were much more than any push can do.
+//! Coupled gains: computed by modes and for the whole arm at once, checked by playing the loop, attacked with
+//! signals matched to them. Wrong if a push moved a joint by more than Γ says, or if Γ were much more than
+//! any push can do.
 
 use crate::sampled_support::{Outside, Random, Rig, estimator, every_model, plain, record};
 use nalgebra::DMatrix;
@@ -80,7 +81,7 @@ struct Arm {
     step: Vec<f64>,
 }
 
-/// What reaches a joint in one sample: a torque that may change once in the interval, and a reading error.
+/// Inputs of a joint in one sample: a torque that may change once in the interval, and a reading error.
 #[derive(Debug, Clone, Copy, Default)]
 struct Hit {
     before: f64,
@@ -202,7 +203,8 @@ fn signals_matched_to_the_response_come_close_and_none_goes_beyond() {
                     }
                     let reached = arm.outputs(i)[output] / held[output][i].iter().sum::<f64>();
                     assert!(reached < 1.0, "{models:?} {input} {i} {output}: {reached}");
-                    // Behind a drive an encoder's step moves the velocity between the samples most; they are read at the samples.
+                    // Behind a drive an encoder's step moves the velocity between the samples most; they are
+                    // read at the samples.
                     let driven = models.iter().any(|model| model.drive_bandwidth_hz.is_some());
                     let floor = if driven && (input, output) == (1, 1) { 0.85 } else { 0.95 };
                     assert!(reached > floor, "{models:?} {input} {i} {output}: {reached}");

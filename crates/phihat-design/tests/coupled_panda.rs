@@ -1,5 +1,5 @@
-//! The Panda's design carries coupled gains that hold up. Wrong if a certificate with them were refused, if one with a smaller
-//! entry were not, or if a posture of the range or of the reference did more than is said.
+//! The Panda's design carries coupled gains that hold up. Wrong if a certificate with them were refused, if
+//! one with a smaller entry were not, or if a posture of the range or of the reference did more than is said.
 
 use phihat_design::coupled::{Postures, coupled};
 use phihat_design::prelude::*;

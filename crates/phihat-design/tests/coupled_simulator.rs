@@ -1,5 +1,5 @@
-//! Coupled gains against the nonlinear simulator: a push on joint 2 of the Panda moves joint 4. Wrong if it moved it further than
-//! Γ of that posture says, or if a push matched to the response came nowhere near it.
+//! Coupled gains against the nonlinear simulator: a push on joint 2 of the Panda moves joint 4. Wrong if it
+//! moved it further than Γ of that posture says, or if a push matched to the response came nowhere near it.
 
 use std::fmt::Write;
 use std::path::Path;

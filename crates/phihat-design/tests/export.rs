@@ -259,7 +259,8 @@ fn what_ros_cannot_run_is_refused() {
     assert!(export(&wild, Target::CHeader).unwrap_err().to_string().contains("kd"));
 }
 
-/// Writes a program beside a header, compiles it with the controller's own header in reach, runs it, and gives what it prints.
+/// Writes a program next to a header, compiles it with the controller's own header in reach, runs it, and
+/// returns its output.
 fn run_c(folder: &Path, compiler: &str, standard: &str, source: &str) -> String {
     let file = folder.join(if compiler == "cc" { "main.c" } else { "main.cpp" });
     let program = folder.join(format!("main-{compiler}"));

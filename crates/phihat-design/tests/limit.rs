@@ -1,6 +1,6 @@
-//! The limit of linear laws: figures of another solver in another language; the law that was found, played against a joint by
-//! itself, and its worst signals; random laws, none of which is below. Wrong if a law were better than the bound from below,
-//! or the law found not as good as told.
+//! The limit of linear laws: figures of another solver in another language; the law of the result, played
+//! against a joint by itself, and its worst signals; random laws, none of which is below. Wrong if a law were
+//! better than the bound from below, or the law of the result not as good as reported.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -120,7 +120,8 @@ fn changes(signal: &[f64]) -> Vec<f64> {
     (0..signal.len()).map(|k| signal[k] - if k == 0 { 0.0 } else { signal[k - 1] }).collect()
 }
 
-/// What a law costs: gains from φ̇ \[1/(N·m/s)\], φ \[1/(N·m)\] and the encoder, and the torque's change per unit of it.
+/// Impulse responses with a law: of `e` to φ̇ \[1/(N·m/s)\], φ \[1/(N·m)\] and the encoder, and of the
+/// torque's change to the encoder.
 struct Impulses {
     ramp: Vec<f64>,
     jump: Vec<f64>,
@@ -193,7 +194,7 @@ fn the_law_found_is_as_good_as_told() {
 struct Observed {
     request: LimitRequest,
     feedback: [f64; 2],
-    /// What a misread position corrects: position, velocity, `φ/M`.
+    /// Correction by a position error: position, velocity, `φ/M`.
     correction: [f64; 3],
     share: f64,
 }
@@ -344,8 +345,8 @@ fn rig(law: &JointRecord, model: &LoopModel, mu: f64) -> Rig {
     rig
 }
 
-/// Error bound and torque change of the core's law, summed up over its answers to one sample of `φ` and of a wrong reading;
-/// `None` where they do not die out.
+/// Error bound and torque change of the core's law, summed up over its answers to one sample of `φ` and of a
+/// wrong reading; `None` where they do not die out.
 fn summed_up(
     law: &JointRecord,
     model: &LoopModel,

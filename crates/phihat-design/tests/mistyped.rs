@@ -28,7 +28,8 @@ fn study((kp, kd, a): (f64, f64, &[f64])) -> (Study, Gains, Arm) {
     (study, gains, arm)
 }
 
-/// Whether mistyped gains arm: the file is read back as anyone would have it, then checked as before a run.
+/// Returns true if mistyped gains arm: the file is read back as anyone would have it, then checked as before
+/// a run.
 fn arms(study: &Study, arm: &Arm, gains: &Gains) -> bool {
     let Ok(text) = gains.to_json() else { return false };
     let Ok(gains) = Gains::from_json(&text) else { return false };
@@ -37,7 +38,7 @@ fn arms(study: &Study, arm: &Arm, gains: &Gains) -> bool {
         && arm_inside_window(study, arm, &gains).is_ok()
 }
 
-/// Whether the core, with these gains, comes to rest at both ends of the arm's inertia.
+/// Returns true if the core, with these gains, comes to rest at both ends of the arm's inertia.
 fn settles(study: &Study, gains: &Gains) -> bool {
     let (record, model) = (&gains.joints[0], LoopModel::from_study(study, 0));
     // A fast loop is soon down at its rounding errors, a slow one swings for long.

@@ -98,7 +98,8 @@ fn paths(low: f64, high: f64, rate: f64, dice: &mut Dice) -> Vec<Path> {
     all
 }
 
-/// Straight from one random inertia to the next, at full speed: eigenvalues at both ends of the range or anywhere in it.
+/// Straight from one random inertia to the next, at full speed: eigenvalues at both ends of the range or
+/// anywhere in it.
 fn wandering((low, high, rate): (f64, f64, f64), seed: f64) -> Path {
     let mut dice = Dice(seed.to_bits());
     let mut knot = move || {

@@ -159,7 +159,7 @@ fn the_least_gains_by_40_are_least_and_their_rows_true() {
     }
 }
 
-/// Where the limit on ė decides, (40) is false, and K̃ is raised to what the areas ask for.
+/// (40) is false if the limit on ė decides; K̃ is then raised to the value that the areas require.
 #[test]
 fn where_40_is_false_the_gain_is_raised() {
     let limits = ErrorLimits { phi_max: 20.0, x_max: vec![0.4, 0.09, 0.01] };

@@ -62,7 +62,7 @@ fn settles(record: &JointRecord, model: &LoopModel, mu: f64) -> bool {
     Rig::new(record, model, mu).settles(LONG)
 }
 
-/// What the gate says of an arm whose every joint has an inertia in `M̄ [low, high]`.
+/// Verdict of the gate on an arm whose every joint has an inertia in `M̄ [low, high]`.
 fn gate(study: &mut Study, gains: &Gains, (low, high): (f64, f64)) -> Result<(), String> {
     let scaled = |factor: f64| gains.joints.iter().map(|j| factor * j.inertia_kg_m2).collect();
     study.design.inertia = InertiaSource::Typed { low: scaled(low), high: scaled(high) };

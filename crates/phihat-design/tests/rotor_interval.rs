@@ -1,5 +1,6 @@
-//! Rotors that are known by intervals. Wrong if the range of inertia, or φ along a reference, left out a rotor of the interval; if
-//! a check took a range that was found for one value; or if the certificate did not say what is for the simulated value.
+//! Rotors that are known by intervals. Wrong if the range of inertia, or φ along a reference, left out a
+//! rotor of the interval; if a check took a range that was computed for one value; or if the certificate did
+//! not say what is for the simulated value.
 
 use std::path::Path;
 

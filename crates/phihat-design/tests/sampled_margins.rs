@@ -113,8 +113,9 @@ fn a_larger_modulus_is_refused() {
 
 #[test]
 fn a_resonance_between_two_points_of_the_grid_counts() {
-    // Found by `cargo xtask attack` (seed 41, study 21): |L| rises to 1.28 near 1.551 rad/sample, above the lower end of the
-    // range for a few thousandths of a rad/sample. Without it 2.6 samples of delay were claimed, and the checker refused them.
+    // Found by `cargo xtask attack` (seed 41, study 21): |L| rises to 1.28 near 1.551 rad/sample, above the
+    // lower end of the range for a few thousandths of a rad/sample. Without it 2.6 samples of delay were
+    // claimed, and the checker refused them.
     let gains = JointRecord {
         name: "joint".to_owned(),
         inertia_kg_m2: 0.375_918_070_067_183_25,
@@ -137,7 +138,8 @@ fn a_resonance_between_two_points_of_the_grid_counts() {
     let found = Margins::find(&gains, &model, range).unwrap();
     found.verify(&gains, &model).unwrap();
     let samples = found.delay_s / model.period_s;
-    // At the peak |L| = 1.2754, inside the range, with a lag of 2.567 rad at 1.5509 rad/sample: as much delay is too much.
+    // At the peak |L| = 1.2754, inside the range, with a lag of 2.567 rad at 1.5509 rad/sample: as much delay
+    // is too much.
     assert!((1.0..2.567 / 1.5509).contains(&samples), "{samples}");
     let longer = Margins { delay_s: found.delay_s * 1.002, ..found };
     assert!(longer.verify(&gains, &model).is_err(), "as long as it can be");

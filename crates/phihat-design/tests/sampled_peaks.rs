@@ -97,7 +97,7 @@ fn reached(rig: &mut Rig, signs: &[f64], shape: Shape) -> [f64; 3] {
     worst
 }
 
-/// Which output is claimed for which shape.
+/// Pairs of output and shape for which a gain is claimed.
 const PAIRS: [(usize, Shape); 9] = [
     (0, Shape::Held),
     (1, Shape::Held),

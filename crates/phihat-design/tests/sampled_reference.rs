@@ -1,5 +1,6 @@
-//! What the reference's own motion costs, against the worst motions played through the core. Wrong if a delay, a
-//! filter or the feed-forward were counted wrongly: the worst motion would leave the bound, or stay far inside.
+//! Error from the reference's own motion, against the worst motions played through the core. Wrong if a
+//! delay, a filter or the feed-forward were counted wrongly: the worst motion would leave the bound, or stay
+//! far inside.
 
 use crate::sampled_support::{Outside, Rig, record};
 use phihat::{Form, Reference, VelocitySource};
@@ -10,7 +11,7 @@ use phihat_design::sampled::{LoopModel, ReferenceError};
 /// Samples after which the slowest loop here has forgotten.
 const LONG: usize = 1500;
 
-/// What moves the reference in one interval.
+/// Motion of the reference in one interval.
 #[derive(Clone, Copy)]
 enum Motion {
     /// `q̈_d` held \[rad/s²\].

@@ -89,7 +89,8 @@ fn runs_are_powers_of_the_matrix() {
     println!("largest difference {worst:.1e} rad");
 }
 
-/// The rod at the inertia ratio `mu` of its gains, in a loop that `keys` of `[loop]`, `[sensor]` and `[world]` describe.
+/// The rod at the inertia ratio `mu` of its gains, in a loop that `keys` of `[loop]`, `[sensor]` and
+/// `[world]` describe.
 fn rod(mu: f64, [control, sensor, world]: [&str; 3]) -> Study {
     // A spring needs a rotor behind it.
     let robot = if world.contains("flexibility") { "geared.toml" } else { "rod.urdf" };
@@ -106,7 +107,7 @@ fn rod(mu: f64, [control, sensor, world]: [&str; 3]) -> Study {
     Study::from_text(&text, "test.toml", &base).unwrap()
 }
 
-/// Whether the simulator's oscillation dies out.
+/// Returns true if the simulator's oscillation dies out.
 fn settles(study: &Study) -> bool {
     let document = requested_gains(study).unwrap();
     let form = LoopModel::from_study(study, 0).form;
@@ -177,7 +178,8 @@ fn gains_of_a_drive_are_judged() {
     }
 }
 
-/// What the loop model lacks does not arm, with key and value; what the bounds leave out is told.
+/// A study with something that the loop model lacks does not arm, with key and value; what the bounds leave
+/// out is reported.
 #[test]
 fn what_is_not_modelled_is_said() {
     for (keys, named) in [

@@ -1,5 +1,6 @@
-//! The tip's bound from the joints' tubes, attacked: random arms, random postures, random and extreme errors inside the tubes, the tip by a
-//! product of matrices. Wrong if a tip were ever further off than its bound, or turned further, or if a lever that is too short passed.
+//! The tip's bound from the joints' tubes, attacked: random arms, random postures, random and extreme errors
+//! inside the tubes, the tip by a product of matrices. Wrong if a tip were ever further off than its bound,
+//! or turned further, or if a lever that is too short passed.
 
 use std::fmt::Write as _;
 

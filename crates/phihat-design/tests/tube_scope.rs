@@ -1,4 +1,5 @@
-//! What a tube's loop lacks is named, and there is no tube. Wrong if something that changes the loop were passed over.
+//! Refusal of a tube, with the name of what its loop lacks. Wrong if something that changes the loop were
+//! passed over.
 
 use phihat_design::requested_gains;
 use phihat_design::tube::{Desired, TubeRefusal, tube};

@@ -9,7 +9,8 @@ use phihat_model::Workspace;
 
 use super::postures::{Eigen, Postures, SAMPLES, Tried, eigen, scaled, scaled_mass_matrix};
 
-/// Postures from which an end is sought: the best, and others evenly spread, since the best may all lead to the same peak.
+/// Numbers of postures from which an end is sought: the best, and others evenly spread, because the best ones
+/// may all lead to the same peak.
 const BEST: u32 = 20;
 const SPREAD: u32 = 100;
 pub(super) const STARTS: u32 = BEST + SPREAD;
@@ -32,7 +33,7 @@ const GAIN: f64 = 1e-11;
 const POINTS: u32 = 40;
 const HALVINGS: u32 = 30;
 
-/// Which end of the range.
+/// End of the range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum End {
     Low,
@@ -173,7 +174,8 @@ impl Search<'_> {
         }
     }
 
-    /// On along the way of a sweep, further and further while that is better: along a ridge single joints take small steps.
+    /// Continues in the direction of a sweep, further and further while that is better: along a ridge single
+    /// joints take small steps.
     fn leap(&self, at: &mut At, from: &[f64]) {
         let way: Vec<f64> = at.q.iter().zip(from).map(|(q, from)| q - from).collect();
         for step in (0..LEAPS).map(|k| f64::from(1_u32 << k)) {

@@ -1,4 +1,4 @@
-//! What was measured of an arm before: searches for gains ask for the same ranges again and again.
+//! Cache of an arm's ranges of inertia: searches for gains request the same ranges again and again.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -1,4 +1,4 @@
-//! What is known of an arm's inertia: the range that a constant nominal inertia has to stand for.
+//! Range of an arm's inertia, which a constant nominal inertia has to represent.
 
 mod ascent;
 mod error;
@@ -25,7 +25,7 @@ use postures::{Postures, scaled};
 /// An eigenvalue is not told apart from 0 below this share of the largest.
 const TOLD: f64 = 1e-13;
 
-/// What is known of an arm's inertia, whatever the nominal one: looked up once, measured often.
+/// Inertia of an arm, independent of the nominal one: obtained once, measured often.
 ///
 /// # Example
 ///
@@ -114,7 +114,8 @@ impl Arm {
         }
     }
 
-    /// A study's arm in some of its postures \[rad\] alone, by its description without payload, rotors included: for a motion that stays there.
+    /// A study's arm in the given postures \[rad\] alone, by its description without payload, rotors
+    /// included: for a motion that stays there.
     pub fn near(study: &Study, postures: &[Vec<f64>]) -> Self {
         let model = study.robot.plant_model();
         let (n, mut room) = (model.joint_count(), Workspace::new(&model));
@@ -199,8 +200,8 @@ impl Arm {
         few
     }
 
-    /// The inertia \[kg·m²\] that each joint shows along the reference: least where all others are free, `1/(M⁻¹)_ii`, most where they are
-    /// held, `M_ii`. `None`: nothing is known of a reference.
+    /// The inertia \[kg·m²\] that each joint shows along the reference: least where all others are free,
+    /// `1/(M⁻¹)_ii`, most where they are fixed, `M_ii`. `None`: no reference is known.
     pub(crate) fn shown(&self) -> Option<Vec<(f64, f64)>> {
         let Knowledge::Postures(postures) = &self.knowledge else { return None };
         let passing = postures.of_reference() as usize;
@@ -258,7 +259,7 @@ impl Arm {
 }
 
 impl Arm {
-    /// How fast the inertia changes, measured in given nominal inertias \[kg·m²\].
+    /// Rates of change of the inertia, measured in given nominal inertias \[kg·m²\].
     pub fn rates(&self, nominal: &[f64]) -> InertiaRates {
         match &self.knowledge {
             Knowledge::Postures(postures) => rates::rates(postures, nominal),
@@ -288,7 +289,7 @@ impl Arm {
     }
 }
 
-/// Where both ends of the range are.
+/// Witnesses of the range: the postures at which both ends are reached.
 fn witnesses(postures: &Postures, nominal: &[f64]) -> Option<Searched> {
     Some(Searched {
         postures: postures.count(),

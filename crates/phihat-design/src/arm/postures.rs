@@ -32,7 +32,7 @@ pub(super) struct Postures {
     pub(super) frame: String,
     /// The lightest; the heaviest ones; and, where these are several, a body between them.
     pub(super) payloads: Vec<Loaded>,
-    /// How many of them are heaviest ones, from 1 on.
+    /// Number of heaviest payloads among them, from index 1 on.
     pub(super) heaviest: usize,
     /// Ends of travel \[rad, m\]; one turn where a joint has no ends.
     pub(super) travel: Vec<(f64, f64)>,
@@ -97,12 +97,12 @@ impl Postures {
         Ok(())
     }
 
-    /// How many postures of a reference there are.
+    /// Number of postures of a reference.
     pub(super) fn of_reference(&self) -> u32 {
         u32::try_from(self.passing.len()).unwrap_or(u32::MAX)
     }
 
-    /// How many postures were looked at.
+    /// Number of postures tried.
     pub(super) fn count(&self) -> u32 {
         u32::try_from(self.light.len()).unwrap_or(u32::MAX)
     }

@@ -1,4 +1,4 @@
-//! How fast the arm's inertia changes when the arm moves.
+//! Rates of change of the inertia of a moving arm.
 
 use nalgebra::{DMatrix, DVector};
 use phihat_certificate::extremes::{Extremes as _, larger};

@@ -4,23 +4,24 @@ use serde::{Deserialize, Serialize};
 
 use crate::TradeOff;
 
-/// What the error that a study allows is spent on, joint by joint, what other laws would do, and what changes would help.
+/// Error budget of a study, joint by joint: causes of the error, other laws, and changes that would help.
 ///
 /// # Not claimed
 ///
-/// Nothing here is a claim of a certificate: parts are figures of the search or of a tube of their own, each for the one law that
-/// is told. A change that is listed as helping was designed for and judged as a study of its own.
+/// Nothing here is a claim of a certificate: parts are figures of the search or of a separate tube, each for
+/// the one law that is reported. A change that is listed as helping was designed for and judged as a study of
+/// its own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Budget {
     /// The study.
     pub study: String,
     /// SHA-256 of its text, hexadecimal.
     pub study_sha256: String,
-    /// Whether gains keep every clause.
+    /// True if gains satisfy every clause.
     pub feasible: bool,
-    /// What was found, in ordinary words.
+    /// Result in plain words.
     pub words: Vec<String>,
-    /// Where the parts come from; `None`: there is no law that could be asked.
+    /// Basis of the parts; `None`: there is no law to evaluate.
     pub basis: Option<BudgetBasis>,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointBudget>,
@@ -30,24 +31,24 @@ pub struct Budget {
     pub changes: Vec<TriedChange>,
 }
 
-/// What the parts of a budget are figures of.
+/// Basis of the parts of a budget.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BudgetBasis {
-    /// Of the tube: one for each cause alone, all else being ideal. Joints push each other.
+    /// The tube: one figure for each cause alone, all else being ideal. Joints push each other.
     Tube,
-    /// Of each joint's own loop, as if the others stood still: sums of worst cases.
+    /// Each joint's own loop, as if the others stood still: sums of worst cases.
     OwnLoop,
 }
 
-/// What one joint's error is made of.
+/// Error budget of one joint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JointBudget {
     /// The joint.
     pub name: String,
-    /// Whether it slides: figures are in metres then.
+    /// True if it is prismatic: figures are in metres then.
     pub prismatic: bool,
-    /// What the study allows \[rad; m\].
+    /// Error that the study allows \[rad; m\].
     pub allowed_rad: Option<f64>,
     /// All causes together \[rad; m\]; `None`: no figure.
     pub total_rad: Option<f64>,
@@ -55,14 +56,15 @@ pub struct JointBudget {
     pub parts: Vec<Part>,
 }
 
-/// What one cause costs.
+/// Part of the error from one cause.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Part {
     /// The cause.
     pub cause: Cause,
-    /// What it costs alone \[rad; m\]; of a cause that is within the others, how much less the total would be without it.
+    /// Error from this cause alone \[rad; m\]; of a cause that is within the others, the reduction of the
+    /// total without it.
     pub error_rad: f64,
-    /// Whether it is within the others: such parts take no part in the sum.
+    /// True if it is within the others: such parts are not in the sum.
     pub within: bool,
 }
 
@@ -70,7 +72,8 @@ pub struct Part {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cause {
-    /// Gravity, inertia and speed along the reference: the smooth part of φ. By a tube, with what the sampled reference costs.
+    /// Gravity, inertia and speed along the reference: the smooth part of φ. By a tube, with what the sampled
+    /// reference costs.
     Motion,
     /// The interval of dry friction.
     Friction,
@@ -84,9 +87,9 @@ pub enum Cause {
     Reference,
     /// Measurements and torques that are late.
     Delay,
-    /// What is left of the start when the bound begins to hold.
+    /// Initial error that remains when the bound begins to apply.
     Start,
-    /// What the causes do to each other, joints that push each other included: total less the sum of those alone.
+    /// Interaction of the causes, joints that push each other included: total less the sum of those alone.
     Coupling,
 }
 
@@ -110,15 +113,15 @@ impl Cause {
 /// One change of a study, all else being equal, designed for as a study of its own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TriedChange {
-    /// What is changed, in words: "2 times slower".
+    /// Change in words: "2 times slower".
     pub change: String,
     /// Key of the study, and the value that it gets there.
     pub key: String,
     /// The value, as it is written in a study.
     pub value: String,
-    /// Whether there are gains then that keep every clause.
+    /// True if there are gains then that satisfy every clause.
     pub helps: bool,
-    /// What of the allowed error those gains use, on the joint that decides, by their certificate.
+    /// Share of the allowed error that those gains use, on the joint that decides, by their certificate.
     pub error_share: Option<f64>,
 }
 

@@ -1,4 +1,5 @@
-//! What the allowed error is spent on, and what would help: plain data, and each joint's share by its own loop.
+//! Budget of the allowed error, and changes that would help: plain data, and each joint's share by its own
+//! loop.
 
 mod document;
 mod own;

@@ -1,4 +1,4 @@
-//! What each cause costs a joint by its own loop.
+//! Error of a joint from each cause, by its own loop.
 
 use phihat::Form;
 use phihat_certificate::extremes::larger;
@@ -23,12 +23,13 @@ struct Spent {
 /// # Law
 ///
 /// ```text
-/// |e| ≤ ramp |φ̇|/M̄ + jump |φ_jump|/M̄ + reading Δ/2 + min(acceleration |q̈_d|, jerk |q⃛_d|) + sT |q̇_d|                     (1)
+/// |e| ≤ ramp |φ̇|/M̄ + jump |φ_jump|/M̄ + reading Δ/2 + min(acceleration |q̈_d|, jerk |q⃛_d|) + sT |q̇_d|    (1)
 ///       motion       friction           encoder       reference                                 delay
 /// ```
 ///
-/// `s` are samples by which measurements are late. The delay of the torque is in all gains: what the sum would lose without it
-/// stands beside, as a part within the others. A joint whose loop does not forget has no parts.
+/// `s` is the number of samples by which measurements are late. The delay of the torque is in all gains: the
+/// reduction of the sum without it is reported alongside, as a part within the others. A joint whose response
+/// does not die out has no parts.
 ///
 /// # Not claimed
 ///

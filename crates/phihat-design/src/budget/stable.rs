@@ -1,4 +1,4 @@
-//! How fast a law may be before the loop is unstable.
+//! Largest speed of a law with a stable loop.
 
 use phihat_study::Study;
 
@@ -10,8 +10,8 @@ use crate::sampled::{InertiaWindow, LoopModel};
 const HALVINGS: u32 = 7;
 const LEAST: f64 = 1e-3;
 
-/// Largest factor, at most 1, on the speed of a law of observer form (`K_p f²`, `K_d f`, `a_i f^{m−i}`) with which the sampled loop is
-/// stable over a range `[low, high]` of inertia ratios; `None`: there is none.
+/// Largest factor, at most 1, on the speed of a law of observer form (`K_p f²`, `K_d f`, `a_i f^{m−i}`) with
+/// which the sampled loop is stable over a range `[low, high]` of inertia ratios; `None`: there is none.
 ///
 /// The largest of those that are tried by bisection: a law may be stable again at higher speeds.
 pub fn largest_stable(
@@ -60,7 +60,8 @@ fn slower(law: &JointRecord, factor: f64) -> JointRecord {
     }
 }
 
-/// Rate, delay and velocity filter of a study's loop in ordinary words: "at 1000 Hz, with one sample of delay and a 45 Hz filter".
+/// Rate, delay and velocity filter of a study's loop in ordinary words: "at 1000 Hz, with one sample of delay
+/// and a 45 Hz filter".
 pub fn loop_in_words(study: &Study) -> String {
     let rate = 1e9 / study.control.period_ns as f64;
     let delay = match study.control.delay_samples + study.sensor.delay_samples {

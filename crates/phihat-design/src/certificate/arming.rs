@@ -1,4 +1,4 @@
-//! Whether gains may run on an arm at all.
+//! Check that gains may run on an arm.
 
 use phihat_certificate::extremes::{larger, smaller};
 use phihat_study::Study;
@@ -14,10 +14,11 @@ use crate::sampled::{InertiaWindow, LoopModel};
 use crate::{ArmBasis, Certificate, Gains, JointRecord};
 use phihat_certificate::FrozenArm;
 
-/// Whether gains may run on a study's arm: its inertia, over its postures and payloads, inside the sampled
-/// loop's window of every joint (that of its first-order start gains too, where the study starts with them), the
-/// estimator slow enough for the sample rate, and nothing in the loop that its model does not have. Gains with a
-/// certificate arm as it says: over its range of inertia too, by its margin, and not where it refuses a claim.
+/// Checks that gains may run on a study's arm: the inertia, over its postures and payloads, is inside the
+/// sampled loop's window of every joint (that of its first-order start gains too, where the study starts with
+/// them), the estimator is slow enough for the sample rate, and the loop contains nothing that its model
+/// lacks. Gains with a certificate are armed as it says: over its range of inertia too, by its margin, and
+/// not where it refuses a claim.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! What peak-to-peak gains and a known `φ` say about one joint's error.
+//! Bounds on one joint's error from peak-to-peak gains and a known `φ`.
 
 use phihat::{Form, VelocitySource};
 use phihat_certificate::Bounds;
@@ -8,7 +8,7 @@ use crate::sampled::LoopParts;
 use crate::sampled::{LoopModel, ReadingError, ReferenceError, SampledPeaks};
 use crate::{JointRecord, Phi};
 
-/// What bounds are made of.
+/// Data from which bounds are computed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Evidence<'a> {
     pub(crate) record: &'a JointRecord,

@@ -25,7 +25,8 @@ pub(super) struct Looped<'a> {
 }
 
 impl Looped<'_> {
-    /// Whether both have the same law, whatever its nominal inertia, in the same loop, with a drive of the same gain.
+    /// Returns true if both have the same law, for any nominal inertia, in the same loop, with a drive of the
+    /// same gain.
     pub(super) fn is_like(&self, other: &Self) -> bool {
         UnitLaw::from(self.record) == UnitLaw::from(other.record)
             && self.record.observer == other.record.observer
@@ -34,7 +35,7 @@ impl Looped<'_> {
     }
 }
 
-/// What is claimed whatever the nominal inertia: joints with the same law in the same loop share it.
+/// Claims that do not depend on the nominal inertia: joints with the same law in the same loop share them.
 #[derive(Debug, Clone)]
 pub(super) struct Shared {
     model: LoopModel,
@@ -115,7 +116,7 @@ impl OverRange {
     }
 }
 
-/// What one joint adds: its inertia, encoder, limits, and what its `φ` may be.
+/// Data of one joint: its gains, inertia, encoder and limits, and the length of the run.
 pub(super) struct Context<'a> {
     pub(super) record: &'a JointRecord,
     pub(super) arm: &'a ArmInertia,
@@ -167,11 +168,11 @@ impl Context<'_> {
     }
 }
 
-/// How far toward 1 an edge is moved that its check cannot tell from a root, as a power.
+/// Powers by which an edge that its check cannot separate from a root is moved toward 1.
 const NARROWER: [f64; 3] = [0.75, 0.5, 0.25];
 
-/// The window, as far as who checks it finds it too: far from 1 an edge may lie where doubles no longer tell a root from none,
-/// and gains that `verify` refuses are of no use.
+/// The window, as far as its check finds it too: far from 1 an edge may lie where doubles no longer separate
+/// a root from none, and gains that `verify` refuses are of no use.
 fn confirmed(record: &JointRecord, model: &LoopModel) -> Result<InertiaWindow, Refutation> {
     let found = InertiaWindow::find(record, model)?;
     let Err(why) = found.verify(record, model) else { return Ok(found) };
@@ -193,7 +194,7 @@ fn within(margins: Margins, window: &InertiaWindow) -> Margins {
     }
 }
 
-/// What holds in continuous time.
+/// Claims in continuous time.
 fn continuous(law: &UnitLaw) -> Result<ContinuousLaw, Refutation> {
     let attenuation = Attenuation::of(law)?;
     let optimality = attenuation.k_tilde().map(|k| Optimality::at(law, k)).transpose()?;
@@ -218,8 +219,8 @@ fn kept<T>(found: Result<T, Refutation>, refused: &mut Vec<Refutation>) -> Optio
 mod tests {
     use super::*;
 
-    /// A law of four joints that the attack found (seed 1600, study 2021): its upper edge, μ = 850, lies where `verify` cannot tell
-    /// a root from none.
+    /// A law of four joints that the attack found (seed 1600, study 2021): its upper edge, μ = 850, lies
+    /// where `verify` cannot separate a root from none.
     const FAR: (&str, &str) = (
         r#"{ "name": "joint4", "inertia_kg_m2": 0.00039362490307894466, "kp_per_s2": 67.41301435236939,
              "kd_per_s": 185.05176510428385, "observer": { "correction": [0.4722321490603618, 2522.04165218569,

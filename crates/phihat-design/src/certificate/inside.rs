@@ -1,11 +1,11 @@
-//! Whether an arm's inertia lies inside a window.
+//! Check that an arm's inertia lies inside a window.
 
 use crate::ArmInertia;
 use crate::claims::Refutation;
 use crate::claims::law::holds;
 use crate::sampled::InertiaWindow;
 
-/// Whether an arm's range, widened by the margin, lies inside a window.
+/// Checks that an arm's range, widened by the margin, lies inside a window.
 pub(crate) fn inside(
     window: &InertiaWindow,
     arm: &ArmInertia,

@@ -39,7 +39,8 @@ fn loops<'a>(
 /// Halvings of the ratio's logarithm.
 const HALVINGS: u32 = 12;
 
-/// The widest range around the middle of the arm's, up to that, through which it may move at any speed; `None`: there is none.
+/// The widest range around the middle of the arm's range, at most that range, through which the inertia may
+/// move at any speed; `None`: there is none.
 fn any_speed(loops: &[(&JointRecord, &LoopModel)], certificate: &Certificate) -> Option<AnySpeed> {
     let (low, high) = (certificate.arm.low, certificate.arm.high);
     let middle = (low * high).sqrt();

@@ -1,4 +1,4 @@
-//! What of a study the certificate is not about: what forbids it, and what its claims leave out.
+//! Scope of a certificate: properties of a study that forbid it, and those that its claims leave out.
 
 use phihat_certificate::extremes::Extremes;
 use phihat_study::Study;
@@ -8,7 +8,7 @@ use crate::JointRecord;
 use crate::claims::Refutation;
 use crate::sampled::{LoopModel, stable_at_gain};
 
-/// What may not be armed, for the loop model has no such thing: key, value, and the value that it has.
+/// Properties of a study that must not be armed, because the loop model lacks them: key and value.
 pub(crate) fn missing(study: &Study) -> Vec<(&'static str, f64)> {
     let spring = study.world.flexibility.as_ref().map(|f| f.stiffness.iter().copied());
     let softest = spring.map(Extremes::least);

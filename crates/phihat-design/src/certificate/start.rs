@@ -13,7 +13,7 @@ use crate::sampled::eigenvalues::eigenvalues;
 use crate::sampled::estimator::sampled_coefficients;
 use crate::sampled::{InertiaWindow, LoopModel};
 
-/// Whether the start gains' window holds the arm, where the study's supervisor starts with others.
+/// Checks that the start gains' window contains the arm, where the study's supervisor starts with other gains.
 ///
 /// # Errors
 ///
@@ -56,8 +56,8 @@ fn first_order(record: &JointRecord, model: &LoopModel) -> JointRecord {
     JointRecord { a: vec![a], ..record.clone() }
 }
 
-/// The gains of `JointGains::slower`: in the literal form `a_i f^{m−i}`; in the observer form the estimator whose sampled
-/// poles are `f` times as far from 1.
+/// The gains of `JointGains::slower`: in the literal form `a_i f^{m−i}`; in the observer form the estimator
+/// whose sampled poles are `f` times as far from 1.
 fn slower(record: &JointRecord, factor: f64, model: &LoopModel) -> JointRecord {
     let m = record.a.len();
     let a = if model.form == Form::Literal {

@@ -1,4 +1,4 @@
-//! How much attenuation a law can be certified for: the values of `K̃` that admit a certificate.
+//! Attenuation levels that can be certified for a law: the values of `K̃` that admit a certificate.
 
 pub use phihat_certificate::{Attenuation, Interval};
 
@@ -46,7 +46,7 @@ impl FindAttenuation for Attenuation {
     }
 }
 
-/// Where all `q_i = β_i + K̃ α_i` are positive within `(0, a_{m−1})`.
+/// Values of `K̃` within `(0, a_{m−1})` at which all `q_i = β_i + K̃ α_i` are positive.
 fn diagonal_interval(law: &UnitLaw) -> Option<Interval> {
     let (constant, slope) = return_difference_parts(law);
     let d = polynomial::magnitude_squared(&law.d());

@@ -1,4 +1,5 @@
-//! Step 1 of the paper's recipe by (40): the least gains with which its bound on the error is kept, and whether it is one.
+//! Step 1 of the paper's recipe by (40): the least gains that satisfy its bound on the error, and whether it
+//! is one.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use phihat_certificate::extremes::Extremes as _;
@@ -11,22 +12,22 @@ use crate::claims::weights::q_diagonal;
 /// Largest `K̃` that is looked at \[1/s\].
 const K_TILDE_MAX: f64 = 1e9;
 
-/// How far a direction of the search goes at first and in the end, in logarithms of the gains.
+/// First and last step of the search along a direction, in logarithms of the gains.
 const STEPS: (f64, f64) = (1.0, 1e-4);
 
 /// One entry of `x` at gains that keep (40).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RadiusRow {
-    /// What the entry may be at most.
+    /// Largest value allowed.
     pub limit: f64,
     /// `2 (SB)_i φ_max/λ_min`: what (40) says, read per entry.
     pub by_40: f64,
-    /// What the worst φ makes of it from rest, and no φ more: the area under its impulse response, by [`areas`].
+    /// Largest value from rest, at the worst φ: by the area under the impulse response, see [`areas`].
     pub worst: f64,
 }
 
 impl RadiusRow {
-    /// Whether a φ takes the entry beyond (40).
+    /// Returns true if a φ takes the entry beyond (40).
     pub fn refuted(&self) -> bool {
         self.worst > self.by_40
     }
@@ -34,8 +35,9 @@ impl RadiusRow {
 
 /// The least gains by (40), and those with which the limits hold.
 ///
-/// (40) is read per entry of `x`, as limits like (48) and (49) need it, with the least `a_{m−1} = K̃` (γ → ∞) and under
-/// the conditions of Theorem 2, `Q ≻ 0`. As printed it bounds no entry: `V̇ < 0` outside of a ball keeps no state in it.
+/// (40) is read per entry of `x`, as limits like (48) and (49) need it, with the least `a_{m−1} = K̃` (γ → ∞)
+/// and under the conditions of Theorem 2, `Q ≻ 0`. As printed it bounds no entry: `V̇ < 0` outside of a ball
+/// keeps no state in it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RadiusGains {
     /// The gains of the least `K̃` at which (40) keeps every limit.

@@ -58,7 +58,7 @@ pub fn norm_frobenius(x: &Matrix) -> f64 {
     x.iter().flatten().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// Whether the matrix is `n × n`, finite and exactly symmetric.
+/// Returns true if the matrix is `n × n`, finite and exactly symmetric.
 pub fn is_symmetric(x: &Matrix, n: usize) -> bool {
     x.len() == n
         && x.iter().all(|row| row.len() == n && row.iter().all(|v| v.is_finite()))
@@ -73,7 +73,8 @@ pub fn failing_pivot(x: &Matrix) -> Option<(usize, f64, f64)> {
     failing_pivot_above(x, PIVOT_SHARE)
 }
 
-/// The first failing pivot, as [`failing_pivot`] finds it, where a pivot counts above another share of its diagonal entry.
+/// The first failing pivot, as [`failing_pivot`] finds it, where a pivot counts above another share of its
+/// diagonal entry.
 pub fn failing_pivot_above(x: &Matrix, share: f64) -> Option<(usize, f64, f64)> {
     let n = x.len();
     let (mut l, mut d) = (identity(n), vec![0.0; n]);

@@ -10,7 +10,7 @@ use crate::claims::weights::q_diagonal;
 
 const CLAIM: &str = "minimum gains";
 
-/// What the errors may be, and how large the unknown dynamics is.
+/// Limits on the errors, and size of the unknown dynamics.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorLimits {
     /// `φ_max` at unit inertia \[rad/s²\].
@@ -19,7 +19,7 @@ pub struct ErrorLimits {
     pub x_max: Vec<f64>,
 }
 
-/// Whether `xᵀSBBᵀSx` counts, which the paper ignores in its columns (A) and includes in (B).
+/// Treatment of `xᵀSBBᵀSx`, which the paper ignores in its columns (A) and includes in (B).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Feedback {
     /// `½ Q x > SB φ_max`.
@@ -39,7 +39,7 @@ pub struct MinimalGains {
     pub kd: f64,
     /// `b_0 … b_{m−2}`.
     pub b: Vec<f64>,
-    /// Which row produced each value, in the order above.
+    /// Row that produced each value, in the order above.
     pub from: Vec<String>,
 }
 
@@ -49,7 +49,7 @@ pub enum PaperError {
     /// A limit is not a positive number.
     #[error("limit {index} is {value}; it must be positive")]
     Limit {
-        /// Which: 0 is `φ_max`, then the states.
+        /// Index of the limit: 0 is `φ_max`, then the states.
         index: usize,
         /// Value of the limit.
         value: f64,

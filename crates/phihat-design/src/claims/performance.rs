@@ -1,4 +1,4 @@
-//! How large the errors get: peak-to-peak gains of the loop, and the paper's bound beside them.
+//! Sizes of the errors: peak-to-peak gains of the loop, and the paper's bound alongside.
 
 use phihat_certificate::Iss;
 pub use phihat_certificate::{PaperRadius, PeakGain, PeakGains};

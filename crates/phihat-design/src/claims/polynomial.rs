@@ -37,7 +37,7 @@ pub fn magnitude_squared(p: &[f64]) -> Vec<f64> {
     real_part(p, p)
 }
 
-/// What is known about the sign of a polynomial on `w ≥ 0`.
+/// Sign of a polynomial on `w ≥ 0`, as far as it is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sign {
     /// `p(w) ≥ 0` for all `w ≥ 0`.
@@ -88,7 +88,7 @@ pub fn sign(p: &[f64]) -> Sign {
     Sign::NonNegative
 }
 
-/// Whether `p(w) ≥ 0` for all `w ≥ 0` is proven.
+/// Returns true if `p(w) ≥ 0` for all `w ≥ 0` is proven.
 pub fn is_non_negative(p: &[f64]) -> bool {
     sign(p) == Sign::NonNegative
 }
@@ -140,7 +140,7 @@ fn sign_on_unit(b: &[(f64, f64)], t0: f64, t1: f64, depth: u32) -> Sign {
     }
 }
 
-/// Whether all roots of `p` have negative real parts: Routh's array has a positive first column.
+/// Returns true if all roots of `p` have negative real parts: Routh's array has a positive first column.
 pub fn is_hurwitz(p: &[f64]) -> bool {
     let mut upper: Vec<f64> = p.iter().rev().step_by(2).copied().collect();
     let mut lower: Vec<f64> = p.iter().rev().skip(1).step_by(2).copied().collect();

@@ -144,7 +144,7 @@ impl Response {
 
     /// `∫_0^∞ |cᵀz| dt'`, from both sides; `norm` from [`Self::integral_of_norm`].
     ///
-    /// Where both ends of a step exceed `h² sup|ÿ|/8` and agree in sign, `y` has no zero between them and
+    /// If both ends of a step exceed `h² sup|ÿ|/8` and agree in sign, `y` has no zero between them and
     /// the integral of `|y|` is the difference of `∫y = cᵀA⁻¹z`, exactly. Elsewhere it is that of
     /// the chord, to `h³ sup|ÿ|/12`.
     pub fn l1(&self, c: &[f64], norm: f64) -> PeakGain {

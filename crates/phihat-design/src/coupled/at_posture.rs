@@ -34,7 +34,7 @@ pub(super) fn sums(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<AllSums, Re
     if one { by_modes(loops, mass) } else { together(loops, mass) }
 }
 
-/// Whether two joints differ in their nominal inertia only.
+/// Returns true if two joints differ in their nominal inertia only.
 fn same(a: (&JointRecord, &LoopModel), b: (&JointRecord, &LoopModel)) -> bool {
     let law =
         |r: &JointRecord| JointRecord { name: String::new(), inertia_kg_m2: 1.0, ..r.clone() };

@@ -7,11 +7,11 @@ use super::at_posture::{Loops, inverse, sums};
 use super::linear::{OUTPUTS, Sums};
 use crate::parallel::{parallel, threads};
 
-/// How many matrices there are: from torque to `e, ė, ë, Δτ`, from the encoder to `e, ė, Δτ`.
+/// Number of matrices: from torque to `e, ė, ë, Δτ`, from the encoder to `e, ė, Δτ`.
 const KINDS: usize = 7;
 
-/// What every entry is given on top, as a share of `√(Γ_ii Γ_jj)`: a check by another method must not fail by rounding or by
-/// what it cuts.
+/// Addition to every entry, as a share of `√(Γ_ii Γ_jj)`: a check by another method must not fail by rounding
+/// or by what it cuts.
 const MARGIN: f64 = 2e-5;
 
 /// The seven matrices at one posture.
@@ -83,10 +83,11 @@ impl FindCoupledGains for CoupledGains {
 ///
 /// # Method
 ///
-/// Between two samples a position differs from the chord by at most `T²/8` times its second derivative, and the sums are linear in
-/// that: `‖e‖ ≤ ‖e at samples‖ + T²/8 ‖M^{-1} τ‖`. A velocity is linear there while the torque is held. Behind drives the torque
-/// goes from one value to the next, all the same way where the drives are the same, else off the straight one by at
-/// most [`off_chord`] of its change; the velocity is off its chord by that over the drive's bandwidth.
+/// Between two samples a position differs from the chord by at most `T²/8` times its second derivative, and
+/// the sums are linear in that: `‖e‖ ≤ ‖e at samples‖ + T²/8 ‖M^{-1} τ‖`. A velocity is linear there while
+/// the torque is held. Behind drives the torque goes from one value to the next, all the same way where the
+/// drives are the same, else off the straight one by at most [`off_chord`] of its change; the velocity is off
+/// its chord by that over the drive's bandwidth.
 pub(super) fn at_posture(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<Kinds, Refutation> {
     let n = loops.len();
     let sums = sums(loops, mass)?;
@@ -120,7 +121,7 @@ pub(super) fn at_posture(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<Kinds
     Ok([error, velocity, acceleration, of(0, 3), reading, reading_velocity, of(1, 3)])
 }
 
-/// How far a drive's way from 0 to 1 over one interval is from the straight one:
+/// Largest deviation of a drive's response from 0 to 1 over one interval from the straight line:
 /// `max_λ w(λ) − λ`, `w = (1 − e^{−xλ})/(1 − e^{−x})`, `x = ωT`.
 fn off_chord(model: &LoopModel) -> f64 {
     model.drive_bandwidth_hz.map_or(0.0, |hz| {

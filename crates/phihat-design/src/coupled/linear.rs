@@ -20,7 +20,7 @@ pub(super) type Lines = [f64; 16];
 /// Sums over a response's whole future, per output: from torque (absolute integral), from the encoder (absolute sum).
 pub(super) type Sums = [[f64; OUTPUTS]; 2];
 
-/// What may be left of the state when a sum is cut; what is left of a response is bounded and added.
+/// Largest remainder of the state when a sum is cut; the remainder of a response is bounded and added.
 const LEFT: f64 = 1e-4;
 
 /// Longest horizon is `2^DOUBLINGS` samples.
@@ -147,9 +147,10 @@ impl Linear {
         None
     }
 
-    /// Shows joint `i`'s outputs after a unit of each input, for so many samples, at least those of the horizon; gives what the
-    /// sums leave out, per input: `Σ_{k≥N} |c A^k b| ≤ Σ_{k<N} ‖c A^k‖₁ ‖A^N b‖_∞/(1 − ‖A^N‖_∞)`; for changes with
-    /// `c (A − I)` for `c`, and the one change that leads to sample `N`.
+    /// Shows joint `i`'s outputs after a unit of each input, for so many samples, at least those of the
+    /// horizon; gives what the sums leave out, per input:
+    /// `Σ_{k≥N} |c A^k b| ≤ Σ_{k<N} ‖c A^k‖₁ ‖A^N b‖_∞/(1 − ‖A^N‖_∞)`; for changes with `c (A − I)` for `c`,
+    /// and the one change that leads to sample `N`.
     pub(super) fn walk(
         &self,
         i: usize,

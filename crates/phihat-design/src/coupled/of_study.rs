@@ -6,12 +6,14 @@ use phihat_study::{InertiaSource, Study};
 use super::find::FindCoupledGains;
 use super::postures::Postures;
 
-/// Coupled gains of designed gains on a study's arm, over the postures handed over and those at which a push does most. `None` where
-/// they carry no certificate, one that refuses a claim, or the arm is known by typed or estimated intervals, which have no coupling.
+/// Coupled gains of designed gains on a study's arm, over the postures handed over and those at which a push
+/// does most. `None` where they carry no certificate, one that refuses a claim, or the arm is known by typed
+/// or estimated intervals, which have no coupling.
 ///
 /// # Errors
 ///
-/// [`Refutation`] where the loop is not stable at one of the postures: then the range of inertia that was found is too narrow.
+/// [`Refutation`] where the loop is not stable at one of the postures: then the range of inertia of the
+/// search is too narrow.
 pub fn coupled(
     study: &Study,
     gains: &Gains,

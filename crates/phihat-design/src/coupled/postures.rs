@@ -8,7 +8,7 @@ use phihat_study::Study;
 
 use crate::arm::ArmError;
 
-/// What the words of a posture end with that the search has moved.
+/// End of the source of a posture that the search has moved.
 const IMPROVED: &str = ", moved to where a push does more";
 
 /// A study's arm with each payload it may carry: where postures come from.
@@ -19,8 +19,8 @@ pub struct Postures<'a> {
 }
 
 impl<'a> Postures<'a> {
-    /// With the lightest payload of the design's set, the study's own, and the heaviest at the corners of the box of their
-    /// centres of mass.
+    /// With the lightest payload of the design's set, the study's own, and the heaviest at the corners of the
+    /// box of their centres of mass.
     ///
     /// # Errors
     ///

@@ -34,10 +34,11 @@ struct Measure {
     work: f64,
 }
 
-/// Which responses are measured: from torque to `e`, `ė`, `Δτ`, from the encoder to `e`, `Δτ`; places in [`Lines`].
+/// Measured responses: from torque to `e`, `ė`, `Δτ`, from the encoder to `e`, `Δτ`; places in [`Lines`].
 const OUTPUTS: [usize; 5] = [5, 6, 8, 10, 13];
 
-/// What the measure says of a posture, for every pair of joints in units of `M̄`: one matrix for each of [`OUTPUTS`], and `M^{-1}`.
+/// Measure of a posture, for every pair of joints in units of `M̄`: one matrix for each of [`OUTPUTS`], and
+/// `M^{-1}`.
 struct Seen {
     pairs: Vec<DMatrix<f64>>,
     /// Smallest and largest eigenvalue.
@@ -45,13 +46,15 @@ struct Seen {
 }
 
 impl Postures<'_> {
-    /// Postures at which some entry of the coupled gains is large: for every pair of joints the one that does most, out of many
-    /// and improved step by step; the lightest and the heaviest; and those handed over, every one of them.
+    /// Postures at which some entry of the coupled gains is large: for every pair of joints the one that does
+    /// most, out of many and improved step by step; the lightest and the heaviest; and those handed over,
+    /// every one of them.
     ///
     /// # Method
     ///
-    /// The measure is the 2-norm of the impulse response from torque to error in place of its 1-norm, from inner products
-    /// of scalar responses that are interpolated in μ. It chooses postures; it is no part of any claim.
+    /// The measure is the 2-norm of the impulse response from torque to error in place of its 1-norm, from
+    /// inner products of scalar responses that are interpolated in μ. It chooses postures; it is no part of
+    /// any claim.
     pub fn worst(
         &self,
         loops: &Loops<'_>,

@@ -45,14 +45,14 @@ impl Shape {
 pub(super) struct Candidate {
     pub(super) shape: Shape,
     pub(super) scale: f64,
-    /// Where `scale` lies between the smallest and the largest that keep the window, 0 … 1.
+    /// Position of `scale` between the smallest and the largest that satisfy the window, 0 … 1.
     pub(super) share: f64,
     /// Gains per `M̄`, worst over the arm's range and the loop models.
     pub(super) gains: Quick,
 }
 
 impl Candidate {
-    /// What is to be small: the torque that encoder steps cause on a joint of nominal inertia.
+    /// Torque noise, to be minimised: the torque that encoder steps cause on a joint of nominal inertia.
     pub(super) fn noise(&self) -> f64 {
         self.scale * self.gains.change
     }

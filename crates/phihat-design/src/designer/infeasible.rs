@@ -16,11 +16,11 @@ pub struct Infeasible {
     pub clauses: Vec<Clause>,
     /// Changes of the loop, each of which alone makes it feasible; tried out and certified.
     pub alternatives: Vec<Alternative>,
-    /// How many laws of the grid were looked at.
+    /// Number of laws of the grid that were tried.
     pub tried: u32,
-    /// How many of the laws, each with up to three nominal inertias, keep window and modulus margin.
+    /// Number of the laws, each with up to three nominal inertias, that satisfy window and modulus margin.
     pub stable: u32,
-    /// What was found, in ordinary words.
+    /// Result in plain words.
     #[serde(default)]
     pub words: Vec<String>,
     /// The front of error against torque noise of the laws that keep window and margin.
@@ -65,7 +65,7 @@ impl fmt::Display for Infeasible {
 }
 
 impl Infeasible {
-    /// What the search looked at: one sentence for who wants to know.
+    /// Summary of the search in one sentence.
     pub fn searched(&self) -> String {
         format!(
             "{} laws tried, with up to three nominal inertias each; {} keep the stability window μ with design.window_margin and \
@@ -85,7 +85,7 @@ pub struct Clause {
     pub key: String,
     /// The joint that decides; `None`: the arm.
     pub joint: Option<String>,
-    /// What the study asks for.
+    /// Value that the study requests.
     pub wanted: f64,
     /// The nearest value that is possible while all other clauses stand; `None`: none is.
     pub possible: Option<f64>,

@@ -2,7 +2,7 @@
 
 use crate::Phi;
 
-/// What is known of `φ` for a joint and its nominal inertia.
+/// Function that gives `φ`, as far as it is known, for a joint and its nominal inertia.
 pub type PhiOf<'a> = &'a dyn Fn(usize, f64) -> Phi;
 
 /// Factors on a nominal inertia at which `φ` is looked up: from the first, by this factor, so many.

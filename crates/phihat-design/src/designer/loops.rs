@@ -8,7 +8,7 @@ use crate::quick::Quick;
 use crate::sampled::{InertiaWindow, LoopModel, OpenLoop, least_modulus};
 use crate::{ArmInertia, JointRecord};
 
-/// What a law is tried in.
+/// Loops in which a law is tried.
 pub(super) struct Loops<'a> {
     pub(super) study: &'a Study,
     pub(super) arm: ArmInertia,

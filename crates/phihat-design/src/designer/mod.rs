@@ -99,8 +99,8 @@ pub fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, Desig
     Ok(outcome)
 }
 
-/// Whether the search of [`design`] has a law that keeps every clause by its own estimates, and of which order; uncertified, and
-/// much quicker where there is one.
+/// Order of a law of the search of [`design`] that satisfies every clause by the search's own estimates;
+/// `None`: there is none. Uncertified, and much quicker where there is one.
 ///
 /// # Errors
 ///

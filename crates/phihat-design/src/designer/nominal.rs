@@ -1,4 +1,4 @@
-//! How the nominal inertia is shared out between the joints.
+//! Distribution of the nominal inertia over the joints.
 
 use phihat_certificate::extremes::{Extremes as _, larger};
 
@@ -8,7 +8,7 @@ use crate::{Arm, ArmError, ArmInertia};
 const STEP: f64 = 1.12;
 const STEPS: u32 = 100;
 
-/// How much wider than with each joint's own mean the range of inertia may become.
+/// Largest ratio of the range of inertia to that with each joint's own mean.
 const WIDER: f64 = 1.02;
 
 /// Postures with the smallest and with the largest eigenvalues that are looked at on the way.
@@ -18,10 +18,11 @@ const EXTREMES: usize = 80;
 ///
 /// # Method
 ///
-/// `error[i]/M̄_i` is about the share of its bound that joint `i` uses, `noise[i] M̄_i` that of its torque step. From the
-/// mean of each joint's range: the joint with the worst error gets more, or the one with the worst step
-/// less, while `max error · max step` falls and the range of inertia of the whole arm, which is what the law's
-/// window has to hold, hardly widens. On most arms the light joints of the wrist may have twice their own mean.
+/// `error[i]/M̄_i` is about the share of its bound that joint `i` uses, `noise[i] M̄_i` that of its torque
+/// step. From the mean of each joint's range: the joint with the worst error gets more, or the one with the
+/// worst step less, while `max error · max step` falls and the range of inertia of the whole arm, which the
+/// law's window has to contain, hardly widens. On most arms the light joints of the wrist may have twice
+/// their own mean.
 pub(crate) fn shared_out(arm: &Arm, error: &[f64], noise: &[f64]) -> Result<ArmInertia, ArmError> {
     let own = arm.against(arm.nominal())?;
     let few = arm.extremes(&own.nominal_kg_m2, EXTREMES);

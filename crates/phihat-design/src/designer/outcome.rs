@@ -1,9 +1,9 @@
-//! What a design comes to.
+//! Outcome of a design.
 
 use super::infeasible::Infeasible;
 use crate::Gains;
 
-/// What a design comes to: gains, or why there are none.
+/// Outcome of a design: gains, or why there are none.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
     /// Gains with their certificate: by our method they keep every clause; by the paper's the certificate says

@@ -140,7 +140,7 @@ fn minimum(
     Ok((found, None))
 }
 
-/// Where (40) is false at its own least gains, and what was done about it.
+/// Report of where (40) is false at its own least gains, and of the correction.
 fn correction(found: &RadiusGains) -> String {
     let names = names(found.rows.len());
     let row = |(name, row): (&String, &RadiusRow)| {
@@ -160,7 +160,7 @@ fn correction(found: &RadiusGains) -> String {
     format!("(40) at K̃ = {least:.4}: {}; {done}", rows.join(", "))
 }
 
-/// What (40) says of the law that steps 2 and 3 come to, and what the worst φ makes.
+/// Report of the bounds by (40) on the law of steps 2 and 3, and of the errors at the worst φ.
 fn after(law: &UnitLaw, limits: &ErrorLimits) -> String {
     let k_tilde = law.a_top();
     if !q_diagonal(law, k_tilde).iter().all(|q| *q > 0.0) {

@@ -13,7 +13,7 @@ const STEPS: [f64; 4] = [0.09, 0.15, 0.25, 0.2];
 const HALVINGS: u32 = 4;
 const MOST: u32 = 160;
 
-/// What one clause uses when all others are kept; far more when they are not.
+/// Share that one clause uses when all others are satisfied; far more when they are not.
 pub(super) fn cost(verdict: &Verdict, clause: usize) -> f64 {
     let share = |i: usize| {
         let share = verdict.shares[i].0;

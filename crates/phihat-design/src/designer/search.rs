@@ -22,10 +22,10 @@ use crate::trade_off::{front, worth_measuring};
 use crate::{Arm, ArmInertia, Phi};
 use crate::{Gains, JointRecord};
 
-/// What a rate of φ counts against a jump \[s\] when the nominal inertia is shared out.
+/// Weight of a rate of φ against a jump \[s\] when the nominal inertia is shared out.
 const RAMP: f64 = 0.02;
 
-/// Where the factor on the nominal inertia is tried between its smallest and its largest.
+/// Positions, between its smallest and its largest, at which the factor on the nominal inertia is tried.
 const SHARES: [f64; 3] = [0.0, 0.5, 1.0];
 
 /// A grid of laws: bandwidths of the outer loop \[rad/s\] from the first, by a factor, so many; and bandwidths of
@@ -38,7 +38,7 @@ pub(super) struct Grid {
     pub(super) reach: f64,
 }
 
-/// What a design looks at.
+/// Grid that a design searches.
 pub(super) const FINE: Grid = Grid {
     bandwidths: (4.0, 1.2, 18),
     ratios: &[0.7, 1.0, 1.4, 1.8, 2.4, 3.2, 4.2, 5.6, 8.0],
@@ -120,7 +120,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// What the study allows per joint by a clause.
+    /// Limits of a clause in the study, per joint.
     pub(super) fn limit(&self, clause: usize) -> Option<&Vec<f64>> {
         self.limits[clause].as_ref()
     }
@@ -138,7 +138,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// How fast a law may be on this arm, in ordinary words.
+    /// Largest speed of a law on this arm, in plain words.
     pub(super) fn words(&self, fastest: Option<f64>) -> String {
         let looped = loop_in_words(self.study);
         let ArmInertia { low, high, .. } = &self.loops.arm;
@@ -183,7 +183,8 @@ impl<'a> Search<'a> {
         (found.into_iter().flatten().collect(), u32::try_from(shapes.len()).unwrap_or(u32::MAX))
     }
 
-    /// Whether a law of a grid keeps every clause by the estimates of the search: its order. Ends at the first.
+    /// Order of the first law of a grid that satisfies every clause by the estimates of the search; `None`:
+    /// there is none.
     pub(super) fn any(&self, grid: &Grid) -> Option<usize> {
         let (first, factor, count) = grid.bandwidths;
         // From the middle outwards: laws that are neither slow nor fast are stable most often.
@@ -327,7 +328,8 @@ impl<'a> Search<'a> {
 /// Share of a torque limit that steps of the encoder may change the torque by per sample, where a study does not say.
 const NOISE: f64 = 0.1;
 
-/// The most that steps of the encoder may change the torque \[N·m\] per joint, by the drives' limits; `None`: there are none.
+/// The most that steps of the encoder may change the torque \[N·m\] per joint, by the drives' limits; `None`:
+/// there are none.
 fn noise_max(study: &Study) -> Option<Vec<f64>> {
     let limit = |(i, joint): (usize, &phihat_model::Joint)| {
         NOISE * study.limits(i).0.or(joint.torque_max).unwrap_or(f64::INFINITY)

@@ -1,4 +1,4 @@
-//! How far a candidate is from each clause of the specification, and the nearest miss of each.
+//! Distance of a candidate from each clause of the specification, and the nearest miss of each.
 
 /// The clauses: their keys in a study, in the order of [`Verdict::shares`].
 pub(super) const KEYS: [&str; 5] = [
@@ -31,7 +31,7 @@ impl Verdict {
         self.shares.iter().all(|(share, _)| *share <= 1.0)
     }
 
-    /// Whether every clause but one is kept.
+    /// Returns true if every clause but one is satisfied.
     pub(super) fn within_but(&self, clause: usize) -> bool {
         (0..KEYS.len()).all(|i| i == clause || self.shares[i].0 <= 1.0)
     }

@@ -65,7 +65,7 @@ fn section(i: usize) -> [String; 4] {
         .map(|what| format!("section_{i}_{what}"))
 }
 
-/// What stands in them.
+/// Values of these columns; empty without a section.
 fn filtered(section: Option<&FilterSection>) -> [String; 4] {
     section.map_or([const { String::new() }; 4], |own| {
         let ([c0, c1], [b0, b1]) = (own.rates, own.weights_per_s2);

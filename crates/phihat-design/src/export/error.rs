@@ -41,7 +41,7 @@ pub enum ExportError {
     Positions {
         /// The joint.
         joint: String,
-        /// Whether it filters its innovation.
+        /// True if it filters its innovation.
         filtered: bool,
     },
     /// The rate is no whole number.

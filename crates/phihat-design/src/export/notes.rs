@@ -1,4 +1,4 @@
-//! What stands in every exported file for people: origin, law, what the target lacks, what is claimed.
+//! Notes in every exported file: origin, law, what the target lacks, what is claimed.
 
 use super::number::{down, up};
 use super::pid::{Pid, PidClaims};
@@ -7,7 +7,7 @@ use crate::sampled::{LoopModel, ReferenceError};
 use crate::{Certificate, JointCertificate};
 use phihat::VelocitySource;
 
-/// Where the gains come from.
+/// Origin of the gains.
 pub(super) fn origin(gains: &Gains) -> Vec<String> {
     let mut lines = vec![
         format!(
@@ -55,7 +55,7 @@ pub(super) fn law(gains: &Gains) -> Vec<String> {
     lines
 }
 
-/// What a PID lacks, and what holds for it instead.
+/// Properties that a PID lacks, and the claims that hold for it instead.
 pub(super) fn pid(gains: &Gains, claims: &[PidClaims]) -> Vec<String> {
     let mut lines: Vec<String> = [
         "The law as a PID, per joint, e = q - q_d (measured minus desired):",

@@ -38,7 +38,7 @@ impl Pid {
     }
 }
 
-/// What holds for one joint under (E1), with the loop, arm and `φ` of its certificate.
+/// Claims for one joint under (E1), with the loop, arm and `φ` of its certificate.
 ///
 /// # Claim
 ///
@@ -60,7 +60,7 @@ pub struct PidClaims {
     pub bounds: Option<Bounds>,
     /// Largest integral term \[N·m\]; `None`: the size of `φ` is not known.
     pub integral_nm: Option<f64>,
-    /// What the reference's motion adds, with the acceleration fed forward.
+    /// Error from the reference's motion, with the acceleration as feed-forward.
     pub forwarded: ReferenceError,
     /// Error from the reference's motion without feed-forward.
     pub bare: ReferenceError,

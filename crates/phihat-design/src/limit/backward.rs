@@ -13,9 +13,10 @@ use super::programme::Programme;
 /// cost ≥ Σ κ^c c + κ^φ e^φ + κ^n e^n = −β²/2 (x_1 + x_2) + Σ σ_k s_k ≥ −β²/2 (x_1 + x_2) − max|σ_k| change
 /// ```
 ///
-/// The sums are over all samples without end. The first step is `|κ| ≤` cost. The second is summation by parts: nothing
-/// is left at the end, because a stable loop's responses die out while `x`, `y`, `σ` are constant. A constant may be added
-/// to `σ`, as the sum of `s` is 0; half the way between the ends of `σ` is the best.
+/// The sums are over all samples without end. The first step is `|κ| ≤` cost. The second is summation by
+/// parts: nothing is left at the end, because a stable loop's responses die out while `x`, `y`, `σ` are
+/// constant. A constant may be added to `σ`, as the sum of `s` is 0; half the way between the ends of `σ` is
+/// the best.
 ///
 /// # Rounding
 ///

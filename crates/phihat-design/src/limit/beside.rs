@@ -10,11 +10,12 @@ use crate::certificate::RATIOS;
 use crate::sampled::{Held, LoopModel, LoopParts as _, ratios};
 use crate::{JointRecord, Phi};
 
-/// Sets a law beside the limit at its `M̄`, and at the lightest inertia of a range `μ = low … high`, for the same `φ`, the same
-/// encoder of step `quantum` \[rad\], and the torque noise that the law itself has over the range.
+/// Compares a law with the limit at its `M̄`, and at the lightest inertia of a range `μ = low … high`, for
+/// the same `φ`, the same encoder of step `quantum` \[rad\], and the torque noise that the law itself has
+/// over the range.
 ///
-/// Both sides hold `φ` over each sample and count its jump in full. The law's side is a bound from above, the limit's first
-/// figure one from below, so at `M̄` their ratio is at least 1.
+/// Both sides hold `φ` over each sample and count its jump in full. The law's side is a bound from above, the
+/// limit's first figure one from below, so at `M̄` their ratio is at least 1.
 ///
 /// # Errors
 ///
@@ -61,7 +62,7 @@ pub fn beside_limit(
     })
 }
 
-/// Whether the limit is about laws in this loop.
+/// Checks that the limit covers laws in this loop.
 fn covered(model: &LoopModel, quantum: f64) -> Result<(), LimitError> {
     let velocity = model.form != Form::Positions && model.velocity == VelocitySource::Measured;
     let beyond = [

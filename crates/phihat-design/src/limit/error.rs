@@ -10,9 +10,9 @@ pub enum LimitError {
     Number {
         /// Field of the request.
         name: &'static str,
-        /// What it holds.
+        /// Its value.
         value: f64,
-        /// What it may hold.
+        /// Condition on the value.
         needs: &'static str,
     },
     /// The torque comes too late.
@@ -36,7 +36,7 @@ pub enum LimitError {
     /// The loop has what the limit leaves out.
     #[error("it does not cover {what}")]
     NotCovered {
-        /// What that is.
+        /// Property that it does not cover.
         what: &'static str,
     },
     /// The law that is set beside the limit does not hold.
@@ -53,7 +53,7 @@ pub enum LimitError {
     NoLaw {
         /// Longest response that was tried \[samples\].
         length: usize,
-        /// What was found from below \[rad\].
+        /// Lower bound on the error of any law \[rad\].
         low_rad: f64,
     },
 }

@@ -19,12 +19,12 @@ pub struct Limit {
     pub jump: f64,
     /// The same from the encoder's error \[–\].
     pub read: f64,
-    /// How far the encoder's errors change the torque per sample, with `law` \[N·m\].
+    /// Largest change of the torque per sample by the encoder's errors, with `law` \[N·m\].
     pub torque_change: f64,
     /// `r`: what `τ/M` does in the closed loop after an error of the encoder for one sample \[1/s²\]; then 0.
     ///
-    /// The law itself is `τ_k/M = Σ_j r_j ν_{k−j}`, where `ν` is the measured error minus that which the torques made by
-    /// themselves.
+    /// The law itself is `τ_k/M = Σ_j r_j ν_{k−j}`, where `ν` is the measured error minus that which the
+    /// torques made by themselves.
     pub law: Vec<f64>,
 }
 

@@ -12,11 +12,12 @@
 //!
 //! # Method
 //!
-//! Two programmes of finite length enclose it. Of the laws whose responses *end* within so many samples the best one is
-//! sought (`law`, `tied`): its gains are summed up again, and it is a law. For all laws, of any length, multipliers that
-//! are constant after so many samples give a bound from below (`multipliers`, `backward`): any multipliers within their
-//! box do. The length grows until both agree. What the solver says of its answers is not used, neither objective nor
-//! status: the law is played, and the backward sum is a bound for wrong multipliers too.
+//! Two programmes of finite length enclose it. Of the laws whose responses *end* within so many samples the
+//! best one is sought (`law`, `tied`): its gains are summed up again, and it is a law. For all laws, of any
+//! length, multipliers that are constant after so many samples give a bound from below (`multipliers`,
+//! `backward`): any multipliers within their box do. The length grows until both agree. What the solver says
+//! of its answers is not used, neither objective nor status: the law is played, and the backward sum is a
+//! bound for wrong multipliers too.
 //!
 //! # Not claimed
 //!

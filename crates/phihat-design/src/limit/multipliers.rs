@@ -5,7 +5,8 @@ use microlp::{ComparisonOp, OptimizationDirection, Problem};
 use super::programme::Programme;
 use super::rows::{Row, Signal, solved};
 
-/// One multiplier per sample of each response, between plus and minus what the response costs, and what holds after the last.
+/// One multiplier per sample of each response, between plus and minus what the response costs, and what holds
+/// after the last.
 ///
 /// Scaled to the sizes of `φ̇`, `φ_J` and `Δ/2`, they are the signals that are worst for every law at once.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,11 +29,11 @@ pub(super) fn ends(programme: &Programme) -> [f64; 2] {
     ]
 }
 
-/// The multipliers with the largest bound of `backward`; `None` for an exact position: without a price on the torque's change
-/// there is none to find.
+/// The multipliers with the largest bound of `backward`; `None` for an exact position: without a price on the
+/// torque's change there is none to find.
 ///
-/// The cost stands on the multipliers, as the open loop's responses, and not on the signals that they drive: so every variable
-/// with a cost has two ends, and the solver starts where its method is fast.
+/// The cost stands on the multipliers, as the open loop's responses, and not on the signals that they drive:
+/// so every variable with a cost has two ends, and the solver starts where its method is fast.
 pub(super) fn find(programme: &Programme) -> Option<Multipliers> {
     let change = programme.change?;
     let (n, late) = (programme.length, programme.delay + 1);

@@ -32,7 +32,7 @@ pub(super) struct Programme {
     pub(super) frequency: f64,
     /// `T W`.
     pub(super) step: f64,
-    /// What a unit of each response's L1 norm costs: `φ̇`, `φ_J`, `Δ/2`.
+    /// Cost of a unit of each response's L1 norm: `φ̇`, `φ_J`, `Δ/2`.
     pub(super) ramp: f64,
     pub(super) jump: f64,
     pub(super) read: f64,
@@ -92,7 +92,8 @@ fn change(request: &LimitRequest) -> f64 {
     request.torque_change_max / (0.5 * request.quantum * request.inertia)
 }
 
-/// About the bandwidth that the torque's change, the encoder and the rate leave \[1/s\]; what is wrong in it costs time.
+/// About the bandwidth that the torque's change, the encoder and the rate leave \[1/s\]; what is wrong in it
+/// costs time.
 fn frequency(request: &LimitRequest) -> f64 {
     let (slowest, fastest) = (SLOWEST / request.period, FASTEST / request.period);
     if request.quantum <= 0.0 {

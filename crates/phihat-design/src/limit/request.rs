@@ -1,4 +1,4 @@
-//! What a limit is asked for.
+//! Request for a limit.
 
 use super::error::LimitError;
 
@@ -16,7 +16,7 @@ pub struct LimitRequest {
     pub phi_jump: f64,
     /// Step `Δ` of the encoder \[rad\]: a reading is wrong by up to `Δ/2`. 0: the position is exact.
     pub quantum: f64,
-    /// How far the encoder's errors may change the torque from one sample to the next \[N·m\].
+    /// Largest change of the torque from one sample to the next by the encoder's errors \[N·m\].
     pub torque_change_max: f64,
     /// Whole samples from a measurement to the torque that it causes.
     pub delay: usize,

@@ -14,7 +14,8 @@ pub(super) struct Responses {
     pub(super) jump: Vec<f64>,
     /// `T Σ e` of that: `e` after a ramp.
     pub(super) ramp: Vec<f64>,
-    /// What the loop holds after the last sample, velocities at [1] and [3]; a law's response has ended where it is 0.
+    /// State of the loop after the last sample, velocities at [1] and [3]; a law's response has ended where
+    /// it is 0.
     pub(super) end: [f64; STATES],
 }
 
@@ -39,7 +40,7 @@ impl Responses {
         Self { read, jump, ramp, end: state.ends() }
     }
 
-    /// What the law alone adds after each sample, without `φ`: linear in `r`.
+    /// Contribution of the law alone after each sample, without `φ`: linear in `r`.
     pub(super) fn added(programme: &Programme, r: &[f64]) -> Vec<[f64; STATES]> {
         let mut state = State::default();
         let each = (0..programme.length).map(|k| {

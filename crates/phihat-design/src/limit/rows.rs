@@ -2,7 +2,8 @@
 
 use microlp::{ComparisonOp, Problem, Solution, SolveOptions, Variable};
 
-/// How far a row may miss \[1\]: the least that the solver takes. A row's miss is summed up twice over all samples.
+/// Tolerance of a row \[1\]: the smallest that the solver takes. A row's error is summed up twice over all
+/// samples.
 const MISS: f64 = 1e-10;
 
 /// A signal, as variables and their factors.

@@ -5,16 +5,17 @@ use nalgebra::{DMatrix, DVector};
 use super::programme::Programme;
 use super::responses::{Responses, STATES, change};
 
-/// How often the ends are pulled to 0.
+/// Number of times that the ends are corrected to 0.
 const ROUNDS: u32 = 3;
 
-/// What may be left at the end, of the responses' L1 norms.
+/// Largest remainder at the end, relative to the responses' L1 norms.
 const LEFT: f64 = 1e-9;
 
-/// The response with the least correction that ends the loop; `None` where it does not end or changes the torque too much.
+/// The response with the least correction that ends the loop; `None` where it does not end or changes the
+/// torque too much.
 ///
-/// What a sample of `r` adds to the end depends on how long before the end it is, so one play of a unit gives the whole
-/// matrix.
+/// The contribution of a sample of `r` to the end depends on how long before the end it is, so one play of a
+/// unit gives the whole matrix.
 pub(super) fn tied(programme: &Programme, mut r: Vec<f64>) -> Option<Vec<f64>> {
     let (n, free) = (programme.length, r.len());
     let added = Responses::added(programme, &[1.0]);

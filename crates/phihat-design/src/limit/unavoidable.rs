@@ -2,16 +2,17 @@
 
 use super::request::LimitRequest;
 
-/// What no law prevents \[rad\], linear or not.
+/// Error that no law prevents \[rad\], linear or not.
 ///
-/// A jump of `φ` is seen a sample later and answered `d` samples after that. Until then, for a unit impulse of `φ/M` over one
-/// sample,
+/// A jump of `φ` is measured a sample later and answered `d` samples after that. Until then, for a unit
+/// impulse of `φ/M` over one sample,
 ///
 /// ```text
 /// e_k = −T²/2 (2k − 1),   T Σ_{i ≤ k} e_i = −T³/2 k²,   k = 1 … d + 1
 /// ```
 ///
-/// Where `φ` has a ramp, the errors have to sum up to 0, or that sum never dies out: what comes later is as large again.
+/// If `φ` has a ramp, the errors have to sum up to 0, or that sum never dies out: what comes later is as
+/// large again.
 pub(super) fn error(request: &LimitRequest) -> f64 {
     let (period, samples) = (request.period, request.delay + 1);
     let squares: usize = (1..=samples).map(|k| k * k).sum();

@@ -4,7 +4,7 @@ use cmaes::{CMAESOptions, DVector};
 
 use super::simplex::Found;
 
-/// What stands for a cost that is none.
+/// Largest cost, which also replaces one that is not a number.
 const WORST: f64 = 1e300;
 
 /// Any number: the same one gives the same laws.
@@ -14,7 +14,8 @@ const SEED: u64 = 1;
 ///
 /// # References
 ///
-/// N. Hansen, A. Ostermeier, "Completely derandomized self-adaptation in evolution strategies", Evolutionary Computation 9(2), 2001.
+/// N. Hansen, A. Ostermeier, "Completely derandomized self-adaptation in evolution strategies", Evolutionary
+/// Computation 9(2), 2001.
 pub(super) fn evolution(
     cost: impl Fn(&[f64]) -> f64,
     start: &[f64],

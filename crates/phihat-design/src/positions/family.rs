@@ -5,14 +5,15 @@ use core::f64::consts::{PI, TAU};
 use crate::sampled::placed::{Poles, correction};
 use crate::{FilterSection, JointRecord, PositionObserver};
 
-/// Numbers of a law of the family, positive ones by their logarithms: `K_p`, `K_d`, the observer's real pole, its pair
-/// (distance and damping), the bandwidth of the torque \[Hz\]; for `m = 2` another real pole. With a filter on the innovation, for each of
-/// its sections the pair of poles (distance, damping), and what of its state and of the change of that the torque has, of either sign.
+/// Numbers of a law of the family, positive ones by their logarithms: `K_p`, `K_d`, the observer's real pole,
+/// its pair (distance and damping), the bandwidth of the torque \[Hz\]; for `m = 2` another real pole. With a
+/// filter on the innovation, for each of its sections the pair of poles (distance, damping), and what of its
+/// state and of the change of that the torque has, of either sign.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Family {
     /// Order `m`, 1 or 2.
     pub(super) order: usize,
-    /// Whether it filters the innovation.
+    /// True if it filters the innovation.
     pub(super) filtered: bool,
     pub(super) period: f64,
     pub(super) delay: u32,
@@ -30,18 +31,19 @@ const SECTIONS: [(f64, f64); 2] = [(0.45, 0.8), (3.0, 0.8)];
 /// The damping that a section may have.
 const DAMPED: core::ops::RangeInclusive<f64> = 0.15..=3.0;
 
-/// How the numbers grow with speed: by which power.
+/// Powers of the speed with which the numbers grow.
 const POWERS: [f64; 6] = [2.0, 1.0, 1.0, 1.0, 0.0, 1.0];
 
 /// Poles are kept below this share of half the sample rate.
 const FASTEST: f64 = 0.9;
 
-/// No number is slower than this per sample: a mode that is forgotten in a million samples is none that a certificate can
-/// sum up, and no error of a joint's estimate shows it.
+/// No number is slower than this per sample: a mode that takes a million samples to die out is none that a
+/// certificate can sum up, and no error of a joint's estimate shows it.
 const SLOWEST: f64 = 5e-5;
 
-/// A joint that was pushed aside comes back at least so fast \[1/s\]. A tube begins on the reference and does not ask for it: a search had
-/// found 0.07 1/s for a light wrist, which would have been half a minute on its way.
+/// A joint that was pushed aside comes back at least so fast \[1/s\]. A tube begins on the reference and does
+/// not require it: a search resulted in 0.07 1/s for a light wrist, which would have been half a minute on
+/// its way.
 const RETURN: f64 = 1.0;
 
 /// No section is slower than this per sample: what it holds would outgrow single precision.
@@ -53,7 +55,7 @@ impl Family {
         START.len() + self.order.saturating_sub(1)
     }
 
-    /// Whether the numbers are of this family, not of one with a filter or without.
+    /// Returns true if the numbers are of this family, with a filter or without.
     pub(super) fn has(&self, x: &[f64]) -> bool {
         self.filtered == (x.len() > self.length())
     }

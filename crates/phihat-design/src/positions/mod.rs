@@ -1,7 +1,8 @@
 //! A law from positions for each joint: the least torque noise that keeps the joint's error, joint by joint.
 //!
-//! From below: `family` is the laws that are looked at, `response` what one does at one inertia, `task` what a joint asks
-//! of it and what that costs, `simplex` the search, `search` all joints and the nominal inertia that they share.
+//! From below: `family` is the set of laws, `response` what one does at one inertia, `task` the requests of a
+//! joint and the cost of a law, `simplex` the search, `search` all joints and the nominal inertia that they
+//! share.
 
 mod evolution;
 mod family;

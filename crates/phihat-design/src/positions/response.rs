@@ -1,4 +1,4 @@
-//! What a law from positions does at one inertia, by its responses: quick and a few per mille low, for a search.
+//! Responses of a law from positions at one inertia: quick and a few per mille low, for a search.
 
 use crate::JointRecord;
 use crate::lanes::Lane;
@@ -37,7 +37,7 @@ pub(super) struct Response {
 /// Inertia ratios at which a loop is played side by side.
 const BESIDE: usize = 4;
 
-/// What a loop is played from: a push, a reading that is off, a kick in position; each at all of these ratios.
+/// First lane of each play: a push, a reading error, a kick in position; each at all of these ratios.
 const PUSH: usize = 0;
 const READING: usize = BESIDE;
 const KICK: usize = 2 * BESIDE;
@@ -77,7 +77,8 @@ impl<const W: usize> State<W> {
     };
 }
 
-/// What a sample shows: position, velocity, torque commanded; and 1 where a run has not yet died, 0 from then on.
+/// Signals of a sample: position, velocity, commanded torque; and 1 where a run has not yet died, 0 from then
+/// on.
 struct Shown<'a, const W: usize> {
     q: &'a Lane<W>,
     v: &'a Lane<W>,
@@ -180,7 +181,7 @@ impl<'a, const W: usize> Played<'a, W> {
         None
     }
 
-    /// Whether all of the loops forget.
+    /// Returns true if the responses of all loops die out.
     pub(super) fn forget(&self) -> bool {
         let mut pushed = State::REST;
         pushed.v = Lane(self.mu.map(|mu| self.period / mu));
@@ -253,7 +254,8 @@ impl Response {
     }
 }
 
-/// Gain from kicks in position, one per sample, to `e`: the worst over inertia ratios; `None` where the loop does not forget.
+/// Gain from kicks in position, one per sample, to `e`: the worst over inertia ratios; `None` where a
+/// response does not die out.
 pub(crate) fn worst_kick(record: &JointRecord, model: &LoopModel, mu: &[f64]) -> Option<f64> {
     Response::over(record, model, mu).map(|worst| worst.kick[0])
 }

@@ -17,7 +17,7 @@ use crate::prelude::*;
 use crate::sampled::{LoopModel, TorqueNoise};
 use crate::{Arm, ArmInertia, Certificate, Gains, JointRecord, Phi};
 
-/// What a rate of φ counts against a jump \[s\] when the nominal inertia is shared out.
+/// Weight of a rate of φ against a jump \[s\] when the nominal inertia is shared out.
 const RAMP: f64 = 0.02;
 
 /// Factors on the nominal inertia that are tried.
@@ -55,7 +55,7 @@ fn better(a: Chosen, b: Chosen) -> Chosen {
     if b.cost < a.cost { b } else { a }
 }
 
-/// What all joints ask.
+/// Requests of all joints.
 #[derive(Debug)]
 struct Asked<'a> {
     study: &'a Study,
@@ -64,7 +64,7 @@ struct Asked<'a> {
     /// The inertia that each joint shows along the reference \[kg·m²\].
     shown: Option<Vec<(f64, f64)>>,
     phi: Vec<Phi>,
-    /// What each joint's estimates count once tubes have told; empty: they have not.
+    /// Weights of each joint's estimates, once tubes were computed; empty: not yet.
     weights: Vec<Option<Weights>>,
 }
 
@@ -72,10 +72,11 @@ struct Asked<'a> {
 ///
 /// # Method
 ///
-/// Joint by joint, by estimates over the arm's range of inertia: the least error for a given share of the torque noise that is
-/// allowed, over six numbers of a law (seven for `m = 2`), by a simplex. Laws that do not hold at the ends of the range with its
-/// margin, or that come too close to −1, are none. Of a few common factors on the nominal inertia the least that keeps
-/// the errors by estimate is taken, or the one with the least error. Whether the laws together hold the coupled arm is for the
+/// Joint by joint, by estimates over the arm's range of inertia: the least error for a given share of the
+/// torque noise that is allowed, over six numbers of a law (seven for `m = 2`), by a simplex. Laws that do
+/// not hold at the ends of the range with its margin, or that come too close to −1, are none. Of a few common
+/// factors on the nominal inertia the least with which the errors are within their bounds by estimate is
+/// taken, or the one with the least error. Whether the laws together hold the coupled arm is for the
 /// [`Certificate`] to say.
 pub struct PositionSearch<'a> {
     asked: Asked<'a>,
@@ -84,31 +85,31 @@ pub struct PositionSearch<'a> {
     last: Vec<Option<Chosen>>,
     /// The shares that they were sought for.
     shares: Vec<f64>,
-    /// Whether their orders were compared.
+    /// True if their orders were compared.
     ordered: bool,
-    /// Whether laws may filter their innovation.
+    /// True if laws may filter their innovation.
     filtering: bool,
 }
 
-/// What of a joint's tube comes from where: the parts add up to it.
+/// Parts of a joint's tube by cause: they add up to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TubeParts {
     /// `|e|` \[rad\] of the motion, payloads and all, without dry friction and with an exact encoder.
     pub motion_rad: f64,
-    /// What dry friction adds to that \[rad\].
+    /// Addition to that by dry friction \[rad\].
     pub jumps_rad: f64,
-    /// What the encoder adds to both \[rad\].
+    /// Addition to both by the encoder \[rad\].
     pub reading_rad: f64,
     /// Change of torque per sample \[N·m\] that the encoder causes without dry friction.
     pub noise_nm: f64,
-    /// What dry friction adds to that \[N·m\].
+    /// Addition to that by dry friction \[N·m\].
     pub jolt_nm: f64,
 }
 
 /// A part that a tube says is nothing still counts so much of its estimate.
 const LEAST_WEIGHT: f64 = 0.1;
 
-/// What a law is estimated to do for its joint.
+/// Estimated error and torque noise of a law for its joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PositionEstimate {
     /// `|e|` \[rad\] of the joint by itself.
@@ -118,8 +119,8 @@ pub struct PositionEstimate {
 }
 
 impl<'a> PositionSearch<'a> {
-    /// Measures the arm, and chooses the nominal inertia: the first of the factors, from the least on, with which the errors are kept
-    /// by estimate; where none is, that with the least error.
+    /// Measures the arm, and chooses the nominal inertia: the first of the factors, from the least on, with
+    /// which the errors are within their bounds by estimate; where none is, that with the least error.
     ///
     /// # Errors
     ///
@@ -141,8 +142,8 @@ impl<'a> PositionSearch<'a> {
         Self::of((study, arm), phi, f64::NEG_INFINITY)
     }
 
-    /// With the first factor whose errors, by the logarithm of what they have of those that are asked for, are not above `enough`;
-    /// else with the least.
+    /// With the first factor whose errors, by the logarithm of their share of the requested ones, are not
+    /// above `enough`; else with the least.
     fn of(
         (study, arm): (&'a Study, &Arm),
         phi: PhiOf<'a>,
@@ -195,8 +196,8 @@ impl<'a> PositionSearch<'a> {
         (self.filtering, self.ordered) = (true, false);
     }
 
-    /// From here on estimates are weighed so that they say of these laws what their tube said; a share is one of all that turns the
-    /// torque then, not of the encoder's part.
+    /// From here on estimates are weighted so that for these laws they agree with the tube; a share is then
+    /// one of all causes of a change of torque, not of the encoder's part.
     pub fn weigh(&mut self, gains: &Gains, found: &[TubeParts]) {
         // Over each joint's own inertia from here on.
         self.asked.weights = vec![None; gains.joints.len()];
@@ -229,8 +230,8 @@ impl<'a> PositionSearch<'a> {
         self.ordered = false;
     }
 
-    /// The laws with the least error for a share of the allowed noise, per joint; without a certificate. `None`: some joint
-    /// has no law that holds.
+    /// The laws with the least error for a share of the allowed noise, per joint; without a certificate.
+    /// `None`: some joint has no law that holds.
     pub fn laws(&mut self, shares: &[f64]) -> Option<(Gains, Vec<PositionEstimate>)> {
         let Asked { study, quanta, arm, phi, .. } = &self.asked;
         let joints: Vec<usize> = (0..phi.len()).collect();
@@ -303,8 +304,8 @@ impl<'a> PositionSearch<'a> {
 }
 
 impl Asked<'_> {
-    /// Change of torque per sample that is allowed per radian that a reading is off \[N·m/rad\]; where nothing is said, 1 N·m
-    /// for half a step of an encoder.
+    /// Change of torque per sample that is allowed per radian of reading error \[N·m/rad\]; without a limit,
+    /// 1 N·m for half a step of an encoder.
     fn allowed(&self, joint: usize) -> f64 {
         let most = self.study.design.torque_step_max.as_ref();
         let rate = self.study.limits(joint).1;
@@ -314,7 +315,8 @@ impl Asked<'_> {
         if quantum > 0.0 { most / (0.5 * quantum) } else { most * EXACT }
     }
 
-    /// The range of inertia over which a joint is looked at: once tubes have told, its own along the reference, of that of the arm.
+    /// The range of inertia over which a joint is examined: once tubes were computed, its own along the
+    /// reference, within that of the arm.
     fn shown(&self, joint: usize) -> (f64, f64) {
         let (nominal, low, high) = (self.arm.nominal_kg_m2[joint], self.arm.low, self.arm.high);
         let told = !self.weights.is_empty();
@@ -401,7 +403,7 @@ impl Asked<'_> {
     }
 }
 
-/// What an exact encoder counts as per newton metre \[1/rad\]: 20 bits.
+/// Inverse of half an encoder step, for an exact encoder \[1/rad\]: that of 20 bits.
 const EXACT: f64 = 3.3e5;
 
 /// Shares of the allowed noise between which [`search`] looks, where it begins, and how often it looks.

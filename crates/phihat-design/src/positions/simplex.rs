@@ -1,6 +1,6 @@
 //! The least of a function that is not smooth, by a simplex (Nelder and Mead 1965), the same every time.
 
-/// Where a simplex has come: the best place, what it costs, and how often it looked.
+/// Result of a search: the best place and its cost.
 pub(super) struct Found {
     pub(super) x: Vec<f64>,
     pub(super) cost: f64,

@@ -1,4 +1,4 @@
-//! What one joint asks of its law, and what a law costs.
+//! Requests of one joint to its law, and the cost of a law.
 
 use core::f64::consts::PI;
 use phihat_certificate::extremes::Extremes as _;
@@ -18,16 +18,17 @@ const LOWEST: f64 = 2e-3;
 /// Inertia ratios at which gains are looked at.
 const RATIOS: u32 = 4;
 
-/// What a law that does not hold costs at least; the more it misses by, the more.
+/// Least cost of a law that does not hold; the more it misses by, the more.
 const NONE: f64 = 1e3;
 
-/// What a jump of φ counts: it is not where a tube has the rest at its worst, and a tube knows when.
+/// Weight of a jump of φ: it does not act where the rest of a tube is at its worst, and a tube includes the
+/// time.
 const JUMP: f64 = 0.5;
 
-/// What noise beyond the allowed costs, by its logarithm.
+/// Cost of noise beyond the allowed, by its logarithm.
 const STEEP: f64 = 30.0;
 
-/// What one joint asks for.
+/// Requests of one joint.
 pub(super) struct Task<'a> {
     pub(super) family: Family,
     pub(super) model: LoopModel,
@@ -44,11 +45,11 @@ pub(super) struct Task<'a> {
     pub(super) change: f64,
     /// Allowed `|ė|` over allowed `|e|` \[1/s\], where both are asked for.
     pub(super) velocity: Option<f64>,
-    /// What its estimates count; `None`: as they are.
+    /// Weights of its estimates; `None`: not weighted.
     pub(super) weights: Option<Weights>,
 }
 
-/// What each part of an estimate counts.
+/// Weights of the parts of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Weights {
     /// Of the error: what moves smoothly, what jumps, what the encoder does.
@@ -64,12 +65,12 @@ pub(super) struct Parts {
     pub(super) errors: [[f64; 3]; 2],
     /// Bounds of `|e|` and `|ė|` as a whole.
     whole: [f64; 2],
-    /// Of the change of torque per sample: what the encoder does \[N·m\] per radian that a reading is off, and what `φ` does by its
-    /// jumps \[N·m\].
+    /// Of the change of torque per sample: by the encoder \[N·m\] per radian of reading error, and by jumps
+    /// of `φ` \[N·m\].
     pub(super) change: [f64; 2],
 }
 
-/// What a law does for a joint.
+/// Estimates for a law of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Worth {
     /// Estimate of `|e|` \[rad\] and `|ė|` \[rad/s\].
@@ -102,7 +103,7 @@ impl Task<'_> {
         worth.error.max(velocity).ln() + STEEP * loud
     }
 
-    /// Whether the loop forgets at both ends of the range and its margin.
+    /// Returns true if the response dies out at both ends of the range and its margin.
     fn holds(&self, record: &JointRecord) -> bool {
         let Some(law) = Positions::of(record, self.model.period_s) else { return false };
         let (low, high) = self.range;
@@ -151,7 +152,7 @@ impl Task<'_> {
         })
     }
 
-    /// What a law does, as its parts are weighed; `None` where it does not hold.
+    /// Estimates for a law, with its parts weighted; `None` where it does not hold.
     pub(super) fn worth(&self, record: &JointRecord) -> Option<Worth> {
         let Parts { errors, whole: [error, velocity], change } = self.parts(record)?;
         let Some(weights) = &self.weights else {

@@ -26,7 +26,7 @@ const NARROWEST_AT_ZERO: f64 = 1e-18;
 ///
 /// Zero exclusion. (i) `p_λ(ρe^{jθ})` is affine in `λ`, so its values at one `θ` are a segment; between
 /// the centre and the edge of a cell of half-width `h` each end moves by at most `h ρ Σ k|c_k||w|^{k−1}`.
-/// Where the segment's distance from zero exceeds this, no `p_λ` has a root on the arc; else the cell is
+/// If the segment's distance from zero exceeds this, no `p_λ` has a root on the arc; else the cell is
 /// halved. (ii) No root crosses the circle, so all `p_λ` have as many roots inside as one of them. (iii) For
 /// that one, the argument of `p(ρe^{jθ})` over the half circle must grow by `π` times the degree.
 ///
@@ -97,8 +97,9 @@ impl Exclusion<'_> {
     }
 }
 
-/// Proves the loop stable for inertia ratios in `[low, high]` with a drive that gives `gain` times the torque that it is
-/// told: an observer fed with the torque that acted knows this, one fed with the torque demanded does not.
+/// Proves the loop stable for inertia ratios in `[low, high]` with a drive that delivers `gain` times the
+/// commanded torque: an observer that receives the torque that acted knows this, one that receives the torque
+/// demanded does not.
 pub(crate) fn stable_at_gain(
     gains: &JointRecord,
     model: &LoopModel,
@@ -120,7 +121,7 @@ pub(crate) fn from_segment(a: nalgebra::Complex<f64>, b: nalgebra::Complex<f64>)
     (a + along * share.clamp(0.0, 1.0)).norm()
 }
 
-/// How far the argument turns over a cell on which the polynomial moves less than its own size.
+/// Angle by which the argument turns over a cell on which the polynomial moves less than its own size.
 fn turn(p: &Polynomial, from: f64, to: f64, radius: f64) -> f64 {
     let [a, centre, b] = [from, 0.5 * (from + to), to].map(|theta| p.at(on_circle(theta, radius)));
     (centre / a).arg() + (b / centre).arg()

@@ -1,4 +1,4 @@
-//! What a law does at one inertia where `φ` is held over each sample: the reckoning of the limit of linear laws.
+//! Gains of a law at one inertia with `φ` held over each sample, computed as in the limit of linear laws.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -177,7 +177,7 @@ impl Search<'_> {
         all
     }
 
-    /// Where `|L|` passes through `low` or `high`.
+    /// Angles at which `|L|` passes through `low` or `high`.
     fn edges(&self, grid: &[f64]) -> Vec<f64> {
         let mut edges = Vec::new();
         for mu in [self.low, self.high] {
@@ -199,7 +199,8 @@ impl Search<'_> {
     }
 }
 
-/// Peaks of `|L|` on the grid that are this much below an end of the range, or valleys above, are looked at between its points.
+/// Peaks of `|L|` on the grid that are this much below an end of the range, or valleys above, are examined
+/// between its points.
 const HIDDEN: f64 = 2.0;
 
 /// Valleys of the grid this much above the lowest are refined too.

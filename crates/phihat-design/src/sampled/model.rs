@@ -1,4 +1,4 @@
-//! What the finders read off a loop model.
+//! Quantities that the finders derive from a loop model.
 
 use core::f64::consts::TAU;
 
@@ -10,19 +10,19 @@ pub(crate) trait LoopParts {
     /// Samples from measuring to acting, both ways.
     fn late(&self) -> u32;
 
-    /// How far the reference of the equivalent loop is ahead \[s\].
+    /// Lead of the reference of the equivalent loop \[s\].
     fn lead(&self) -> f64;
 
     /// The filter's gain per sample, `1 − e^{−2πfT}`; 1 without a filter.
     fn filter_gain(&self) -> f64;
 
-    /// Whether a velocity filter is there.
+    /// Returns true if there is a velocity filter.
     fn filters(&self) -> bool;
 
     /// The drive over one held interval; `None` without a drive.
     fn drive(&self) -> Option<Drive>;
 
-    /// How many samples of `φ`'s polynomial are answered without a steady error: the loop's type.
+    /// Type of the loop: number of coefficients of `φ` as a polynomial in time that leave no steady error.
     ///
     /// The literal form integrates `m` times whatever the delay; the observer knows the torque that
     /// acted, so a torque that comes late leaves an error under a ramp.

@@ -27,7 +27,8 @@ use crate::JointRecord;
 ///
 /// `A_α = Σ α_i (w/T)^i`, `A_o = (w/T)^m + A_α` (multiplied by `T^m`); `κ`, `k_j` the factors of (16).
 ///
-/// `d` counts the samples of both delays. An observer fed with the torque demanded has `X` in place of `X − c₁w` in `Δ`.
+/// `d` counts the samples of both delays. An observer that receives the torque demanded has `X` in place of
+/// `X − c₁w` in `Δ`.
 ///
 /// The loop is cut where the torque meets the inertia: what the observer is told has acted stays known.
 #[derive(Debug, Clone, PartialEq)]
@@ -134,8 +135,8 @@ fn by_form(gains: &JointRecord, model: &LoopModel, plant: &Plant) -> (Polynomial
     }
 }
 
-/// `Δ = w² (A_o X (z^D (z − 1 + g) − g Σ c_j z^{D−j}) − g z^{D−d} R_a (X − c₁w))`, `N = −g z^{D+1−d} R_y q_n`, `D` the longer
-/// of the delay and what the law predicts across.
+/// `Δ = w² (A_o X (z^D (z − 1 + g) − g Σ c_j z^{D−j}) − g z^{D−d} R_a (X − c₁w))`,
+/// `N = −g z^{D+1−d} R_y q_n`, `D` the longer of the delay and what the law predicts across.
 fn positions(law: &Positions, model: &LoopModel, plant: &Plant) -> (Polynomial, Polynomial) {
     let (g, late) = (law.share, model.late() as usize);
     let longer = late.max(law.ahead());

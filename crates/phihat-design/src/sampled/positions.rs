@@ -16,9 +16,10 @@ pub(crate) struct Positions {
     pub(crate) share: f64,
     /// Filter on the innovation.
     sections: Vec<FilterSection>,
-    /// What `ê`, `ė̂`, `φ̂_0 …` weigh in the torque wanted, once carried on through the delay, and `x`, `δ` of each section …
+    /// Weights of `ê`, `ė̂`, `φ̂_0 …` in the torque wanted, once carried on through the delay, and of `x`,
+    /// `δ` of each section …
     row: Vec<f64>,
-    /// … and the torques on their way, the newest first.
+    /// … and of the torques on their way, the newest first.
     coming: Vec<f64>,
 }
 
@@ -56,12 +57,13 @@ impl Positions {
         })
     }
 
-    /// How many numbers it expects and filters: `ê`, `ė̂`, `φ̂_0 … φ̂_{m−1}`, then `x`, `δ` of each section.
+    /// Number of values that it expects and filters: `ê`, `ė̂`, `φ̂_0 … φ̂_{m−1}`, then `x`, `δ` of each
+    /// section.
     pub(crate) fn length(&self) -> usize {
         self.correction.len() + 2 * self.sections.len()
     }
 
-    /// How many torques it remembers.
+    /// Number of torques that it stores.
     pub(crate) fn sent(&self) -> usize {
         self.coming.len().max(1)
     }
@@ -71,7 +73,8 @@ impl Positions {
         self.coming.len()
     }
 
-    /// The observer over the interval that ends at this sample, in which `acted` did, and with this error read at its end.
+    /// Observer update over the interval that ends at this sample, in which `acted` did, and with this error
+    /// read at its end.
     #[inline]
     pub(crate) fn see<const W: usize>(
         &self,
@@ -179,14 +182,14 @@ impl Positions {
         Lane::of(|c| (own[c] + coming[c] - (1.0 + weight) * sent[0][c]) / (1.0 - weight))
     }
 
-    /// `(A_o, z R_y, z R_a)`: `A_o` times the torque wanted is `R_y` times the error read and `R_a` times the torque that
-    /// acted, beside what is on its way.
+    /// `(A_o, z R_y, z R_a)`: `A_o` times the torque wanted is `R_y` times the error read and `R_a` times the
+    /// torque that acted, in addition to what is on its way.
     ///
     /// # Method
     ///
-    /// The correction times the plant of the observer, `x ← (1 − ℓC)F x + (1 − ℓC)G a + ℓ y`; adjugate and determinant of
-    /// `w − ((1 − ℓC)F − 1)` by Faddeev and LeVerrier in units of `T`, where no power of `T` stands beside 1. Sections of a filter are
-    /// states whose `δ` the innovation corrects by itself.
+    /// The correction times the plant of the observer, `x ← (1 − ℓC)F x + (1 − ℓC)G a + ℓ y`; adjugate and
+    /// determinant of `w − ((1 − ℓC)F − 1)` by Faddeev and LeVerrier in units of `T`, where no power of `T`
+    /// is added to 1. Sections of a filter are states whose `δ` the innovation corrects by itself.
     pub(crate) fn transfer(&self) -> [Polynomial; 3] {
         let (n, seen_n) = (self.length(), self.correction.len());
         // x and δ are in units of the reading.

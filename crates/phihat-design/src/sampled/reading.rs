@@ -1,4 +1,4 @@
-//! What the encoder's resolution does to the true error.
+//! Effect of the encoder's resolution on the true error.
 
 use nalgebra::DVector;
 pub use phihat_certificate::ReadingError;

@@ -1,4 +1,4 @@
-//! What the reference's own motion costs: the part of the error that no unknown torque causes.
+//! Error from the reference's own motion: the part of the error that no unknown torque causes.
 
 use nalgebra::{DMatrix, DVector};
 pub use phihat_certificate::ReferenceError;
@@ -32,7 +32,7 @@ pub trait FindReferenceError: Sized {
     ) -> Result<Self, Refutation>;
 }
 
-/// What is claimed over what was found.
+/// Ratio of a claim to the computed result.
 const ROUNDED_UP: f64 = 1.0 + 1e-6;
 
 impl FindReferenceError for ReferenceError {
@@ -100,7 +100,8 @@ fn kicked(matrix: &StateMatrix, entry: usize, horizon: Horizon) -> f64 {
     total + horizon.tail(rows, 1.0)
 }
 
-/// What a unit of acceleration held over one interval leaves, for a search; `None` should the loop not follow.
+/// State that a unit of acceleration held over one interval leaves, for a search; `None` if the loop does not
+/// follow.
 pub(crate) fn left_by_acceleration(matrix: &StateMatrix) -> Option<DVector<f64>> {
     Following::of(matrix, true).map(|following| following.leaves())
 }
@@ -145,7 +146,7 @@ impl<'a> Following<'a> {
         total + horizon.tail(rows, size)
     }
 
-    /// What an acceleration held over one interval leaves of the state beside that which follows.
+    /// State that an acceleration held over one interval leaves in addition to that which follows.
     fn leaves(&self) -> DVector<f64> {
         let t = self.period;
         let [s0, s1, _] = &self.s;

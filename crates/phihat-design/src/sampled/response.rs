@@ -70,7 +70,7 @@ pub(crate) fn sweep(
     }
 }
 
-/// How many products the package sums side by side.
+/// Number of products that the package sums in lockstep.
 const SIDE: usize = 8;
 
 /// A matrix whose rows fill vector registers, `W` a multiple of eight.

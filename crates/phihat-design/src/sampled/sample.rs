@@ -17,13 +17,13 @@ use crate::lanes::Lane;
 pub(crate) struct Input {
     /// `φ/M̄`, held over the interval \[rad/s²\].
     pub(crate) phi: f64,
-    /// What the encoder adds to the position \[rad\].
+    /// Error that the encoder adds to the position \[rad\].
     pub(crate) encoder: f64,
     /// `q_d, q̇_d, q̈_d`.
     pub(crate) reference: [f64; 3],
 }
 
-/// Where the entries of the state are.
+/// Places of the entries of the state.
 #[derive(Debug, Clone, Copy)]
 struct Layout {
     memory: usize,
@@ -74,7 +74,7 @@ impl Layout {
 }
 
 impl Layout {
-    /// What one unit of each entry is, in SI.
+    /// Size of one unit of each entry, in SI.
     fn scale(&self, w: f64, form: Form) -> DVector<f64> {
         let mut scale = DVector::from_element(self.length, w * w);
         scale[0] = 1.0;
@@ -131,7 +131,7 @@ impl<'a> Sample<'a> {
         self.layout.length
     }
 
-    /// What one unit of each entry of the state is, in SI.
+    /// Size of one unit of each entry of the state, in SI.
     pub(crate) fn scale(&self) -> DVector<f64> {
         self.layout.scale(self.gains.kp_per_s2.sqrt(), self.model.form)
     }

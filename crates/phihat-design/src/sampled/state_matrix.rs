@@ -7,7 +7,8 @@ use super::model::LoopModel;
 use super::sample::{Input, Sample};
 use crate::JointRecord;
 
-/// How torque reacts to an input: `u_k = state·x_k + direct·input_k`, `x_{k+1} = A x_k + drives·input_k`.
+/// Reaction of the torque to an input: `u_k = state·x_k + direct·input_k`,
+/// `x_{k+1} = A x_k + drives·input_k`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reaction {
     /// Column of the input in the step.

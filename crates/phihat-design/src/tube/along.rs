@@ -14,7 +14,7 @@ pub(super) struct Along<'a> {
     /// Shapes of the payload's parameters, per sample `ε, w` and per interval the command, one column each.
     pub(super) shapes: &'a [Option<Shape>],
     pub(super) bins: usize,
-    /// What is left at each segment's start of inputs before, and does in it.
+    /// Remainder of earlier inputs at each segment's start, and its effect in the segment.
     pub(super) segments: &'a [Segment],
 }
 

@@ -10,7 +10,8 @@ use phihat_study::PayloadSet;
 /// Offset of a centre of mass by which first moments are told apart \[m\].
 const OFFSET: f64 = 0.1;
 
-/// At which distance from an axis a payload's mass is compared with its centre when a slice is divided \[m\]: that of a wrist.
+/// Distance from an axis at which a payload's mass is compared with its centre when a slice is divided \[m\]:
+/// that of a wrist.
 const LEVER: f64 = 0.2;
 
 /// One parameter of the payload: what it adds is `(plus − minus) · scale` per unit.
@@ -53,7 +54,8 @@ impl Slice {
         Self { mass, off, half, inertia }
     }
 
-    /// So many slices that are a set together, if it can be divided: halves of its mass, then halves of whatever leaves most unknown.
+    /// So many slices that are a set together, if it can be divided: halves of its mass, then halves of
+    /// whatever leaves most unknown.
     pub(super) fn all(set: &PayloadSet, count: u32) -> Vec<Self> {
         let whole = Self::whole(set);
         let mut all =
@@ -68,7 +70,8 @@ impl Slice {
         all
     }
 
-    /// What mass and each coordinate of its centre leave unknown of a momentum, for a turn about an axis [`LEVER`] away.
+    /// Uncertainty of a momentum by the mass and by each coordinate of its centre, for a turn about an axis
+    /// [`LEVER`] away.
     fn unknown(&self) -> [f64; 4] {
         let [x, y, z] = self.half.map(|half| 2.0 * half * self.mass.1);
         [0.5 * (self.mass.1 - self.mass.0) * LEVER, x, y, z]
@@ -137,7 +140,8 @@ impl Slice {
         self.along(&scene.bare, |mass, off, inertia| scene.loaded(mass, off, inertia))
     }
 
-    /// The same of an arm, and of what it is with a mass, its centre from the middle of the box, and its inertia about that.
+    /// The same of an arm, and of what it is with a mass, its centre from the middle of the box, and its
+    /// inertia about that.
     fn along<E>(
         &self,
         bare: &Model,
@@ -222,7 +226,7 @@ mod tests {
         PayloadSet { frame: "tool".to_owned(), mass, com, gyration: 0.02 }
     }
 
-    /// Where a slice's box lies, of a set whose box has its middle there.
+    /// Ends of a slice's box along an axis, for a set whose box has its middle there.
     fn range(slice: &Slice, middle: [f64; 3], axis: usize) -> (f64, f64) {
         let at = middle[axis] + slice.off[axis];
         (at - slice.half[axis], at + slice.half[axis])
@@ -234,8 +238,8 @@ mod tests {
         tau
     }
 
-    /// Inverse dynamics is linear in mass, first moments and inertia about the slice's middle: what the directions say of a payload is
-    /// all that it does, wherever its slice lies.
+    /// Inverse dynamics is linear in mass, first moments and inertia about the slice's middle: the directions
+    /// of a payload describe all that it does, wherever its slice lies.
     #[test]
     fn directions_are_all_that_a_payload_does() {
         let bare = Robot::named("panda").unwrap().plant_model();

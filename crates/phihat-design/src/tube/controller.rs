@@ -6,7 +6,7 @@ use crate::sampled::{Drive, LoopModel, LoopParts, estimator_coefficients, litera
 use phihat::{Form, TorqueSource, VelocitySource};
 use phihat_certificate::JointRecord;
 
-/// What of the loop does not change from sample to sample: sensors, law, delays, drives, per joint.
+/// Constant part of the loop: sensors, law, delays, drives, per joint.
 #[derive(Debug, Clone)]
 pub(super) struct SampledLaw {
     pub(super) joints: Vec<SampledJoint>,
@@ -18,7 +18,7 @@ pub(super) struct SampledLaw {
 }
 
 impl SampledLaw {
-    /// Whether torque changes within a sample.
+    /// Returns true if torque changes within a sample.
     pub(super) fn bulges(&self) -> bool {
         self.joints.iter().any(|joint| joint.model.drive_bandwidth_hz.is_some())
     }
@@ -85,7 +85,7 @@ impl SampledJoint {
 #[derive(Debug, Clone)]
 pub(super) struct Control<const W: usize> {
     joints: Vec<JointState<W>>,
-    /// What the law asked for at this sample.
+    /// Torque command of the law at this sample \[N·m\].
     pub(super) command: Vec<Lane<W>>,
     /// Torque that held the arm before the first sample; 0 of a deviation.
     held: Vec<f64>,
@@ -166,13 +166,14 @@ impl<const W: usize> Control<W> {
         }
     }
 
-    /// What was commanded last, where the law remembers it.
+    /// Torque commanded last, where the law stores it \[N·m\]; else 0.
     pub(super) fn sent_last(&self, law: &SampledLaw, i: usize) -> Lane<W> {
         let inertia = law.joints[i].inertia;
         self.joints[i].sent.first().map_or(Lane::ZERO, |sent| Lane(sent.map(|u| inertia * u)))
     }
 
-    /// Laws from positions: how far what they expect and send is from what is and what they want; after commands have acted.
+    /// Laws from positions: replaces the expected values and the torque sent by their differences from the
+    /// true values and from the torque wanted; after commands have acted.
     pub(super) fn come_apart(&mut self, law: &SampledLaw, arm: (&[Lane<W>], &[Lane<W>])) {
         for (i, (joint, state)) in law.joints.iter().zip(&mut self.joints).enumerate() {
             let Some(own) = &joint.positions else { continue };
@@ -397,7 +398,7 @@ impl<const W: usize> JointState<W> {
         }
     }
 
-    /// What a law from positions remembers of the torque that is sent.
+    /// Stores the torque sent, without its feed-forward, for a law from positions.
     fn send(&mut self, joint: &SampledJoint, command: &Lane<W>) {
         if joint.positions.is_some() {
             for i in (1..self.sent.len()).rev() {
@@ -484,7 +485,7 @@ impl<const W: usize> JointState<W> {
     }
 }
 
-/// What arrives at the end of a line that something new is put into.
+/// Puts a new value into a line, and returns the one that arrives at its end.
 fn told_on<T: Copy>(line: &mut [T], new: T) -> T {
     let told = line[0];
     for i in 1..line.len() {

@@ -49,14 +49,15 @@ impl<const W: usize> Deviation<W> {
         self.control.each(|i, state| visit(first + i, state));
     }
 
-    /// Puts in place of what a law expects how far that is from what it is, so that sizes of all numbers say how much is left of
-    /// the loop: of laws from positions, an expected position beside the true one, and the torque wanted beside the one sent.
+    /// Replaces what a law expects by its difference from the true value, so that the sizes of all numbers
+    /// say how much is left of the loop: of laws from positions, the expected position against the true one,
+    /// and the torque wanted against the one sent.
     pub(super) fn come_apart(&mut self, scene: &Scene<'_>) {
         let (position, velocity) = self.state.split_at(scene.n);
         self.control.come_apart(&scene.law, (position, velocity));
     }
 
-    /// What [`Self::come_apart`] was before it.
+    /// The inverse of [`Self::come_apart`].
     pub(super) fn come_together(&mut self, scene: &Scene<'_>) {
         let (position, velocity) = self.state.split_at(scene.n);
         self.control.come_together(&scene.law, (position, velocity));

@@ -17,7 +17,7 @@ const COARSER: usize = 4;
 /// Significant digits that numbers of the document are rounded outward to.
 const DIGITS: i32 = 4;
 
-/// What is left between one implementation's rounding and another's.
+/// Allowance for the difference between one implementation's rounding and another's.
 const ROUNDING: f64 = 1.0 + 1e-6;
 
 /// Finds the [`Tube`] of a study under gains, as data.
@@ -29,8 +29,8 @@ pub fn tube(study: &Study, gains: &Gains, desired: &Desired) -> Result<Tube, Tub
     tube_in_parts(study, gains, (desired, PARTS))
 }
 
-/// Finds the [`Tube`] as [`tube`] does, but with the payload in so many slices at least: the more, the narrower the tube, and the
-/// longer it takes.
+/// Finds the [`Tube`] as [`tube`] does, but with the payload in so many slices at least: the more, the
+/// narrower the tube, and the longer it takes.
 ///
 /// # Errors
 ///
@@ -45,8 +45,8 @@ pub fn tube_in_parts(
     Ok(document(study, gains, desired, (bits, &envelope)))
 }
 
-/// The [`Tube`] over the heaviest of so many slices of the payload alone: what a search goes by between one [`tube_in_parts`] and the
-/// next.
+/// The [`Tube`] over the heaviest of so many slices of the payload alone: for a search, between one
+/// [`tube_in_parts`] and the next.
 ///
 /// # Not claimed
 ///
@@ -65,8 +65,8 @@ pub fn tube_of_heaviest(
     Ok(document(study, gains, desired, (bits, &envelope)))
 }
 
-/// Finds the [`Tube`]s of a study under gains behind encoders of other resolutions \[bit\], in one pass, the payload in so many
-/// slices at least.
+/// Finds the [`Tube`]s of a study under gains behind encoders of other resolutions \[bit\], in one pass, the
+/// payload in so many slices at least.
 ///
 /// # Errors
 ///

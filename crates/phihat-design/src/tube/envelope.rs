@@ -15,7 +15,7 @@ pub struct JointEnvelope {
     pub step: Vec<f64>,
 }
 
-/// What was found.
+/// Envelope of all joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Envelope {
     /// Length of a bin \[s\].

@@ -1,4 +1,4 @@
-//! What bins that lie together share: one launch's sums, second derivatives, and how far matrices move.
+//! Data shared by neighbouring bins: one launch's sums, second derivatives, and how far matrices move.
 
 use phihat_model::Model;
 
@@ -10,23 +10,23 @@ use super::moved::Moved;
 use super::tensors::{Looked, Tensors};
 use super::within::Within;
 
-/// What one group of bins shares.
+/// Data shared by one group of bins.
 pub(super) struct Group {
     /// The first of its bins, and the one after the last.
     pub(super) bins: (usize, usize),
     pub(super) kernel: Kernel,
     pub(super) tensors: Tensors,
-    /// How far `M`, `D`, `K` differ from those of the kernel's launch, entry by entry; and `J`, `6 × n`.
+    /// Differences of `M`, `D`, `K` from those of the kernel's launch, entry by entry; and of `J`, `6 × n`.
     pub(super) moved: [Vec<f64>; 3],
     pub(super) moved_rate: Vec<f64>,
     pub(super) moved_jacobian: Vec<f64>,
     /// `|J̇|`.
     pub(super) jacobian_rate: Vec<f64>,
-    /// What linear runs hold over a sample, bin after bin.
+    /// Changes over a sample of what linear runs hold, bin after bin.
     pub(super) within: Vec<Within>,
 }
 
-/// What groups are made from.
+/// Data from which groups are made.
 pub(super) struct Groups<'a> {
     pub(super) along: &'a Along<'a>,
     pub(super) moved: &'a Moved,
@@ -42,7 +42,7 @@ pub(super) struct Groups<'a> {
 }
 
 impl Groups<'_> {
-    /// How many groups the run has.
+    /// Number of groups of the run.
     pub(super) fn count(&self) -> usize {
         self.along.bins.div_ceil(self.bins)
     }

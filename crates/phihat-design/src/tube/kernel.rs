@@ -10,7 +10,7 @@ use crate::lanes::{Lane, WIDE, add_product, add_size, add_size_of_line};
 /// Below this part of what counts as forgotten, a loop is not looked at any more.
 const QUIET: f64 = 0.03;
 
-/// What kernels are computed from.
+/// Data from which kernels are computed.
 pub(super) struct Course<'a> {
     pub(super) scene: &'a Scene<'a>,
     pub(super) intervals: &'a [Interval],
@@ -20,7 +20,8 @@ pub(super) struct Course<'a> {
     pub(super) bin: usize,
 }
 
-/// Where inputs stand in a kernel: torque, momentum (`x`), position reading, payload's momentum, velocity reading.
+/// Places of the inputs in a kernel: torque, momentum (`x`), position reading, payload's momentum, velocity
+/// reading.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Inputs {
     pub(super) n: usize,
@@ -49,7 +50,7 @@ impl Inputs {
         3 * self.n + self.twist + self.speed
     }
 
-    /// Where inputs of a kind begin.
+    /// First place of the inputs of a kind.
     fn first(self, kind: Kind) -> usize {
         match kind {
             Kind::TorqueAtEnd | Kind::TorqueAtStart => self.torque(),
@@ -88,7 +89,7 @@ impl Inputs {
     }
 }
 
-/// What an input is.
+/// Kind of an input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     /// A pulse of torque as late as it can be in an interval.
@@ -106,7 +107,7 @@ enum Kind {
 }
 
 impl Kind {
-    /// What a unit of the input is of the unit that is launched: boxes on torque and momentum hold over a sample.
+    /// Unit of the input over the unit that is launched: boxes on torque and momentum hold over a sample.
     fn per(self, period: f64) -> f64 {
         match self {
             Self::TorqueAtEnd | Self::TorqueAtStart | Self::Momentum | Self::Payload => period,
@@ -131,14 +132,15 @@ pub(super) struct Kernel {
     sums: Vec<f32>,
     inputs: usize,
     rows: usize,
-    /// `[state][input]`: sizes of what is left of an input where the sums end, by the numbers of [`Deviation::come_apart`].
+    /// `[state][input]`: sizes of the remainder of an input where the sums end, by the numbers of
+    /// [`Deviation::come_apart`].
     pub(super) left: Vec<f64>,
     /// Sample at which they end.
     pub(super) end: usize,
 }
 
 impl Kernel {
-    /// What boxes of that many inputs leave, number by number, per sample that they hold.
+    /// Remainder of boxes on the inputs, number by number, per sample that they hold.
     pub(super) fn left_of<'a>(&'a self, boxes: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         let size = move |left: &[f64]| left.iter().zip(boxes).map(|(left, u)| left * u).sum();
         self.left.chunks_exact(self.inputs).map(size)
@@ -233,8 +235,8 @@ impl<'a> Course<'a> {
         kernel
     }
 
-    /// In place of sums the largest single response in a bin, its end counted to both neighbours: of inputs that act at sample 0
-    /// alone, up to sample `end`.
+    /// Largest single response in a bin, in place of sums, its end counted to both neighbours: of inputs that
+    /// act at sample 0 alone, up to sample `end`.
     pub(super) fn at_start(&self, end: usize) -> Kernel {
         let mut kernel = self.none(0, end);
         let size = kernel.rows * kernel.inputs;
@@ -303,8 +305,8 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// How long the loop remembers \[samples\], down to a share of each state's peak: from a launch in the middle of the run, until
-    /// a small part of that share is left.
+    /// Memory of the loop \[samples\], down to a share of each state's peak: from a launch in the middle of
+    /// the run, until a small part of that share is left.
     pub(super) fn pilot(&self, share: f64) -> usize {
         let total = self.intervals.len();
         let s = (total / 4).min(total.saturating_sub(2));
@@ -338,8 +340,9 @@ impl<'a> Course<'a> {
         last.map_or(1, |last| last + 2)
     }
 
-    /// What every number of a state does from sample `from` until `to`, each of size 1 there: the largest value of every row in
-    /// each block of samples, `[block][row][state]`, and what is left of it, `[state][state]`.
+    /// Response to every number of a state from sample `from` until `to`, each of size 1 there: the largest
+    /// value of every row in each block of samples, `[block][row][state]`, and the remainder,
+    /// `[state][state]`.
     pub(super) fn segment(
         &self,
         (from, to): (usize, usize),
@@ -414,7 +417,7 @@ impl<'a> Course<'a> {
 /// Runs of all inputs, those of one kind side by side.
 struct Packs {
     runs: Vec<Deviation<WIDE>>,
-    /// What each of them holds.
+    /// Inputs in each of them.
     places: Vec<Place>,
 }
 

@@ -79,7 +79,7 @@ impl<'a> Differences<'a> {
     }
 }
 
-/// What holds over one sample: the derivatives in its middle and the exact step of the linear plant.
+/// Linear loop over one sample: the derivatives in its middle and the exact step of the linear plant.
 #[derive(Debug)]
 pub(super) struct Interval {
     /// `M⁻¹`.

@@ -4,14 +4,14 @@
 //! the loop linear around that run, and finds bounds on the deviation `ε` that one evaluation of the causal sums
 //! confirms.
 //!
-//! From below: `scene` is what a study says; `nominal` the run in the middle, `linear` and `intervals` the loop around
-//! it; `deviation`, `kernel`, `segments` and `shapes` what that loop makes of torques, readings and the payload; `tensors`
-//! and `moved` what it lacks; `sweep` the bounds, bin by bin; `sliced` all of it for a slice of the payload, `slices`
-//! for the whole.
+//! From below: `scene` is what a study says; `nominal` the run in the middle, `linear` and `intervals` the
+//! loop around it; `deviation`, `kernel`, `segments` and `shapes` what that loop makes of torques, readings
+//! and the payload; `tensors` and `moved` what it lacks; `sweep` the bounds, bin by bin; `sliced` all of it
+//! for a slice of the payload, `slices` for the whole.
 //!
 //! # Not claimed
 //!
-//! What the linear loop lacks: [`TubeRefusal::Unsupported`] names it, and there is no tube.
+//! Properties that the linear loop lacks: [`TubeRefusal::Unsupported`] names one, and there is no tube.
 
 mod along;
 mod basis;

@@ -1,4 +1,4 @@
-//! How far the linear run's matrices move between a launch and where its responses are used.
+//! Changes of the linear run's matrices between a launch and where its responses are used.
 
 use phihat_certificate::extremes::{hull, larger, smaller};
 

@@ -20,11 +20,11 @@ pub(super) struct Nominal {
     pub(super) command: Vec<f64>,
     /// Mean of the regularised sign of `q̇` over each interval, as it acted.
     pub(super) sign: Vec<f64>,
-    /// How far that sign went apart within the interval.
+    /// Width of the range of that sign within the interval.
     pub(super) spread: Vec<f64>,
     /// Regularised sign of `q̇` at the sample.
     pub(super) sign_at: Vec<f64>,
-    /// How far one interval ends elsewhere, in `q` and in `q̇`, with the steps of the study's simulator.
+    /// Difference at the end of one interval, in `q` and in `q̇`, between a coarse and a fine integration.
     pub(super) defect: [Vec<f64>; 2],
 }
 
@@ -127,7 +127,7 @@ impl<'a> Plant<'a> {
         }
     }
 
-    /// What the robot adds to the torque by itself, from what it senses at a sample.
+    /// Torque that the robot adds by itself, from what it senses at a sample.
     fn compensate(&mut self, q: &[f64], dq: &[f64]) {
         let scene = self.scene;
         self.added.fill(0.0);

@@ -1,4 +1,4 @@
-//! What a tube is about: arm, friction, payload, loop and motion, taken out of a study once.
+//! Scope of a tube: arm, friction, payload, loop and motion, read from a study once.
 
 use phihat::{Form, VelocitySource};
 use phihat_certificate::extremes::Extremes as _;
@@ -25,7 +25,7 @@ pub(super) struct Friction {
     pub(super) sigmoid: Option<Sigmoid>,
     /// Least and largest Coulomb level \[N·m\].
     pub(super) level: (f64, f64),
-    /// What the robot compensates by itself: share times its own friction.
+    /// Friction that the robot compensates by itself: share times its own friction.
     pub(super) added: Option<AddedFriction>,
 }
 
@@ -108,19 +108,19 @@ pub(super) struct Scene<'a> {
     pub(super) law: SampledLaw,
     pub(super) friction: Vec<Friction>,
     pub(super) pushes: &'a [Push],
-    /// Where they begin and end between steps.
+    /// Edges of pushes between steps.
     pub(super) edges: Vec<Edge>,
     pub(super) start: (Vec<f64>, Vec<f64>),
     /// Torque that held the arm before the first sample.
     pub(super) held: Vec<f64>,
     pub(super) measured_velocity: bool,
-    /// Whether a law expects positions: [`Form::Positions`].
+    /// True if a law expects positions: [`Form::Positions`].
     pub(super) expects: bool,
     /// Torque limit, and largest change per sample.
     pub(super) limits: Vec<(f64, f64)>,
     /// The bare arm under gravity.
     pub(super) bare: Model,
-    /// Whether the robot adds gravity of the bare arm.
+    /// True if the robot adds gravity of the bare arm.
     pub(super) adds_gravity: bool,
     pub(super) payload: Option<PayloadSet>,
     pub(super) desired: &'a Desired,
@@ -238,8 +238,8 @@ pub(super) struct Edge {
     /// Interval that it lies in.
     pub(super) sample: usize,
     pub(super) joint: usize,
-    /// Twice the largest mean of the torque that is apart over the interval \[N·m\]: responses to a pulse within an interval
-    /// lie between those at its ends, of which a sum holds the mean.
+    /// Twice the largest mean of the difference in torque over the interval \[N·m\]: responses to a pulse
+    /// within an interval lie between those at its ends, of which a sum holds the mean.
     pub(super) torque: f64,
 }
 
@@ -263,8 +263,8 @@ fn edges(study: &Study, period: f64) -> Vec<Edge> {
         .collect()
 }
 
-/// That a study has nothing which the linear loop lacks: what forbids the loop model, what is not counted in a tube, and
-/// what stands around the law or behind it.
+/// Checks that a study has nothing which the linear loop lacks: what forbids the loop model, what is not
+/// counted in a tube, and what stands around the law or behind it.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! What is left of inputs from long ago, segment by segment of the run.
+//! Remainder of inputs from long ago, segment by segment of the run.
 
 use phihat_certificate::extremes::larger;
 
@@ -8,13 +8,14 @@ use crate::parallel::parallel;
 /// Bins of a segment whose rows are bounded together.
 const BLOCK: usize = 4;
 
-/// What a state that is left over at a segment's start does in it, by each of its numbers, of size 1 there.
+/// Response in a segment to a state that is left over at its start, by each of its numbers, of size 1 there.
 #[derive(Debug, Clone)]
 pub(super) struct Segment {
     /// Bin that it begins with, and the one after its last.
     bins: (usize, usize),
     pub(super) from: usize,
-    /// `[block][row][state]`: the largest value of every row in a block of bins and as far around as responses are moved.
+    /// `[block][row][state]`: the largest value of every row in a block of bins and as far around as
+    /// responses are moved.
     around: Vec<Vec<f64>>,
     /// The same within reach of its start, and of its end.
     first: Vec<f64>,
@@ -25,7 +26,7 @@ pub(super) struct Segment {
     reach: usize,
 }
 
-/// What a state left at the start of each segment does, responses moved by so many bins at most.
+/// Responses to a state left at the start of each segment, moved by so many bins at most.
 pub(super) fn segments(
     course: &Course<'_>,
     (length, reach): (usize, usize),
@@ -72,7 +73,7 @@ fn add_times(out: &mut [f64], matrix: &[f64], x: &[f64]) {
 }
 
 impl Segment {
-    /// What of a state at its start is left at its end.
+    /// Remainder at its end of a state at its start.
     pub(super) fn left_of(&self, state: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; state.len()];
         add_times(&mut out, &self.left, state);
@@ -84,7 +85,7 @@ impl Segment {
         add_times(out, &self.around[(b - self.bins.0) / BLOCK], state);
     }
 
-    /// Whether it acts in a bin before it, its responses being moved.
+    /// Returns true if it acts in a bin before it, its responses being moved.
     pub(super) fn reaches(&self, b: usize) -> bool {
         b + self.reach >= self.bins.0
     }

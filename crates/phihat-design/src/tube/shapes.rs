@@ -1,4 +1,4 @@
-//! What each parameter of the payload does to the run, to first order.
+//! First-order effect of each parameter of the payload on the run.
 
 use super::basis::Direction;
 use super::deviation::Deviation;
@@ -15,12 +15,12 @@ pub(super) struct Shape {
     pub(super) v: Vec<f64>,
     /// `n` per interval.
     pub(super) command: Vec<f64>,
-    /// What pushes it, `n` per interval: the torque in the interval's middle, held.
+    /// Torque that drives it, `n` per interval: that in the interval's middle, held.
     torque: Vec<f64>,
 }
 
 impl Shape {
-    /// How far the torque that pushes joint `i` moves from the interval before `k` to it \[N·m per unit\].
+    /// Change of the torque that drives joint `i`, from the interval before `k` to `k` \[N·m per unit\].
     pub(super) fn change(&self, k: usize, (i, n): (usize, usize)) -> f64 {
         if k == 0 { 0.0 } else { self.torque[k * n + i] - self.torque[(k - 1) * n + i] }
     }

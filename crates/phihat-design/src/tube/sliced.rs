@@ -97,7 +97,8 @@ pub(super) fn sliced(
     Ok(swept.into_iter().map(|bins| relative(scene, &nominal, bin, &bins?)).collect())
 }
 
-/// Goes through all bins, whose groups are made side by side, a few per thread at a time, while the sweeps go through those before.
+/// Goes through all bins, whose groups are made in parallel, a few per thread at a time, while the sweeps go
+/// through those before.
 fn swept(
     sweeps: Vec<Sweep<'_>>,
     groups: &Groups<'_>,

@@ -17,7 +17,8 @@ const NARROWEST: f64 = 1.0 / 8.0;
 /// Slices of the payload where no more are asked for: halves of its mass.
 pub const PARTS: u32 = 2;
 
-/// Slices of the payload where [`PARTS`] do not do: halves of whatever leaves most unknown, mass or a coordinate of its centre.
+/// Number of slices of the payload where [`PARTS`] are too few: halves of whatever leaves most unknown, mass
+/// or a coordinate of its centre.
 pub const FINER: u32 = 6;
 
 /// Finds the tube of a study under gains, the payload in so many slices at least.
@@ -52,7 +53,8 @@ pub fn find_behind(
     Ok(found(&scene, misreads, parts))
 }
 
-/// Bounds over the heaviest of so many slices alone, for a search: what they say of the whole payload is near, and no claim.
+/// Bounds over the heaviest of so many slices alone, for a search: close to those of the whole payload, and
+/// no claim.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! How far the linear run is from the arm: second derivatives and what the payload changes, once per group.
+//! Distance of the linear run from the arm: second derivatives and changes by the payload, once per group.
 
 use phihat_certificate::extremes::larger;
 
@@ -22,7 +22,7 @@ pub(super) struct Tensors {
     pub(super) damping: Vec<f64>,
     /// `|∂D_ij/∂q̇_k|`, of rigid-body dynamics
     pub(super) coriolis: Vec<f64>,
-    /// What the payload may change of `D` and `K`.
+    /// Largest changes of `D` and `K` by the payload.
     pub(super) payload_damping: Vec<f64>,
     pub(super) payload_stiffness: Vec<f64>,
 }
@@ -46,7 +46,7 @@ impl Tensors {
     }
 }
 
-/// What a direction changes of `D` and `K`.
+/// Changes of `D` and `K` by a direction.
 type Change = (Vec<f64>, Vec<f64>);
 
 /// Models to look at: the ends of a slice, and the directions in it.

@@ -10,8 +10,8 @@ use super::desired::Desired;
 /// Significant digits of a lever arm, rounded up.
 const DIGITS: f64 = 4.0;
 
-/// What the joints' tubes say of the tip: lever arms by the Jacobian's columns, see [`TubeTip`]. Its summaries are 0 until
-/// [`Tube::steady_from`] sums them up. `None`: the robot's description names no such frame.
+/// Lever arms of the tip along the joints' tubes, by the Jacobian's columns, see [`TubeTip`]. Its summaries
+/// are 0 until [`Tube::steady_from`] sums them up. `None`: the robot's description names no such frame.
 pub fn tip_along(study: &Study, desired: &Desired, tube: &Tube) -> Option<TubeTip> {
     let robot = &study.robot;
     let frame = robot.model.frame(&robot.tip)?;

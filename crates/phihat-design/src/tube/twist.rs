@@ -1,4 +1,4 @@
-//! How the payload moves with the joints along the nominal run.
+//! Motion of the payload with the joints along the nominal run.
 
 use phihat_model::{Model, Workspace};
 

@@ -1,4 +1,4 @@
-//! What linear runs hold over a sample, and the arm does not.
+//! Changes within a sample that the arm has and linear runs do not.
 
 use phihat_certificate::extremes::{Extremes as _, larger};
 
@@ -6,10 +6,10 @@ use super::along::Along;
 use super::linear::Derivatives;
 use super::shapes::Shape;
 
-/// How far what is held moves from sample to sample in a bin, at most.
+/// Largest change of what is held, from sample to sample in a bin.
 ///
-/// A torque that goes on by `Δ` per sample, held at its middle, ends `T²/12 M⁻¹ Δ` elsewhere; of its bend `Δ²` the mean lacks
-/// `Δ²/24`.
+/// A torque that goes on by `Δ` per sample, held at its middle, ends `T²/12 M⁻¹ Δ` elsewhere; of its bend
+/// `Δ²` the mean lacks `Δ²/24`.
 pub(super) struct Within {
     /// `|Δ|` of what the payload does to each torque \[N·m\].
     pub(super) slope: Vec<f64>,

@@ -10,7 +10,7 @@ use phihat::{
 use phihat_design::JointRecord;
 use phihat_design::sampled::LoopModel;
 
-/// What reaches the loop from outside in one sample.
+/// Inputs of the loop in one sample.
 #[derive(Debug, Default, Clone, Copy)]
 pub struct Outside {
     /// `φ` \[N·m\] at the start of the interval, and its slope.
@@ -123,8 +123,8 @@ impl Rig {
         (position, velocity)
     }
 
-    /// The law, delay and drive of one sample: the command, and the integral of the torque that acts over the interval and
-    /// its double integral. The motion is left to whoever asks.
+    /// The law, delay and drive of one sample: the command, and the integral of the torque that acts over the
+    /// interval and its double integral. The motion is left to the caller.
     pub fn ask(&mut self, outside: &Outside) -> (Command<f64>, f64, f64) {
         let (q, dq) = self.sense(outside.encoder);
         let measurement = Measurement { q, dq, tau_applied: self.tau_mean };
@@ -166,7 +166,8 @@ impl Rig {
         self.q.abs() + 0.01 * self.dq.abs()
     }
 
-    /// Whether a small kick dies out: growth is judged over `samples` after as many to forget the start.
+    /// Returns true if a small kick dies out: growth is judged over `samples` after as many to forget the
+    /// start.
     pub fn settles(mut self, samples: usize) -> bool {
         self.dq = 1e-3;
         let window = |rig: &mut Self| {

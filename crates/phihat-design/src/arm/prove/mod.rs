@@ -1,4 +1,4 @@
-//! How far at most the arm's inertia goes beyond the postures that were looked at: a proof, not a search.
+//! Proof of how far at most the arm's inertia goes beyond the sampled postures: no search.
 
 mod relaxed;
 
@@ -11,7 +11,7 @@ use relaxed::{Corners, Relaxed, Scratch};
 /// The widest arc \[rad\] that a triangle is put around.
 const WIDEST: f64 = 2.0;
 
-/// How a proof comes along.
+/// Progress of a proof.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProofProgress {
     /// Share of all postures that is done.
@@ -33,7 +33,7 @@ pub enum Unproved {
         q: Vec<f64>,
         /// Eigenvalue there.
         eigenvalue: f64,
-        /// What was to be proved.
+        /// Limit to be proved.
         limit: f64,
     },
     /// The range does not come from a robot's description.
@@ -127,7 +127,7 @@ fn middle(cell: &Cell, postures: &Postures) -> Vec<(f64, f64)> {
     cell.ends.iter().enumerate().map(of).collect()
 }
 
-/// Whether the posture nearest to the corners that failed is beyond the limit itself.
+/// Returns an error if the posture nearest to the corners that failed is beyond the limit itself.
 fn refuted(
     relaxed: &Relaxed,
     (cell, postures): (&Cell, &Postures),

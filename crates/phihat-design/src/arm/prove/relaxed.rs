@@ -99,7 +99,7 @@ impl Relaxed {
         self.links.len()
     }
 
-    /// Whether the energy does not depend on a joint's own position: no joint is before it.
+    /// Returns true if the energy does not depend on a joint's own position: no joint is before it.
     pub(super) fn is_root(&self, joint: usize) -> bool {
         self.links[joint].parent.is_none()
     }
@@ -121,8 +121,8 @@ impl Relaxed {
         }
     }
 
-    /// Whether `W ≺ limit · 1` at all products of corners, with every payload; if not, `scratch` has the first
-    /// where it is not.
+    /// Returns true if `W ≺ limit · 1` at all products of corners, with every payload; if not, `scratch` has
+    /// the first where it is not.
     pub(super) fn below(&self, corners: &[Corners], limit: f64, scratch: &mut Scratch) -> bool {
         self.visit(0, corners, limit * (1.0 - ROUNDING), scratch)
     }
@@ -212,7 +212,7 @@ impl Relaxed {
     }
 }
 
-/// Whether `limit · 1 − diag(rotor) − W ≻ 0`, of the upper triangle of `W`, which is overwritten.
+/// Returns true if `limit · 1 − diag(rotor) − W ≻ 0`, of the upper triangle of `W`, which is overwritten.
 fn is_above(w: &mut [f64], rotor: &[f64], limit: f64) -> bool {
     let n = rotor.len();
     for i in 0..n {
@@ -365,7 +365,7 @@ fn semidefinite(moment: &Matrix4<f64>) -> Moment {
     core::array::from_fn(|i| core::array::from_fn(|j| upper[(i, j)]))
 }
 
-/// What each heaviest payload adds, and to which link.
+/// Link that carries the payload, and the moments that each heaviest payload adds to it.
 fn loads(bare: &[Moment], heavy: &[Loaded]) -> (usize, Vec<Moment>) {
     let more = |loaded: &Loaded| -> (usize, Moment) {
         let loaded = moments(loaded);

@@ -7,7 +7,7 @@ use crate::sampled::open_loop::OpenLoop;
 use crate::sampled::polynomial::Polynomial;
 use crate::sampled::refutation::{plausible, plausible_loop, refuse};
 
-/// What a refusal is about.
+/// Claim that a refusal is about.
 pub(super) const CLAIM: &str = "stability while moving";
 
 /// One joint's loop, cut where its torque meets the inertia.
@@ -33,7 +33,7 @@ impl<'a> Cut<'a> {
         Ok(Self { gains, model, open, kick })
     }
 
-    /// Whether another joint's loop is this one, but for its name and `M̄`.
+    /// Returns true if another joint's loop is this one, except for its name and `M̄`.
     pub(super) fn is_of(&self, gains: &JointRecord, model: &LoopModel) -> bool {
         let alike = UnitLaw::from(gains) == UnitLaw::from(self.gains);
         alike && gains.observer == self.gains.observer && model == self.model

@@ -12,7 +12,7 @@ use crate::sampled::window::angles;
 /// Taps that may be other than 0.
 const TAPS: [usize; 18] = [1, 2, 3, 4, 6, 8, 11, 15, 20, 27, 36, 48, 64, 85, 113, 150, 200, 270];
 
-/// Where the loop is so many times the inertia, no multiplier is needed.
+/// Size of the loop over that of the inertia from which on no multiplier is needed.
 const LARGE: f64 = 300.0;
 
 /// Rates that are looked at \[1/s\], and how often the interval of their logarithm is halved.
@@ -23,14 +23,14 @@ const HALVINGS: u32 = 10;
 const ROOM: f64 = 0.03;
 const MARGIN: f64 = 1e-4;
 
-/// What the taps' size counts against that: large ones bend between the points of the grid.
+/// Weight of the taps' size against that: large ones bend between the points of the grid.
 const SMALL: f64 = 1e-5;
 
-/// How often the frequency at which a proof fails joins the grid.
+/// Number of times that the frequency at which a proof fails may join the grid.
 const ROUNDS: u32 = 5;
 
-/// Where laws differ, a programme begins with every so many points of the grid; those at which its answer leaves less room
-/// than it thinks, by more than a share, join it, so often.
+/// With different laws, a programme begins with every so many points of the grid; those at which its answer
+/// leaves less room than it assumes, by more than a share, join it, so often.
 const SPARSE: usize = 8;
 const THINKS: f64 = 1e-6;
 const JOINS: u32 = 40;
@@ -94,7 +94,7 @@ impl Point {
     }
 }
 
-/// What (M2) asks of the taps at one point, over its scale: `Σ h_j gain_j − |h_j| cost_j − room ≥ least`.
+/// Condition (M2) on the taps at one point, over its scale: `Σ h_j gain_j − |h_j| cost_j − room ≥ least`.
 struct Row {
     /// `gain_j`, `cost_j`, in the order of [`TAPS`].
     taps: Vec<(f64, f64)>,

@@ -79,8 +79,8 @@ impl DryFriction {
         out
     }
 
-    /// What pushes the runs over interval `k`, `[pack][joint]`: the middle of the interval's sign against that of the
-    /// nominal run, and the sign itself per level.
+    /// Torque that drives the runs over interval `k`, `[pack][joint]`: the middle of the interval's sign
+    /// against that of the nominal run, and the sign itself per level.
     fn torque(&self, at: &Stretch<'_>, guess: &Guess, k: usize) -> Vec<Lane<WIDE>> {
         let (n, nominal) = (self.n, at.along.nominal);
         let mut torque = vec![Lane::ZERO; self.runs.len() * n];

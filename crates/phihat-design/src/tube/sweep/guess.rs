@@ -13,7 +13,7 @@ pub(super) struct Guess {
 }
 
 impl Guess {
-    /// Whether what was found lies inside.
+    /// Returns true if the result lies inside.
     pub(super) fn hold(&self, found: &Self) -> bool {
         let below = |own: &[f64], found: &[f64]| own.iter().zip(found).all(|(a, b)| b <= a);
         self.v.iter().zip(&found.v).all(|(a, b)| a.0 <= b.0 && b.1 <= a.1)

@@ -51,7 +51,7 @@ fn placed(
     inputs
 }
 
-/// What the terms of one bin are made of.
+/// Data of the terms of one bin.
 struct Terms<'a> {
     at: &'a Stretch<'a>,
     guess: &'a Guess,
@@ -92,7 +92,7 @@ impl<'a> Terms<'a> {
         add_times(torque, 0.5, &times(&contracted(&tensors.coriolis, v), v));
     }
 
-    /// What responses of a launch elsewhere lack.
+    /// Adds what responses of a launch elsewhere lack.
     fn launched_elsewhere(&self, torque: &mut [f64]) {
         let (group, [summed_e, summed_v]) = (self.at.group, &self.guess.summed);
         add(torque, &times(&group.moved[1], summed_v));
@@ -115,7 +115,7 @@ impl<'a> Terms<'a> {
         out
     }
 
-    /// What the payload that is not known adds; its momentum is an input of its own.
+    /// Adds the torque of the unknown payload; its momentum, which is returned, is an input of its own.
     fn payload(&self, slice: &Slice, torque: &mut [f64]) -> Vec<f64> {
         let (n, group, jacobian) = (self.at.n, self.at.group, self.at.jacobian);
         let spatial = slice.spatial();
@@ -133,7 +133,7 @@ impl<'a> Terms<'a> {
         payload
     }
 
-    /// Where two integrators end apart, twice, in momentum and in torque: neither is exact.
+    /// Adds twice the difference between two integrators, in momentum and in torque: neither is exact.
     fn integrators(&self, out: [&mut [f64]; 2]) {
         let (at, n, t) = (self.at, self.at.n, self.at.along.course.scene.period);
         for (defect, out) in at.along.nominal.defect.iter().zip(out) {
@@ -145,8 +145,8 @@ impl<'a> Terms<'a> {
         }
     }
 
-    /// What linear runs hold over a sample and the arm does not: the payload's torque, `D` and `K`; of a bend as much again, for what
-    /// bends more.
+    /// Adds what linear runs hold over a sample and the arm does not: the payload's torque, `D` and `K`; of a
+    /// bend as much again, for what bends more.
     fn held_within(&self, [momentum, torque]: [&mut [f64]; 2]) {
         let (within, t) = (self.at.within, self.at.along.course.scene.period);
         let mut slope = within.slope.clone();
@@ -187,7 +187,7 @@ impl<'a> Terms<'a> {
         }
     }
 
-    /// What the robot adds by velocity is of the true one, `w − M⁻¹ x`.
+    /// Adds the robot's compensation of the part `M⁻¹ x` of the true velocity, `w − M⁻¹ x`.
     fn compensation(&self, (momentum, payload): (&[f64], &[f64]), torque: &mut [f64]) {
         let n = self.at.n;
         if let Some(by_velocity) = self.at.interval.added.get(n * n..) {

@@ -24,13 +24,13 @@ use stretch::Stretch;
 /// Rounds in one bin before it is given up.
 const ROUNDS: u32 = 80;
 
-/// What a hypothesis is widened by when it does not hold.
+/// Factor by which a hypothesis is widened when it does not hold.
 const WIDER: f64 = 1.01;
 
 /// For what is left out of the sums: curvature of responses within a sample, rounding.
 const SLACK: f64 = 1.01;
 
-/// Where a bound has grown so far, nothing will close \[rad\].
+/// Bound from which on nothing will close \[rad\].
 const LOST: f64 = 1.0;
 
 /// The state of a sweep.
@@ -226,7 +226,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// What states left over from long ago may do in a bin.
+    /// Largest effect in a bin of states left over from long ago.
     fn tails(&mut self, b: usize) -> Vec<f64> {
         let along = self.along;
         let rows = along.course.inputs().rows();

@@ -19,7 +19,7 @@ pub(in crate::tube) struct Bin {
     pub(in crate::tube) change: Vec<(f64, f64)>,
 }
 
-/// What a bin's outputs are made of.
+/// Data of a bin's outputs.
 pub(super) struct Outputs<'a> {
     pub(super) at: &'a Stretch<'a>,
     /// Boxes on the inputs of this bin and the one before.
@@ -102,7 +102,7 @@ impl Outputs<'_> {
         }
     }
 
-    /// What the sums add to the twist, the momentum's part at once included.
+    /// Adds the sums to the twist, the momentum's immediate part included.
     fn summed_twist(&self, twist: &mut [f64]) {
         let (n, (momentum, payload)) = (self.at.n, self.momentum());
         if self.at.along.slice.is_none() {

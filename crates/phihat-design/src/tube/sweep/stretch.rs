@@ -27,7 +27,7 @@ pub(super) struct Stretch<'a> {
     pub(super) interval: &'a Interval,
     /// The payload's Jacobian in the middle; empty without one.
     pub(super) jacobian: &'a [f64],
-    /// What linear runs hold over a sample of it.
+    /// Changes over one of its samples of what linear runs hold.
     pub(super) within: &'a Within,
 }
 
