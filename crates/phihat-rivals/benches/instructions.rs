@@ -1,5 +1,6 @@
-//! What `cargo xtask rivals` counts under callgrind: so many updates of one rival on one arm, published gains.
-//! `ROBOT RIVAL UPDATES`, where `idle` is the loop without a rival; run as a test it does each rival once on the planar arm.
+//! Workload that `cargo xtask rivals` counts under callgrind: so many updates of one rival on one arm,
+//! published gains. `ROBOT RIVAL UPDATES`, where `idle` is the loop without a rival; run as a test it does
+//! each rival once on the planar arm.
 #![allow(clippy::print_stdout, reason = "a benchmark prints its figures")]
 #![allow(clippy::unwrap_used, reason = "a benchmark stops on a bad set-up")]
 

@@ -1,8 +1,8 @@
-//! What is known of a law, as data for the table.
+//! Card of a law, as data for the table.
 
 use serde::Serialize;
 
-/// How certain the published form of a law is.
+/// Certainty of the published form of a law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Grade {
     /// Textbook, or confirmed in a public source or code.
@@ -49,9 +49,9 @@ pub struct Card {
     pub reference: &'static str,
     /// Authors, title, year of the source.
     pub source: &'static str,
-    /// How certain the form is.
+    /// Certainty of the form.
     pub grade: Grade,
-    /// What was reconstructed or stands for something else; empty for grade A.
+    /// Parts that were reconstructed or stand for something else; empty for grade A.
     pub caveat: &'static str,
     /// The law in one or few lines, as in the file's documentation.
     pub law: &'static str,

@@ -1,4 +1,4 @@
-//! What is free in what laws are handed, alike for all that use it.
+//! Free choices of the inputs of laws, alike for all that use them.
 
 use core::f64::consts::TAU;
 
@@ -22,8 +22,9 @@ const INERTIA_SHARE: &str = "inertia_share";
 /// The least cut-off \[Hz\].
 const FILTER_MIN: f64 = 5.0;
 
-/// What is free for a law with these needs: nothing for gains that were designed for what there is; a factor on `M̄` where the law has
-/// it and no such factor of its own; the sensors' filter for all; which torque for a law that takes one.
+/// Free choices for a law with these needs: none for gains that were designed for the loop as it is; a factor
+/// on `M̄` where the law has it and no such factor of its own; the sensors' filter for all; which torque for
+/// a law that takes one.
 fn offered(needs: &Needs, scalars: &[Scalar]) -> impl Iterator<Item = Choice> {
     let own = scalars.iter().any(|scalar| scalar.name == INERTIA_SHARE);
     let free = !needs.designed;
@@ -42,8 +43,8 @@ pub struct Sensed {
     pub velocity_filter_hz: Option<f64>,
 }
 
-/// What is free for a law as scalars whose default values are what the law is handed without a choice; those whose ranges may give way
-/// come first, and how many they are is told.
+/// Free choices for a law, as scalars whose default values are its inputs without a choice; those whose
+/// ranges may give way come first, and their number is returned.
 pub(crate) fn scalars(needs: &Needs, own: &[Scalar], sensed: Sensed) -> (Vec<Scalar>, usize) {
     let scalar = |choice| match choice {
         Choice::Inertia => Scalar {
@@ -86,7 +87,7 @@ pub struct Chosen {
     pub inertia_share: Option<f64>,
     /// Cut-off of the velocity's filter, or, for a law that takes none, of the position's \[Hz\].
     pub filter_hz: Option<f64>,
-    /// Whether a law that takes a torque is fed with the one commanded last, and not with the one that acted.
+    /// True if a law that takes a torque receives the one commanded last, not the one that acted.
     pub commanded: Option<bool>,
 }
 

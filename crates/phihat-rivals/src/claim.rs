@@ -1,9 +1,9 @@
-//! What a law claims before a run, and what is declared of the arm to claim it for.
+//! Claims of a law before a run, and the declared properties of the arm on which they are based.
 
 use serde::Serialize;
 
-/// What is declared of an arm, its load and its loop before a run. The judge fills it in; rivals only read it in
-/// their claims, never in their law.
+/// Declared properties of an arm, its load and its loop before a run. The judge fills them in; rivals only
+/// read them in their claims, never in their law.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DeclaredArm {
     /// Smallest eigenvalue of `M(q)` over the postures \[kg·m²\].
@@ -44,7 +44,7 @@ impl DeclaredArm {
 pub struct Condition {
     /// The condition: `K_P² > 2 K_I`.
     pub text: &'static str,
-    /// Whether it holds for the arm and the tuning.
+    /// True if it holds for the arm and the tuning.
     pub holds: bool,
     /// Left side over right side where it is an inequality: above 1 it holds.
     pub margin: f64,
@@ -70,7 +70,8 @@ impl Condition {
         Self { text: self.text, holds: self.holds && other.holds, margin }
     }
 
-    /// The condition that the arm's smallest inertia ratio is above [`DeclaredArm::ratio_min`] of a velocity gain \[1/s\].
+    /// The condition that the arm's smallest inertia ratio is above [`DeclaredArm::ratio_min`] of a velocity
+    /// gain \[1/s\].
     pub fn sampled(text: &'static str, gain: f64, period: f64, arm: &DeclaredArm) -> Self {
         Self::above(text, arm.ratio[0], arm.ratio_min(gain, period))
     }

@@ -1,4 +1,4 @@
-//! What a rival can know of an arm before it starts, short of a model: facts, each a type.
+//! Facts that a rival can know of an arm before it starts, short of a model, each a type.
 
 use crate::error::Refusal;
 use crate::handed::Knows;

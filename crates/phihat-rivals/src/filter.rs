@@ -12,7 +12,7 @@ pub(crate) struct LowPass {
     a: [f64; 2],
 }
 
-/// What the filter remembers of one signal: the last output and the one before.
+/// State of the filter for one signal: the last output and the one before.
 pub(crate) type Passed = [f64; 2];
 
 impl LowPass {
@@ -43,8 +43,8 @@ impl LowPass {
 mod tests {
     use super::LowPass;
 
-    /// The step response of the differential equation, sampled: `1 − e^{−ζωt}(cos + ζ/√(1−ζ²) sin)` and `1 − (1 + ωt) e^{−ωt}`.
-    /// A filter that answers within the sample is ahead by one sample at most.
+    /// The step response of the differential equation, sampled: `1 − e^{−ζωt}(cos + ζ/√(1−ζ²) sin)` and
+    /// `1 − (1 + ωt) e^{−ωt}`. A filter that answers within the sample is ahead by one sample at most.
     #[test]
     fn a_step_goes_through_as_through_the_differential_equation() {
         let (w, h) = (50.0_f64, 1e-4_f64);

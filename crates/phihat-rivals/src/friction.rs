@@ -6,7 +6,8 @@ use crate::needs::Needs;
 use crate::running::Running;
 use crate::supply::Supply;
 
-/// Below this speed \[rad/s\] what is fed forward is more a slope than a step: a reference that stands still asks for none.
+/// Speed \[rad/s\] below which the feed-forward is more a slope than a step: a reference that stands still
+/// needs none.
 const SMOOTH: f64 = 0.01;
 
 /// Identified dry friction of every joint.
@@ -29,13 +30,14 @@ impl Knows for Dry {
 
 /// A law with identified dry friction fed forward along the reference: `τ + ĉ(q̇_d)`.
 ///
-/// The law's own torques, that which acted and that which was commanded, are handed to it without what was fed forward in them
-/// `delay` samples ago: an observer finds what is left, and does not take the feed-forward for a load.
+/// The law's own torques, that which acted and that which was commanded, are passed to it without their
+/// feed-forward of `delay` samples ago: an observer estimates the rest, and does not take the feed-forward
+/// for a load.
 #[derive(Debug)]
 pub(crate) struct WithFriction {
     law: Box<dyn Running>,
     dry: Dry,
-    /// What was fed forward, the last one first: one row more than samples of delay.
+    /// Past feed-forward, the last one first: one row more than samples of delay.
     past: Vec<Vec<f64>>,
     acted: Vec<f64>,
     commanded: Vec<f64>,

@@ -1,4 +1,4 @@
-//! What a rival is handed, by its types: measurements, reference and knowledge of the arm, and nothing else.
+//! Inputs of a rival, by its types: measurements, reference and knowledge of the arm, and nothing else.
 
 use crate::error::Refusal;
 use crate::needs::Needs;
@@ -13,10 +13,10 @@ pub struct All<'a> {
     pub dq: &'a [f64],
     /// Torque that acted (mean) since the previous sample \[N·m\].
     pub tau: &'a [f64],
-    /// Torque that was last commanded, as the limits let it through \[N·m\]: 0 at the first sample. Behind a delay it has not
-    /// acted yet.
+    /// Torque that was last commanded, as the limits let it through \[N·m\]: 0 at the first sample. Behind a
+    /// delay it has not acted yet.
     pub commanded: &'a [f64],
-    /// Which joints' last torque met a limit.
+    /// True for joints whose last torque met a limit.
     pub clipped: &'a [bool],
     /// Desired position \[rad\].
     pub q_d: &'a [f64],
@@ -44,8 +44,8 @@ pub trait Wants<'a>: Sized {
     fn of(all: &All<'a>) -> Self;
 }
 
-/// What a rival knows before it starts. Fields are private to this crate: a rival with [`Nothing`](crate::Nothing) cannot
-/// come by a model.
+/// Knowledge of a rival before it starts. Fields are private to this crate: a rival with
+/// [`Nothing`](crate::Nothing) cannot obtain a model.
 pub trait Knows: Sized {
     /// As data.
     const NEEDS: Needs;

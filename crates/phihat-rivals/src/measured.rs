@@ -1,4 +1,4 @@
-//! What a rival can be handed at a sample: measurements it [`Sees`], and the reference it [`Wants`].
+//! Inputs of a rival at a sample: measurements it [`Sees`], and the reference it [`Wants`].
 
 use crate::handed::{All, Sees, Wants};
 use crate::needs::Needs;

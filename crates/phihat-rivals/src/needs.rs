@@ -1,10 +1,10 @@
-//! What a rival needs, as data.
+//! Needs of a rival, as data.
 
 use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// What a rival declares to need, read from its types.
+/// Declared needs of a rival, read from its types.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[allow(clippy::struct_excessive_bools, reason = "independent facts, each a column of a table")]
 pub struct Needs {
@@ -72,7 +72,7 @@ impl Needs {
         task: false,
     };
 
-    /// What either needs.
+    /// Needs of both together.
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
         let derivatives =
@@ -99,8 +99,8 @@ impl Needs {
         }
     }
 
-    /// Whether nothing of the arm's dynamics or kinematics is known: one nominal inertia and friction per
-    /// joint and the limits of its drives are not counted as a model.
+    /// Returns true if nothing of the arm's dynamics or kinematics is known: one nominal inertia and friction
+    /// per joint and the limits of its drives are not counted as a model.
     pub const fn model_free(&self) -> bool {
         !(self.gravity || self.model || self.regressor || self.task)
     }

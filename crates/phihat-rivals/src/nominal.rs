@@ -9,7 +9,7 @@ use crate::handed::Knows;
 use crate::needs::Needs;
 use crate::supply::Supply;
 
-/// How far ahead and behind along the motion a derivative is looked for \[s\].
+/// Step ahead and behind along the motion for a numerical derivative \[s\].
 const ASIDE: f64 = 1e-4;
 
 /// A nominal rigid-body model with viscous friction, `M̂ q̈ + Ĉ(q, q̇) q̇ + Ĝ + F̂ q̇ = τ`.
@@ -76,8 +76,8 @@ impl Nominal {
         out.iter_mut().zip(&self.at_rest).for_each(|(p, gravity)| *p -= gravity);
     }
 
-    /// `Ĉᵀ(q, v) v − Ĝ(q) − F̂ v` \[N·m\]: what changes the momentum beside the torque. `Ĉᵀ v = dM̂/dt v − Ĉ v`, the first term by
-    /// central differences of the momentum along `v` over 0.2 ms.
+    /// `Ĉᵀ(q, v) v − Ĝ(q) − F̂ v` \[N·m\]: rate of change of the momentum without the torque.
+    /// `Ĉᵀ v = dM̂/dt v − Ĉ v`, the first term by central differences of the momentum along `v` over 0.2 ms.
     pub fn momentum_change(&mut self, q: &[f64], v: &[f64], room: &mut [f64], out: &mut [f64]) {
         let n = v.len();
         let mut place = core::mem::take(&mut self.sum);

@@ -30,8 +30,8 @@ impl Poles {
     }
 }
 
-/// `ℓ` of the law from positions: with it the errors of `ê, ė̂, φ̂/M̄, φ̂'/M̄, …` die out with these poles, sampled every `period`
-/// \[s\]. As many entries as poles; in `1, 1/s, 1/s², …`.
+/// `ℓ` of the law from positions: with it the errors of `ê, ė̂, φ̂/M̄, φ̂'/M̄, …` die out with these poles,
+/// sampled every `period` \[s\]. As many entries as poles; in `1, 1/s, 1/s², …`.
 ///
 /// # Method
 ///

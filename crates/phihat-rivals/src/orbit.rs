@@ -46,7 +46,7 @@ impl Orbit {
     /// θ ← θ + rᵀΦ′/(Φ′ᵀΦ′ − rᵀΦ″)                                                      (1)
     /// ```
     ///
-    /// Where the denominator is not above half of `Φ′ᵀΦ′`, `Φ′ᵀΦ′` stands in its place.
+    /// If the denominator is not above half of `Φ′ᵀΦ′`, `Φ′ᵀΦ′` stands in its place.
     pub fn project(&mut self, q: &[f64], mut theta: f64) -> f64 {
         for _ in 0..2 {
             self.go(theta);

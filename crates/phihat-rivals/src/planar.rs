@@ -13,7 +13,7 @@ pub const LINKS: usize = 3;
 /// Place and direction of the tip: two lengths \[m\] in the plane of the arm and the last link's angle \[rad\].
 pub type Tip = [f64; LINKS];
 
-/// How much longer than they are the links are first believed to be.
+/// First estimate of the links' lengths over the true ones.
 const MISBELIEF: f64 = 1.1;
 
 /// Three parallel joints. With `φ_i = q_1 + … + q_i + β_i`, `ω_i = q̇_1 + … + q̇_i`:
@@ -49,7 +49,7 @@ impl Planar {
         [x, dx]
     }
 
-    /// What the tip shall do where the joints shall move so: position, velocity, acceleration.
+    /// Motion of the tip for a motion of the joints: position, velocity, acceleration.
     pub fn motion(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> [Tip; 3] {
         let (phi, rate, slope) = (self.angles(q), running(dq), running(ddq));
         let (mut x, mut dx, mut ddx) = ([0.0; LINKS], [0.0; LINKS], [0.0; LINKS]);

@@ -23,7 +23,7 @@ pub trait Rival: Debug + Send + Sized + 'static {
     type Sees<'a>: Sees<'a>;
     /// The reference that it takes.
     type Wants<'a>: Wants<'a>;
-    /// What it knows of the arm.
+    /// Knowledge of the arm that it takes.
     type Knows: Knows;
 
     /// Builds it.
@@ -81,7 +81,7 @@ impl<R: Rival> Running for Handed<R> {
 
 type Built = Result<Box<dyn Running>, Refusal>;
 
-/// What makes a law that is not of this crate.
+/// Constructor of a law that is not of this crate.
 pub type Make = dyn Fn(&Tuning, &Supply) -> Result<Box<dyn Running>, Refusal> + Sync;
 
 #[derive(Clone, Copy)]
@@ -104,11 +104,11 @@ impl Debug for Build {
 pub struct Entry {
     /// Name, origin, grade, the paper's ticks.
     pub card: &'static Card,
-    /// What it needs, read from its types.
+    /// Needs of the law, read from its types.
     pub needs: Needs,
     /// Its free scalars.
     pub scalars: &'static [Scalar],
-    /// What tells a law that is not of this crate from its earlier versions, whose results are not its own; else empty.
+    /// Version of a law that is not of this crate, whose earlier versions have other results; else empty.
     pub edition: &'static str,
     build: Build,
     condition: fn(&Tuning, &DeclaredArm) -> Option<Condition>,
@@ -168,12 +168,14 @@ impl Entry {
         }
     }
 
-    /// What is free in what it is handed, beside its own scalars, and how many of these have ranges that may give way; they come first.
-    /// The default values are what it is handed by [`build_with_friction`](Self::build_with_friction).
+    /// Free choices of its inputs, in addition to its own scalars, and the number of these with ranges that
+    /// may give way; they come first. The default values are the inputs with
+    /// [`build_with_friction`](Self::build_with_friction).
     ///
-    /// A factor on the nominal inertia for a law that has it in itself and no such factor of its own; the cut-off of the filter on its
-    /// velocity, on its position if it takes no velocity; and for a law that takes a torque, whether that is the one that acted or the one
-    /// commanded last. Gains that were designed for the loop as it is leave nothing free.
+    /// A factor on the nominal inertia for a law that has it in itself and no such factor of its own; the
+    /// cut-off of the filter on its velocity, on its position if it takes no velocity; and for a law that
+    /// takes a torque, whether that is the one that acted or the one commanded last. Gains that were designed
+    /// for the loop as it is leave nothing free.
     pub fn choices(&self, sensed: Sensed) -> (Vec<Scalar>, usize) {
         choice::scalars(&self.needs, self.scalars, sensed)
     }
@@ -187,8 +189,8 @@ impl Entry {
         Chosen::of(&self.needs, self.scalars, values)
     }
 
-    /// Builds the rival with identified dry friction fed forward along the reference's velocity, where it is one that is handed a model
-    /// and has no feed-forward of friction itself; any other is built as it is.
+    /// Builds the rival with identified dry friction as feed-forward along the reference's velocity, where it
+    /// is one that takes a model and has no feed-forward of friction itself; any other is built as it is.
     ///
     /// # Errors
     ///
@@ -201,8 +203,8 @@ impl Entry {
         self.build_as_chosen(tuning, supply, &Chosen::default())
     }
 
-    /// The same with choices of what it is handed. The filter of a velocity is the sensors' own: who runs the law sets it there, by
-    /// [`Chosen::velocity_filter_hz`].
+    /// The same with choices of its inputs. The filter of a velocity is the sensors' own: the caller sets it
+    /// there, by [`Chosen::velocity_filter_hz`].
     ///
     /// # Errors
     ///

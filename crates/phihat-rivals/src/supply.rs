@@ -1,4 +1,4 @@
-//! What is there to be known of an arm and its task before a run.
+//! Available knowledge of an arm and its task before a run.
 
 use core::fmt::Debug;
 use std::sync::Arc;

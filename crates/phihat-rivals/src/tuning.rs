@@ -11,7 +11,7 @@ pub struct Scalar {
     pub name: &'static str,
     /// Unit; gains on torque are per unit of a joint's [`Tuning::units`], so that `1/s²` is `N·m/rad` per `kg·m²`.
     pub unit: &'static str,
-    /// What it does, in a few words.
+    /// Meaning, in a few words.
     pub meaning: &'static str,
     /// The published value, or the one that ran first.
     pub default: f64,
@@ -75,7 +75,7 @@ impl Tuning {
         &self.values
     }
 
-    /// What a torque gain of a joint is multiplied by \[kg·m²\].
+    /// Factor on the torque gains of each joint \[kg·m²\].
     pub fn units(&self) -> &[f64] {
         &self.units
     }

@@ -92,8 +92,8 @@ fn the_filtered_regressor_learns_faster() {
     assert!(filtered < 0.7 * plain, "{filtered} against {plain}");
 }
 
-/// What the law is about: with lengths believed 10 % too long the tip gets where it shall. Its form of the kinematics
-/// is the model's.
+/// Purpose of the law: with lengths believed 10 % too long the tip gets where it shall. Its form of the
+/// kinematics is the model's.
 #[test]
 fn the_tip_is_followed_with_lengths_that_are_not_known() {
     let mut bench = Bench::arm("planar3r").exact();

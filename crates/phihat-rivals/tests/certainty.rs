@@ -211,7 +211,8 @@ fn the_orbit_is_reached_and_run_at_its_own_speed() {
     assert!(!near(&run.q[turn], run.q.last().unwrap()));
 }
 
-/// A load that the model lacks is found as `K_O/(s + K_O)` of it, integrated on its own along the run, and taken off: dry friction here.
+/// A load that the model lacks is estimated as `K_O/(s + K_O)` of it, integrated on its own along the run,
+/// and taken off: dry friction here.
 #[test]
 fn the_momentum_observer_finds_the_load_behind_its_own_filter() {
     let mut bench = Bench::arm("planar3r").exact();
@@ -248,8 +249,8 @@ fn the_momentum_observer_finds_the_load_behind_its_own_filter() {
     assert!(told < 0.7 * untold, "{told} and {untold}");
 }
 
-/// Friction fed forward: what a law with a model leaves of dry friction at a steady speed goes, and a law without a model is built as it
-/// is.
+/// Feed-forward of friction: with a law that has a model, the error from dry friction at a steady speed
+/// vanishes; a law without a model is built as it is.
 #[test]
 fn friction_is_fed_forward_to_laws_with_a_model_alone() {
     let mut bench = Bench::arm("planar3r").exact();
@@ -294,7 +295,8 @@ fn friction_is_fed_forward_to_laws_with_a_model_alone() {
     }
 }
 
-/// The maker's stack, worked again from the record: impedance, the filter of its library, the step that its rate allows.
+/// The maker's stack, worked again from the record: impedance, the filter of its library, the step that its
+/// rate allows.
 #[test]
 fn the_makers_stack_is_its_three_stages() {
     let mut bench = Bench::arm("planar3r");
@@ -326,8 +328,9 @@ fn the_makers_stack_is_its_three_stages() {
     assert!(limited > 5, "{limited}");
 }
 
-/// On the reference with an exact model, what is fed forward is the motion's own torque, and hardly anything is left for the gains; and
-/// the model never sees a measurement: at the same error the torque is the reference's, wherever the arm is.
+/// On the reference with an exact model, the feed-forward is the motion's own torque, and hardly anything is
+/// left for the gains; and the model receives no measurement: at the same error the torque is the
+/// reference's, wherever the arm is.
 #[test]
 fn a_torque_from_the_reference_alone_drives_an_exact_arm() {
     let bench = Bench::arm("planar3r").exact();

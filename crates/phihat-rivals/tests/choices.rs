@@ -1,5 +1,6 @@
-//! What is free in what laws are handed. It fails if default choices change a bit of any law, if a choice does something else than
-//! handing over other samples or another inertia, or if a law that uses something has no say in it.
+//! Free choices of the inputs of laws. It fails if default choices change a bit of any law, if a choice does
+//! something else than passing other samples or another inertia, or if a law that uses something has no
+//! choice of it.
 
 use crate::support::{Bench, PERIOD};
 use phihat_rivals::{All, Chosen, Entry, RIVALS, Running, Sensed, Supply, rival};
@@ -45,8 +46,8 @@ fn built(entry: &Entry, supply: &Supply, chosen: &Chosen) -> Box<dyn Running> {
     entry.build_as_chosen(&bench.published(entry), supply, chosen).unwrap()
 }
 
-/// Everybody who has it in the law may scale `M̄`; who takes a torque may take the other one; all may filter, who takes positions alone
-/// like anybody else. Nothing is offered twice, and nothing to designed gains.
+/// A law that has `M̄` in it may scale it; one that takes a torque may take the other one; all may filter,
+/// one that takes positions alone like any other. Nothing is offered twice, and nothing to designed gains.
 #[test]
 fn what_a_law_uses_is_free_for_it() {
     for (id, free) in [
@@ -101,8 +102,9 @@ fn default_choices_leave_every_law_as_it_is() {
     }
 }
 
-/// The other torque is that of a law whose samples have the two exchanged; a filtered position is one that was filtered before, by the
-/// recursion `y ← y + (1 − e^{−2π f T})(q − y)`; a factor on `M̄` is that of an arm with such inertias.
+/// The other torque is that of a law whose samples have the two exchanged; a filtered position is one that
+/// was filtered before, by the recursion `y ← y + (1 − e^{−2π f T})(q − y)`; a factor on `M̄` is that of an
+/// arm with such inertias.
 #[test]
 fn choices_are_other_samples_and_another_inertia() {
     let bench = Bench::arm("planar3r");

@@ -110,7 +110,7 @@ fn nric_makes_a_wrong_model_nearly_right() {
     assert!(rms("nric") < 0.05 * rms("computed-torque"), "{}", rms("nric"));
 }
 
-/// Where the nominal torque is limited, the nominal arm moves no faster than that torque can move it.
+/// If the nominal torque is limited, the nominal arm moves no faster than that torque can move it.
 #[test]
 fn nric_limits_the_nominal_arm_by_the_drives() {
     let mut bench = displaced();
@@ -146,8 +146,8 @@ fn time_delay_control_is_the_first_order_law_with_an_estimator_of_one_sample() {
     same(("time-delay", &[20.0, 1.0, 1.0]), ("proposed-1", &[20.0, 1.0, 1e5]), 1e-9);
 }
 
-/// With a filter that lets everything through, and the first-order law as its estimator's pole goes: what is filtered twice alike is one
-/// disturbance observer.
+/// With a filter that lets everything through, and the first-order law as its estimator's pole goes: what is
+/// filtered twice alike is one disturbance observer.
 #[test]
 fn incremental_inversion_without_its_filter_is_time_delay_control() {
     same(("indi", &[20.0, 1.0, 1e6, 1.0, 1.0]), ("time-delay", &[20.0, 1.0, 1.0]), 1e-9);

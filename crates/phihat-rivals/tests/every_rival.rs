@@ -1,4 +1,4 @@
-//! What every rival has to pass: found through the list, so that a new one cannot be left out.
+//! Checks that every rival has to pass: taken from the list, so that a new one cannot be left out.
 
 use std::collections::BTreeSet;
 
@@ -80,7 +80,7 @@ fn the_same_samples_give_the_same_torques() {
     }
 }
 
-/// What a rival needs is in its types only if it has no other way to a model.
+/// Needs of a rival are in its types only if it has no other way to a model.
 #[test]
 fn no_rival_reaches_for_the_model_itself() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/rivals");

@@ -110,8 +110,8 @@ fn adaptive_robust_dob_is_at_rest_where_its_parts_balance() {
     assert!((parts / (rate / 50.0) - 1.0).abs() < 0.03, "{parts}");
 }
 
-/// A load that stays leaves the share of it that the predictor forgets in a sample; with a predictor that forgets nothing and the
-/// first-order estimator's pole as its filter, the law is the first-order one.
+/// A load that stays leaves the share of it that the predictor forgets in a sample; with a predictor that
+/// forgets nothing and the first-order estimator's pole as its filter, the law is the first-order one.
 #[test]
 fn l1_adaptive_control_leaves_what_its_predictor_forgets() {
     let joints = Joints::new();
@@ -272,7 +272,8 @@ fn time_delay_polynomial(delay: usize, r: f64, kp: f64, kd: f64) -> Vec<f64> {
     all
 }
 
-/// How far a sequence is from obeying a polynomial in the shift, from `from` on, over its largest term.
+/// Largest residual of a polynomial in the shift over a sequence, from `from` on, relative to its largest
+/// term.
 fn off(sequence: &[f64], polynomial: &[f64], from: usize) -> f64 {
     let terms = |w: &[f64]| w.iter().zip(polynomial).map(|(x, c)| x * c).sum::<f64>().abs();
     let largest = sequence[from..].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -280,8 +281,9 @@ fn off(sequence: &[f64], polynomial: &[f64], from: usize) -> f64 {
     windows.map(terms).fold(0.0, f64::max) / largest
 }
 
-/// The loop is linear, so its samples obey the loop's polynomial, found on paper: behind a delay too, and for both laws. Fed with
-/// the torque that acted the polynomial is another one (`z^{d+1} − 1` in the place of `z^d (z − 1)`), whose pole is near −1.
+/// The loop is linear, so its samples obey the loop's polynomial, derived on paper: behind a delay too, and
+/// for both laws. With the torque that acted the polynomial is another one (`z^{d+1} − 1` in the place of
+/// `z^d (z − 1)`), whose pole is near −1.
 #[test]
 fn time_delay_control_has_the_poles_of_the_commanded_torque_behind_a_delay() {
     let (kp, kd, share) = (400.0, 40.0, 0.1);
@@ -316,7 +318,8 @@ fn incremental_inversion_has_the_poles_of_one_filter() {
     let turn = w * PERIOD * (1.0_f64 - zeta * zeta).sqrt();
     let filter = [size * size, -2.0 * size * turn.cos(), 1.0];
     let gain: f64 = filter.iter().sum();
-    // H = gain z²/filter; the torque that acted is z^{−1−d} τ: (1 − H z^{−1−d}) τ = −M̄ (K_d v + K_p q + H (1 − z⁻¹) v/T).
+    // H = gain z²/filter; the torque that acted is z^{−1−d} τ:
+    // (1 − H z^{−1−d}) τ = −M̄ (K_d v + K_p q + H (1 − z⁻¹) v/T).
     let (one, plus) = ([-1.0, 1.0], [1.0, 1.0]);
     let r = 1.0 / ratio;
     for delay in 0..=3 {

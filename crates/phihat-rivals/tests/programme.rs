@@ -1,5 +1,6 @@
-//! Inverse dynamics by a quadratic programme. It fails if the torque is not that of the nearest acceleration among all active sets of
-//! limits, if a limit is not kept, or if the law differs from computed torque where none acts.
+//! Inverse dynamics by a quadratic programme. It fails if the torque is not that of the nearest acceleration
+//! among all active sets of limits, if a limit is not satisfied, or if the law differs from computed torque
+//! where none acts.
 
 use crate::support::{Bench, PERIOD};
 use nalgebra::{DMatrix, DVector};
@@ -43,7 +44,8 @@ fn last(bench: &Bench, k: u32) -> [f64; 3] {
     core::array::from_fn(|i| most.as_ref().map_or(0.0, |most| most[i] * sample(k)[3][i]))
 }
 
-/// The least `|x|` with `from + M x` inside of ranges, over all 27 sets of limits that act: `x = M_Aᵀ (M_A M_Aᵀ)⁻¹ r_A`.
+/// The least `|x|` with `from + M x` inside of ranges, over all 27 sets of limits that act:
+/// `x = M_Aᵀ (M_A M_Aᵀ)⁻¹ r_A`.
 fn nearest(m: &DMatrix<f64>, from: [f64; 3], ranges: [[f64; 2]; 3]) -> DVector<f64> {
     let mut best: Option<DVector<f64>> = None;
     for pattern in 0..27_usize {
@@ -71,8 +73,8 @@ fn nearest(m: &DMatrix<f64>, from: [f64; 3], ranges: [[f64; 2]; 3]) -> DVector<f
     best.unwrap()
 }
 
-/// Limits of torque, of its rate, of both: the accelerations are the nearest ones, by counting all sets of limits that may act; and
-/// nearer than those of a torque that is clipped joint by joint.
+/// Limits of torque, of its rate, of both: the accelerations are the nearest ones, by counting all sets of
+/// limits that may act; and nearer than those of a torque that is clipped joint by joint.
 #[test]
 fn the_motion_is_the_nearest_of_those_that_the_limits_allow() {
     let (mut solved, mut beaten) = (0, 0);
@@ -127,8 +129,9 @@ fn without_a_limit_that_acts_it_is_computed_torque_with_friction() {
     }
 }
 
-/// An exact arm that begins 0.3 rad beside its motion: the error goes as `ë + K_d ė + K_p e = 0`, but for what a held torque moves; with a
-/// third of the torque that this takes every sample keeps its limits, and the arm still comes to its motion.
+/// An exact arm that begins 0.3 rad off its motion: the error goes as `ë + K_d ė + K_p e = 0`, but for what a
+/// held torque moves; with a third of the torque that this takes every sample is within its limits, and the
+/// arm still comes to its motion.
 #[test]
 fn an_exact_arm_follows_within_its_limits() {
     let mut bench = Bench::arm("planar3r").exact();

@@ -34,7 +34,8 @@ fn computed_torque_with_the_true_model_makes_the_error_a_critically_damped_joint
     }
 }
 
-/// `e⃛ + K_d ë + K_p ė + K_i e = 0` of the exact model, integrated on its own; and what a wrong model leaves at rest is gone.
+/// `e⃛ + K_d ë + K_p ė + K_i e = 0` of the exact model, integrated on its own; and what a wrong model leaves
+/// at rest is gone.
 #[test]
 fn computed_torque_with_integral_is_a_third_order_joint_that_forgets_its_load() {
     let mut bench = Bench::arm("planar3r").exact();

@@ -25,17 +25,19 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # Guarantee
 ///
-/// As (1), (2) have it in samples, `σ̂_k = e^{−aT} σ_k`, with `σ_k` what was missing on the mean since the last sample: a load that
-/// stays leaves `e = (1 − e^{−aT}) load/(M̄ K_p)`. Tests hold both.
+/// As (1), (2) have it in samples, `σ̂_k = e^{−aT} σ_k`, with `σ_k` what was missing on the mean since the
+/// last sample: a load that stays leaves `e = (1 − e^{−aT}) load/(M̄ K_p)`. Tests check both.
 ///
 /// # Not claimed
 ///
-/// The transient bounds of its authors: they count a Lipschitz constant of the arm's dynamics that is not declared here.
+/// The transient bounds of its authors: they count a Lipschitz constant of the arm's dynamics that is not
+/// declared here.
 ///
 /// # References
 ///
-/// N. Hovakimyan, C. Cao, "L1 Adaptive Control Theory: Guaranteed Robustness with Fast Adaptation", 2010, section 3.3 (piecewise-constant
-/// adaptation). There it augments a state feedback of the plant's own; here it augments a PD in one nominal inertia per joint. Grade B.
+/// N. Hovakimyan, C. Cao, "L1 Adaptive Control Theory: Guaranteed Robustness with Fast Adaptation", 2010,
+/// section 3.3 (piecewise-constant adaptation). There it augments a state feedback of the plant's own; here
+/// it augments a PD in one nominal inertia per joint. Grade B.
 #[derive(Debug)]
 pub(crate) struct AdaptiveL1 {
     kp: f64,
@@ -50,7 +52,7 @@ pub(crate) struct AdaptiveL1 {
     period: f64,
 }
 
-/// What is remembered of a joint.
+/// State of a joint.
 #[derive(Debug, Clone, Copy, Default)]
 struct Predicted {
     /// Measured before.

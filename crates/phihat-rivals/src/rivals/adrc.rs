@@ -37,7 +37,7 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # Not claimed
 ///
-/// What sampling and delay take from the window: (4) is without them.
+/// The reduction of the window by sampling and delay: (4) is without them.
 ///
 /// # References
 ///
@@ -161,7 +161,8 @@ fn edge(stable: &impl Fn(f64) -> bool, factor: f64) -> f64 {
     inside
 }
 
-/// Whether a polynomial of degree 5, from the coefficient of `s⁰`, has all roots in the left half-plane: Routh.
+/// Returns true if a polynomial of degree 5, from the coefficient of `s⁰`, has all roots in the left
+/// half-plane: Routh.
 fn hurwitz(c: &[f64; 6]) -> bool {
     let (mut above, mut row) = ([c[5], c[3], c[1]], [c[4], c[2], c[0]]);
     for _ in 0..4 {

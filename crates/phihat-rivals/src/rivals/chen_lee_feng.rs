@@ -25,8 +25,9 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # Guarantee
 ///
-/// Gain at most `γ` from mismatch to the cost for every `γ > √β`: the condition `β < γ²` of the source is met by the
-/// choice of a level, so that gains fail it nowhere. With an exact model `V = ½ sᵀMs + Λ eᵀUe/β` has `V̇ = −(ėᵀUė + Λ² eᵀUe)/β`.
+/// Gain at most `γ` from mismatch to the cost for every `γ > √β`: the condition `β < γ²` of the source is met
+/// by the choice of a level, so that gains fail it nowhere. With an exact model `V = ½ sᵀMs + Λ eᵀUe/β` has
+/// `V̇ = −(ėᵀUė + Λ² eᵀUe)/β`.
 ///
 /// # Not claimed
 ///

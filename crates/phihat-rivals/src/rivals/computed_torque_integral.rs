@@ -18,8 +18,9 @@ use crate::tuning::{Scalar, Tuning};
 /// K_p = ω²,  K_d = 2 ζ ω,  K_i = K_p/T_i
 /// ```
 ///
-/// With an exact model `e⃛ + K_d ë + K_p ė + K_i e = w'` for a load `w` \[rad/s²\]: one that stays leaves no error, one that grows
-/// leaves `e = w'/K_i`. The integral of a joint stands still while its torque is limited.
+/// With an exact model `e⃛ + K_d ë + K_p ė + K_i e = w'` for a load `w` \[rad/s²\]: one that stays leaves no
+/// error, one that grows leaves `e = w'/K_i`. The integral of a joint stands still while its torque is
+/// limited.
 ///
 /// # Guarantee
 ///
@@ -27,12 +28,13 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # Not claimed
 ///
-/// The same for a wrong model: `M⁻¹M̂` then stands before `K_d`, `K_p`, `K_i`, and the condition counts its range alone.
+/// The same for a wrong model: `M⁻¹M̂` then stands before `K_d`, `K_p`, `K_i`, and the condition counts its
+/// range alone.
 ///
 /// # References
 ///
-/// F. L. Lewis, D. M. Dawson, C. T. Abdallah, "Robot Manipulator Control: Theory and Practice", 2004, section 4.4, PID outer-loop
-/// design. Grade A.
+/// F. L. Lewis, D. M. Dawson, C. T. Abdallah, "Robot Manipulator Control: Theory and Practice", 2004, section
+/// 4.4, PID outer-loop design. Grade A.
 #[derive(Debug)]
 pub(crate) struct ComputedTorqueIntegral {
     outer: OuterPid,

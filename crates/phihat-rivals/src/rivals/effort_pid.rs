@@ -23,17 +23,17 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # Guarantee
 ///
-/// At rest under a load `w` \[N·m\]: `e = 0` for `|w| ≤ i_max`, else `e = (w − i_max sign w)/K_P`. Frozen inertia of ratio `μ` to
-/// `U`: the window of the PID, as for `industrial-pid`.
+/// At rest under a load `w` \[N·m\]: `e = 0` for `|w| ≤ i_max`, else `e = (w − i_max sign w)/K_P`. Frozen
+/// inertia of ratio `μ` to `U`: the window of the PID, as for `industrial-pid`.
 ///
 /// # Not claimed
 ///
-/// What a trajectory's own effort would add: there is none in a reference of positions.
+/// The effort of a trajectory itself: there is none in a reference of positions.
 ///
 /// # References
 ///
-/// ros2_controllers, `joint_trajectory_controller` with the effort interface (`ff_velocity_scale`, `p`, `i`, `d`, `i_clamp`), and
-/// `control_toolbox::Pid`. Grade A.
+/// ros2_controllers, `joint_trajectory_controller` with the effort interface (`ff_velocity_scale`, `p`, `i`,
+/// `d`, `i_clamp`), and `control_toolbox::Pid`. Grade A.
 #[derive(Debug)]
 pub(crate) struct EffortPid {
     proportional: Vec<f64>,

@@ -24,8 +24,8 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # Guarantee
 ///
-/// The estimate converges where `M̄ < 2 cos(π d/(2d + 1)) M` for frozen inertia behind `d` samples: it is fed with the torque that
-/// was commanded, within its limits.
+/// The estimate converges where `M̄ < 2 cos(π d/(2d + 1)) M` for frozen inertia behind `d` samples: its input
+/// is the torque that was commanded, within its limits.
 ///
 /// # Not claimed
 ///

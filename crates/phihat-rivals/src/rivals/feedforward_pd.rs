@@ -18,7 +18,8 @@ use crate::tuning::{Scalar, Tuning};
 /// τ = τ_ff − K_P e − K_D ė,     τ_ff = M̂(q_d) q̈_d + Ĉ(q_d, q̇_d) q̇_d + Ĝ(q_d) + F̂ q̇_d      (1)
 /// ```
 ///
-/// The model never sees a measurement: what is fed forward is as smooth as the reference, and can be computed before the run.
+/// The model receives no measurement: the feed-forward is as smooth as the reference, and can be computed
+/// before the run.
 ///
 /// # Guarantee
 ///
@@ -30,8 +31,9 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # References
 ///
-/// B. Katz, "A low cost modular actuator for dynamic robots", MIT, 2018 (drives that take `q_d, q̇_d, K_P, K_D, τ_ff`); feed-forward
-/// as in C. H. An, C. G. Atkeson, J. M. Hollerbach, "Model-Based Control of a Robot Manipulator", 1988. Grade A.
+/// B. Katz, "A low cost modular actuator for dynamic robots", MIT, 2018 (drives that take
+/// `q_d, q̇_d, K_P, K_D, τ_ff`); feed-forward as in C. H. An, C. G. Atkeson, J. M. Hollerbach, "Model-Based
+/// Control of a Robot Manipulator", 1988. Grade A.
 #[derive(Debug)]
 pub(crate) struct FeedforwardPd {
     feedback: Pd,

@@ -46,9 +46,9 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # References
 ///
-/// J. Na, G. Herrmann, K. Zhang, "Improving transient performance of adaptive control via a modified reference model and
-/// novel adaptation", Int. J. Robust and Nonlinear Control 27(8), 2017. Grade B: the robot form is rebuilt with the
-/// authors' filtered error.
+/// J. Na, G. Herrmann, K. Zhang, "Improving transient performance of adaptive control via a modified
+/// reference model and novel adaptation", Int. J. Robust and Nonlinear Control 27(8), 2017. Grade B: the
+/// robot form is rebuilt with the authors' filtered error.
 #[derive(Debug)]
 pub(crate) struct FilteredRegressor {
     sliding: Sliding,

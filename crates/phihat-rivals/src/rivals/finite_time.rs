@@ -38,8 +38,9 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # References
 ///
-/// H. Liu, X. Tian, G. Wang, T. Zhang, "Finite-time H∞ control for high-precision tracking in robotic manipulators using
-/// backstepping control", IEEE Trans. Industrial Electronics 63(9), 2016. Grade C: the published law was not found.
+/// H. Liu, X. Tian, G. Wang, T. Zhang, "Finite-time H∞ control for high-precision tracking in robotic
+/// manipulators using backstepping control", IEEE Trans. Industrial Electronics 63(9), 2016. Grade C: the
+/// published law was not found.
 #[derive(Debug)]
 pub(crate) struct FiniteTime {
     rates: [f64; 2],

@@ -42,7 +42,7 @@ pub(crate) struct Hackl {
     ends: [f64; 2],
     decay: f64,
     keep: f64,
-    /// What is left of `ψ_0 − ψ_{0∞}` and of `ψ_1 − ψ_{1∞}` per joint.
+    /// Remainder of `ψ_0 − ψ_{0∞}` and of `ψ_1 − ψ_{1∞}` per joint.
     extra: Vec<[f64; 2]>,
     started: bool,
 }
@@ -170,7 +170,7 @@ pub(crate) struct Berger {
     time: f64,
     end: f64,
     keep: f64,
-    /// What is left of `ψ − ψ_∞` \[rad\] per joint.
+    /// Remainder of `ψ − ψ_∞` \[rad\] per joint.
     extra: Vec<f64>,
     started: bool,
 }

@@ -91,12 +91,12 @@ pub(crate) const ATTENUATION: Scalar = Scalar {
     high: 3.0,
 };
 
-/// Whether (2) holds for `K_P, K_I`: what the proof of optimality asks for.
+/// Condition (2) for `K_P, K_I`, which the proof of optimality requires.
 pub(crate) fn proof([proportional, integral]: [f64; 2]) -> Condition {
     Condition::above("K_P² > 2 K_I", proportional * proportional, 2.0 * integral)
 }
 
-/// Whether (2) and the sampled condition hold for `K_P, K_I, K, γ`.
+/// Condition that both (2) and the sampled condition hold for `K_P, K_I, K, γ`.
 pub(crate) fn certificate(values: [f64; 4], period: f64, arm: &DeclaredArm) -> Condition {
     let [proportional, integral, gain, gamma] = values;
     let text = "K_P² > 2 K_I and (K + 1/γ²) T < cμ; c = 2, behind one sample of delay 1";

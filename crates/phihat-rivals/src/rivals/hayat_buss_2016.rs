@@ -23,10 +23,10 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # Guarantee
 ///
-/// With `φ̃ = (φ̂ − φ)/M̄` and `V = ½ xᵀPx + φ̃²/(2Γ)` per joint, `V̇ = −½ xᵀQx − a_0 φ̃²/Γ − φ̃ φ̇/(M̄ Γ)`: input-to-state
-/// stable from `φ̇` for any `a_0, Γ > 0`, `φ` treated as acting from outside. For frozen inertia of ratio `μ`, with
-/// `BᵀPx = b_e e + b_d ė`, the characteristic polynomial is (2) and its window as for order 1; its peak gains bound
-/// the error likewise.
+/// With `φ̃ = (φ̂ − φ)/M̄` and `V = ½ xᵀPx + φ̃²/(2Γ)` per joint, `V̇ = −½ xᵀQx − a_0 φ̃²/Γ − φ̃ φ̇/(M̄ Γ)`:
+/// input-to-state stable from `φ̇` for any `a_0, Γ > 0`, `φ` treated as acting from outside. For frozen
+/// inertia of ratio `μ`, with `BᵀPx = b_e e + b_d ė`, the characteristic polynomial is (2) and its window as
+/// for order 1; its peak gains bound the error likewise.
 ///
 /// ```text
 /// μ s³ + (K_d + a_0) s² + (K_p + a_0 K_d + Γ b_d) s + a_0 K_p + Γ b_e                  (2)

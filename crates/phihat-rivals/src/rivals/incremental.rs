@@ -21,8 +21,9 @@ use crate::tuning::{Scalar, Tuning};
 /// τ = τ_f + M̄ (ν − q̈_f),     τ_f = H τ_applied,     q̈_f = H (q̇_k − q̇_{k−1})/T              (1)
 /// ```
 ///
-/// `τ_applied` is the torque that acted while `q̇` changed: both signals are of the same interval, whatever the delay, and
-/// are late by the same filter. What `H` lets through of `τ_applied − M̄ q̈` is all that is known of the arm's dynamics.
+/// `τ_applied` is the torque that acted while `q̇` changed: both signals are of the same interval, whatever
+/// the delay, and are late by the same filter. What `H` lets through of `τ_applied − M̄ q̈` is all that is
+/// known of the arm's dynamics.
 ///
 /// # Guarantee
 ///
@@ -32,8 +33,8 @@ use crate::tuning::{Scalar, Tuning};
 /// μ s² (s² + 2 ζ_f ω_f s + ω_f²) + (K_d s + K_p)(s² + 2 ζ_f ω_f s + ω_f²) − (μ − 1) ω_f² s²      (2)
 /// ```
 ///
-/// and the upper end of the window is where (2) is no longer Hurwitz; the lower end, by sampling and delay, is that of the velocity
-/// gain `K_d + ω_f/(2 ζ_f)`, `1/(s + …)` being what `H/(1 − H)` is for slow signals.
+/// and the upper end of the window is where (2) is no longer Hurwitz; the lower end, by sampling and delay,
+/// is that of the velocity gain `K_d + ω_f/(2 ζ_f)`, `1/(s + …)` being what `H/(1 − H)` is for slow signals.
 ///
 /// # Not claimed
 ///
@@ -41,10 +42,11 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # References
 ///
-/// E. J. J. Smeur, Q. Chu, G. C. H. E. de Croon, "Adaptive incremental nonlinear dynamic inversion for attitude control of micro air
-/// vehicles", J. Guidance, Control, and Dynamics 39(3), 2016 (filter of 50 rad/s, damping 0.55); S. Sieberling, Q. P. Chu, J. A. Mulder,
-/// J. Guidance, Control, and Dynamics 33(6), 2010. There the inverted matrix is that of the actuators; here it is one nominal
-/// inertia per joint. Grade A.
+/// E. J. J. Smeur, Q. Chu, G. C. H. E. de Croon, "Adaptive incremental nonlinear dynamic inversion for
+/// attitude control of micro air vehicles", J. Guidance, Control, and Dynamics 39(3), 2016 (filter of 50
+/// rad/s, damping 0.55); S. Sieberling, Q. P. Chu, J. A. Mulder, J. Guidance, Control, and Dynamics
+/// 33(6), 2010. There the inverted matrix is that of the actuators; here it is one nominal inertia per joint.
+/// Grade A.
 #[derive(Debug)]
 pub(crate) struct Incremental {
     kp: f64,

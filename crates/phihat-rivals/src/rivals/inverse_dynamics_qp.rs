@@ -24,33 +24,37 @@ use crate::tuning::{Scalar, Tuning};
 /// ν = q̈_d − K_d ė − K_p e,   q̈_d where the torque will act                               (4)
 /// ```
 ///
-/// `τ_{k−1}` is the torque that was commanded last, within its limits. Where the torque that (2) gives for `q̈ = ν` keeps (3), it is the
-/// solution: computed torque with identified dry friction `ĉ`. Else (1) to (3) is solved in `x = q̈ − ν`, with the rows of (3) of
-/// those joints that have limits, by an interior-point method; its tolerance (10⁻⁸) is cut off at the limits. Where limits contradict
-/// each other, as when a torque came in from outside of them, `|τ| ≤ τ_max` alone counts; where no solution is found, (2) is clipped
-/// joint by joint.
+/// `τ_{k−1}` is the torque that was commanded last, within its limits. Where the torque that (2) gives for
+/// `q̈ = ν` satisfies (3), it is the solution: computed torque with identified dry friction `ĉ`. Else (1) to
+/// (3) is solved in `x = q̈ − ν`, with the rows of (3) of those joints that have limits, by an interior-point
+/// method; its tolerance (10⁻⁸) is cut off at the limits. Where limits contradict each other, as when a
+/// torque came in from outside of them, `|τ| ≤ τ_max` alone counts; without a solution, (2) is clipped joint
+/// by joint.
 ///
-/// Clipping (2) joint by joint changes the acceleration of every joint, as `M̂` couples them; (1) shares out what is missing.
+/// Clipping (2) joint by joint changes the acceleration of every joint, as `M̂` couples them; (1) shares out
+/// what is missing.
 ///
 /// # Not claimed
 ///
-/// Anything about what the model lacks: there is no integral action. That limits of position and velocity are kept: they are not among
-/// what a law is handed. That a motion can be gone on with: (3) looks one sample ahead. A fixed time: a sample at a limit takes
-/// some 8 to 12 iterations, 0.15 ms for three joints and 0.22 ms for seven on one core of a server, and allocates; any other one
-/// takes 1 to 2 µs.
+/// Anything about what the model lacks: there is no integral action. That limits of position and velocity are
+/// satisfied: they are not among the inputs of a law. That a motion can be gone on with: (3) looks one sample
+/// ahead. A fixed time: a sample at a limit takes some 8 to 12 iterations, 0.15 ms for three joints and 0.22
+/// ms for seven on one core of a server, and allocates; any other one takes 1 to 2 µs.
 ///
 /// # References
 ///
-/// A. Del Prete, N. Mansard, "Robustness to joint-torque-tracking errors in task-space inverse dynamics", IEEE Trans. Robotics 32(5),
-/// 2016: its nominal problem, with one task, that of the joints, and no contact. P. J. Goulart, Y. Chen, "Clarabel: an interior-point
-/// solver for conic programs with quadratic objectives", 2024, is the solver. Grade B.
+/// A. Del Prete, N. Mansard, "Robustness to joint-torque-tracking errors in task-space inverse dynamics",
+/// IEEE Trans. Robotics 32(5), 2016: its nominal problem, with one task, that of the joints, and no contact.
+/// P. J. Goulart, Y. Chen, "Clarabel: an interior-point solver for conic programs with quadratic objectives",
+/// 2024, is the solver. Grade B.
 #[derive(Debug)]
 pub(crate) struct InverseDynamicsQp {
     kp: f64,
     kd: f64,
     model: Nominal,
     dry: Dry,
-    /// The largest torque \[N·m\] and the most change of it in one sample \[N·m\] per joint, infinite where there is no limit.
+    /// The largest torque \[N·m\] and the most change of it in one sample \[N·m\] per joint, infinite where
+    /// there is no limit.
     most: Vec<[f64; 2]>,
     /// Joints that have limits.
     limited: Vec<usize>,
@@ -67,7 +71,8 @@ impl InverseDynamicsQp {
         if low <= high { (low, high) } else { (-most, most) }
     }
 
-    /// `M̂ x` for the solution of (1) to (3) \[N·m\], in `out`; `from` is the torque for `q̈ = ν`. `None` where none was found.
+    /// `M̂ x` for the solution of (1) to (3) \[N·m\], in `out`; `from` is the torque for `q̈ = ν`. `None`
+    /// without a solution.
     fn missing(&self, from: &[f64], ranges: &[(f64, f64)]) -> Option<Vec<f64>> {
         let n = from.len();
         let rows = self.limited.len();

@@ -1,4 +1,4 @@
-//! What a robot maker ships: joint impedance, a filter of the torque, a limit of its rate.
+//! Control stack of a robot maker: joint impedance, a filter of the torque, a limit of its rate.
 
 use core::f64::consts::TAU;
 
@@ -22,18 +22,19 @@ use crate::tuning::{Scalar, Tuning};
 /// τ_k = τ_{k−1} + clip(f_k − τ_{k−1}, ± rate T)                                            (3)
 /// ```
 ///
-/// `f_c` is 100 Hz as shipped; the rate is the arm's, and (3) is left out where the arm states none. The first sample goes through
-/// (2) and (3) as it is.
+/// `f_c` is 100 Hz as shipped; the rate is the arm's, and (3) is left out where the arm states none. The
+/// first sample goes through (2) and (3) as it is.
 ///
 /// # Not claimed
 ///
-/// Tracking without error: inertia, friction, and what the model lacks leave `e ≈ −(load)/K_P`. That it is the code of a
-/// robot: there gravity is compensated below the interface, and the gains are one stiffness and damping per joint.
+/// Tracking without error: inertia, friction, and what the model lacks leave `e ≈ −(load)/K_P`. That it is
+/// the code of a robot: there gravity is compensated below the interface, and the gains are one stiffness and
+/// damping per joint.
 ///
 /// # References
 ///
-/// libfranka: `examples/joint_impedance_control.cpp`, `lowpassFilter` (cut-off 100 Hz by default) and `limitRate` (1000 N·m/s).
-/// Grade B.
+/// libfranka: `examples/joint_impedance_control.cpp`, `lowpassFilter` (cut-off 100 Hz by default) and
+/// `limitRate` (1000 N·m/s). Grade B.
 #[derive(Debug)]
 pub(crate) struct MakersStack {
     proportional: Vec<f64>,

@@ -46,8 +46,8 @@ mod time_delay;
 mod ultra_local;
 mod yang;
 
-/// Every rival: plain laws, the rows of the paper's Table 1 in its order, other laws, the paper's own, its last row, and this
-/// project's law from positions.
+/// Every rival: plain laws, the rows of the paper's Table 1 in its order, other laws, the paper's own, its
+/// last row, and this project's law from positions.
 /// One line each.
 pub const RIVALS: &[Entry] = &[
     Entry::of::<pd::Pd>(),

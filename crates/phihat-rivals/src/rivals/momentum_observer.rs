@@ -20,8 +20,8 @@ use crate::tuning::{Scalar, Tuning};
 /// τ = M̂ (q̈_d − K_d ė − K_p e) + Ĉ q̇ + Ĝ + F̂ q̇ + ĉ(q̇_d) − r                               (2)
 /// ```
 ///
-/// `r = K_O/(s + K_O) τ_ext` for a load `τ_ext` \[N·m\] on an arm with the model's parameters; no acceleration is needed. (1) has its
-/// exact sampled pole.
+/// `r = K_O/(s + K_O) τ_ext` for a load `τ_ext` \[N·m\] on an arm with the model's parameters; no
+/// acceleration is needed. (1) has its exact sampled pole.
 ///
 /// # Guarantee
 ///
@@ -33,9 +33,9 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # References
 ///
-/// A. De Luca, R. Mattone, "Sensorless robot collision detection and hybrid force/motion control", ICRA 2005; A. De Luca, A.
-/// Albu-Schäffer, S. Haddadin, G. Hirzinger, IROS 2006, where `r` finds collisions. That it is taken off a computed torque is common
-/// practice. Grade B.
+/// A. De Luca, R. Mattone, "Sensorless robot collision detection and hybrid force/motion control", ICRA 2005;
+/// A. De Luca, A. Albu-Schäffer, S. Haddadin, G. Hirzinger, IROS 2006, where `r` finds collisions. That it is
+/// taken off a computed torque is common practice. Grade B.
 #[derive(Debug)]
 pub(crate) struct MomentumObserver {
     kp: f64,

@@ -34,9 +34,9 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # References
 ///
-/// W. Peng, Z. Lin, J. Su, "Computed torque control-based composite nonlinear feedback controller for robot manipulators
-/// with bounded torques", IET Control Theory & Applications 3(6), 2009. Grade C for the arm; the feedback is textbook (B. M.
-/// Chen, T. H. Lee, K. Peng, V. Venkataramanan, 2003).
+/// W. Peng, Z. Lin, J. Su, "Computed torque control-based composite nonlinear feedback controller for robot
+/// manipulators with bounded torques", IET Control Theory & Applications 3(6), 2009. Grade C for the arm; the
+/// feedback is textbook (B. M. Chen, T. H. Lee, K. Peng, V. Venkataramanan, 2003).
 #[derive(Debug)]
 pub(crate) struct NonlinearFeedback {
     linear: [f64; 2],

@@ -35,9 +35,9 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # References
 ///
-/// S. S. Pchelkin et al., "On orbital stabilization for industrial manipulators: case study in evaluating performances of
-/// modified PD+ and inverse dynamics controllers", IEEE Trans. Control Systems Technology 25(1), 2017. Grade C: the
-/// details of the published law were not found.
+/// S. S. Pchelkin et al., "On orbital stabilization for industrial manipulators: case study in evaluating
+/// performances of modified PD+ and inverse dynamics controllers", IEEE Trans. Control Systems Technology
+/// 25(1), 2017. Grade C: the details of the published law were not found.
 #[derive(Debug)]
 pub(crate) struct Orbital {
     law: PdPlus,

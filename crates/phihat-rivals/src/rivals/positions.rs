@@ -1,4 +1,5 @@
-//! This project's law from positions, of the core: one law for all joints, first and second order, and a law per joint by design.
+//! This project's law from positions, of the core: one law for all joints, first and second order, and a law
+//! per joint by design.
 
 use core::f64::consts::TAU;
 use core::fmt::Debug;
@@ -24,22 +25,25 @@ use crate::tuning::{Scalar, Tuning};
 /// At a sample, with `x = (ê, ė̂, φ̂)`, `d` samples of delay and `r = τ_{k−1} − ff_{k−1}` as the limits let it through:
 ///
 /// ```text
-/// x    ← F x + G (τ_applied − ff_{k−1−d})/M̄,   x ← x + ℓ (q − q_d − ê),   x⁺ = x through the d torques on their way       (1)
-/// τ_k  = ff_k + r + g (φ̂⁺ − M̄ (K_d ė̂⁺ + K_p ê⁺) − r),     g = 1 − e^{−2πfT},     ff_k = M̄ mean of q̈_d where τ_k acts     (2)
+/// x    ← F x + G (τ_applied − ff_{k−1−d})/M̄,   x ← x + ℓ (q − q_d − ê),
+/// x⁺   = x through the d torques on their way                                          (1)
+/// τ_k  = ff_k + r + g (φ̂⁺ − M̄ (K_d ė̂⁺ + K_p ê⁺) − r),     g = 1 − e^{−2πfT},
+/// ff_k = M̄ mean of q̈_d where τ_k acts                                                  (2)
 /// ```
 ///
 /// `ℓ` by the observer's poles, one real and a pair.
 ///
-/// # What it is handed
+/// # Inputs
 ///
-/// Encoder positions and the torque that acted, and no velocity. It knows the loop's delay and torque limits, which other laws
-/// do not ask for, and gets the reference's acceleration in the interval in which its torque will act; other laws get it at the
-/// sample. What it begins with is what ADRC begins with: a triple pole, 20 rad/s, damping 1.
+/// Encoder positions and the torque that acted, and no velocity. It knows the loop's delay and torque limits,
+/// which other laws do not request, and gets the reference's acceleration in the interval in which its torque
+/// will act; other laws get it at the sample. What it begins with is what ADRC begins with: a triple pole, 20
+/// rad/s, damping 1.
 ///
 /// # Not claimed
 ///
-/// An inertia window in a closed form. The comparison finds a bound on the error by peak gains of the sampled loop, as for the
-/// paper's law; the tube of `phihat design` belongs to one motion.
+/// An inertia window in a closed form. The comparison computes a bound on the error by peak gains of the
+/// sampled loop, as for the paper's law; the tube of `phihat design` belongs to one motion.
 ///
 /// # References
 ///
@@ -51,31 +55,35 @@ pub(crate) struct First;
 #[derive(Debug)]
 pub(crate) struct Second;
 
-/// The law of [`First`] and [`Second`] with gains and order of its own for each joint, found by the search of `phihat design` for
-/// the least error whose torque steps, as far as the encoder makes them, stay within the comparison's allowance of noise.
+/// The law of [`First`] and [`Second`] with gains and order of its own for each joint, from the search of
+/// `phihat design` for the least error whose torque steps, as far as the encoder makes them, stay within the
+/// comparison's allowance of noise.
 ///
 /// # Not claimed
 ///
-/// That these are the gains of least measured error: the search reckons joint by joint, over the arm's range of inertia, with the
-/// load along the study's own motion. No tube was asked for: it belongs to one motion, and a comparison has many.
+/// That these are the gains of least measured error: the search computes joint by joint, over the arm's range
+/// of inertia, with the load along the study's own motion. No tube was requested: it belongs to one motion,
+/// and a comparison has many.
 #[derive(Debug)]
 pub(crate) struct ByDesign;
 
-/// The law of [`ByDesign`] with a filter on what each joint's observer did not expect, two sections of second order beside it, found by
-/// the search of `phihat design` with the key `innovation_filter`.
+/// The law of [`ByDesign`] with a filter on the innovation of each joint's observer, two sections of second
+/// order alongside, from the search of `phihat design` with the key `innovation_filter`.
 ///
 /// # Law
 ///
-/// With `ν` the innovation of (1) and `x, δ` the states of a section, the wanted torque of (2) has `M̄ Σ (b₀ x + b₁ δ)` more:
+/// With `ν` the innovation of (1) and `x, δ` the states of a section, the wanted torque of (2) has
+/// `M̄ Σ (b₀ x + b₁ δ)` more:
 ///
 /// ```text
-/// x ← x + δ,    δ ← δ + ν − c₀ x − c₁ δ                                                                               (3)
+/// x ← x + δ,    δ ← δ + ν − c₀ x − c₁ δ                                                (3)
 /// ```
 ///
-/// # What it is handed
+/// # Inputs
 ///
-/// What [`ByDesign`] is handed. Its filter was weighed by tubes of that law along the study's own motion, and may turn the torque by
-/// as much, by its estimate, as that law does by its tube. Where there is no such tube it is that law.
+/// Those of [`ByDesign`]. Its filter was weighted by tubes of that law along the study's own motion, and may
+/// change the torque by as much, by its estimate, as that law does by its tube. Where there is no such tube
+/// it is that law.
 ///
 /// # Not claimed
 ///
@@ -134,7 +142,8 @@ const SLOW_POLE: Scalar = Scalar {
     high: 200.0,
 };
 
-/// The law from positions of a row with free scalars, at unit inertia; `None` where the row, or the number of values, is another.
+/// The law from positions of a row with free scalars, at unit inertia; `None` where the row, or the number of
+/// values, is another.
 pub fn position_law(id: &str, values: &[f64], period: f64) -> Option<DesignedPosition> {
     let (scalars, slow) = match (id, values) {
         ("proposed-positions-1", scalars) => (scalars, None),
@@ -209,8 +218,8 @@ impl FromPositions {
         }
     }
 
-    /// Of a joint: `ê`, `ė̂`, `φ̂` and its derivatives, the torques on their way, and what is fed forward in them and in the one
-    /// that acted; two of every section of a filter.
+    /// Of a joint: `ê`, `ė̂`, `φ̂` and its derivatives, the torques on their way, and the feed-forward in
+    /// them and in the one that acted; two of every section of a filter.
     fn states(&self) -> usize {
         let pending = self.delay.max(1) + self.delay + 1;
         let joints = self.gains.iter().map(|gains| 2 + gains.order() + pending);
@@ -218,7 +227,7 @@ impl FromPositions {
     }
 }
 
-/// What tells a row of the law from the others: its free scalars, what it knows, and the gains that these come to.
+/// Kind of a row of the law: its free scalars, its knowledge, and the gains that result from these.
 pub(crate) trait Kind: Debug + Send + 'static {
     const CARD: Card;
     const SCALARS: &'static [Scalar];

@@ -23,8 +23,9 @@ use crate::tuning::{Scalar, Tuning};
 /// # Guarantee
 ///
 /// Frozen inertia of ratio `μ` to `M̄`: stable inside the window (2), its lower end from sampling and delay
-/// ([`DeclaredArm::ratio_min`]: `c` is 2 without delay and 1 behind one sample), its upper end in continuous time. The error of a joint by peak gains, with
-/// `G(s) = s/((s² + K_d s + K_p)(s + a_0))` and `‖·‖₁` the integral of the impulse response's modulus:
+/// ([`DeclaredArm::ratio_min`]: `c` is 2 without delay and 1 behind one sample), its upper end in continuous
+/// time. The error of a joint by peak gains, with `G(s) = s/((s² + K_d s + K_p)(s + a_0))` and `‖·‖₁` the
+/// integral of the impulse response's modulus:
 ///
 /// ```text
 /// (K_d + a_0) T / c < μ < (K_d + a_0)(K_p + a_0 K_d)/(a_0 K_p)                         (2)
@@ -33,9 +34,10 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # Not claimed
 ///
-/// (2) to the digit behind a delay: the observer knows the torque that acted, and bears somewhat less inertia than
-/// the rule says. (3) for an arm whose `φ` is not the declared one: `φ` holds `(M − M̄) q̈`, and the declared one is that along
-/// the reference. The certificates of `phihat-design` are stricter; this is the claim that any user can compute.
+/// (2) to the digit behind a delay: the observer knows the torque that acted, and bears somewhat less inertia
+/// than the rule says. (3) for an arm whose `φ` is not the declared one: `φ` holds `(M − M̄) q̈`, and the
+/// declared one is that along the reference. The certificates of `phihat-design` are stricter; this is the
+/// claim that any user can compute.
 ///
 /// # References
 ///

@@ -22,8 +22,8 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # Guarantee
 ///
-/// Where `ρ` is above the size of `(M⁻¹M̂ − 1)(q̈_d + u) + M⁻¹(n̂ − n)`, which takes `‖M⁻¹M̂ − 1‖ < 1`, the error
-/// ends within a ball whose radius goes to zero with `ε`.
+/// If `ρ` is above the size of `(M⁻¹M̂ − 1)(q̈_d + u) + M⁻¹(n̂ − n)`, which requires `‖M⁻¹M̂ − 1‖ < 1`, the
+/// error ends within a ball whose radius goes to zero with `ε`.
 ///
 /// # Not claimed
 ///
@@ -31,9 +31,9 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # References
 ///
-/// L. Bascetta, P. Rocco, "Revising the robust-control design for rigid robot manipulators", IEEE Trans. Robotics 26(1),
-/// 2010. M. W. Spong, M. Vidyasagar, "Robot Dynamics and Control", 1989, for the class. Grade C: the published law was
-/// not found.
+/// L. Bascetta, P. Rocco, "Revising the robust-control design for rigid robot manipulators", IEEE Trans.
+/// Robotics 26(1), 2010. M. W. Spong, M. Vidyasagar, "Robot Dynamics and Control", 1989, for the class. Grade
+/// C: the published law was not found.
 #[derive(Debug)]
 pub(crate) struct Robust {
     direction: [f64; 2],

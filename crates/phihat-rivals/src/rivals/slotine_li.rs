@@ -118,8 +118,8 @@ impl Rival for SlotineLi {
 ///
 /// # Law
 ///
-/// As there, with `Γ = γ_g U_j` for a parameter of joint `j` and unit `g`. With all four rates alike it is the same law, and a test
-/// holds that.
+/// As there, with `Γ = γ_g U_j` for a parameter of joint `j` and unit `g`. With all four rates alike it is
+/// the same law, and a test checks that.
 ///
 /// # References
 ///

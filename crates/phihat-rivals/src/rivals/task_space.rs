@@ -16,7 +16,8 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # Law
 ///
-/// `Δx = x − x_d` of the measured tip, `Ĵ` the Jacobian with estimated lengths `l̂`, `Ĵ q̇ = Z(q, q̇) l̂ + (0, 0, ω_3)`:
+/// `Δx = x − x_d` of the measured tip, `Ĵ` the Jacobian with estimated lengths `l̂`,
+/// `Ĵ q̇ = Z(q, q̇) l̂ + (0, 0, ω_3)`:
 ///
 /// ```text
 /// q̇_r = Ĵ⁻¹ (ẋ_d − α Δx),   q̈_r = Ĵ⁻¹ (ẍ_d − α Δẋ − (dĴ/dt) q̇_r),   s = q̇ − q̇_r       (1)
@@ -54,7 +55,7 @@ pub(crate) struct TaskSpace {
 const LEAKAGE: f64 = 0.01;
 /// Smallest `|sin(φ_2 − φ_1)|` that is divided by.
 const SINGULAR: f64 = 0.05;
-/// How far from the first belief a length may get, either way.
+/// Largest factor between a length and its first estimate, either way.
 const BELIEF: f64 = 3.0;
 
 impl Rival for TaskSpace {

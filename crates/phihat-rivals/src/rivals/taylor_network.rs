@@ -17,9 +17,9 @@ use crate::tuning::{Scalar, Tuning};
 /// s = ė + λ e,    τ = U (W p − k s),    Ẇ = −Γ s pᵀ/(1 + pᵀp) − σ W                    (1)
 /// ```
 ///
-/// `p` has all monomials up to degree 2 of `(q_d, q̇_d, q̈_d)`: `(3n + 2)(3n + 1)/2` of them, 55 for three joints and 253
-/// for seven; as many weights per joint. The leakage is taken implicitly; (1) stands still while any joint's torque
-/// is limited.
+/// `p` has all monomials up to degree 2 of `(q_d, q̇_d, q̈_d)`: `(3n + 2)(3n + 1)/2` of them, 55 for three
+/// joints and 253 for seven; as many weights per joint. The leakage is taken implicitly; (1) stands still
+/// while any joint's torque is limited.
 ///
 /// # Guarantee
 ///

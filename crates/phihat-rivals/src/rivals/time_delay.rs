@@ -17,14 +17,15 @@ use crate::tuning::{Scalar, Tuning};
 /// τ_k = M̄ (q̈_d − K_d ė − K_p e) + τ_{k−1} − M̄ (q̇_k − q̇_{k−1})/T                        (1)
 /// ```
 ///
-/// `τ_{k−1}` is the torque that was commanded last, within its limits: without a delay it is the one that acted while `q̇`
-/// went from one sample to the other, and this is the paper's law of order 1, by forward Euler, with `a_0 = 1/T`; a
-/// test holds the two together.
+/// `τ_{k−1}` is the torque that was commanded last, within its limits: without a delay it is the one that
+/// acted while `q̇` went from one sample to the other, and this is the paper's law of order 1, by forward
+/// Euler, with `a_0 = 1/T`; a test compares the two.
 ///
 /// # Guarantee
 ///
-/// `|1 − M⁻¹ M̄| < 1` for frozen inertia, that is `M̄ < 2 M`; with the outer loop and the delay counted, the lower end of the window
-/// of the first-order law at `a_0 = 1/T`. Behind `d` samples, with `r = M̄/M`, the loop's polynomial is
+/// `|1 − M⁻¹ M̄| < 1` for frozen inertia, that is `M̄ < 2 M`; with the outer loop and the delay counted, the
+/// lower end of the window of the first-order law at `a_0 = 1/T`. Behind `d` samples, with `r = M̄/M`, the
+/// loop's polynomial is
 ///
 /// ```text
 /// z^d (z − 1)³ + r [(z − 1)² + K_d T z (z − 1) + ½ K_p T² z (z + 1)]                    (2)
@@ -32,8 +33,8 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # Not claimed
 ///
-/// A bound on the error. That a delay costs nothing: fed with the torque that *acted*, (1) would be `d + 1` integrators that
-/// take turns, with a pole near `z = −1` for every small `r`; so it is not.
+/// A bound on the error. That a delay costs nothing: with the torque that *acted*, (1) would be `d + 1`
+/// integrators that take turns, with a pole near `z = −1` for every small `r`; so it is not.
 ///
 /// # References
 ///

@@ -54,7 +54,7 @@ impl Curve for Sines {
     }
 }
 
-/// What a run leaves.
+/// Record of a run.
 #[derive(Debug, Default)]
 pub(crate) struct Run {
     pub(crate) t: Vec<f64>,
@@ -160,7 +160,7 @@ impl Bench {
         ]
     }
 
-    /// What is declared of the arm, for conditions.
+    /// Declared properties of the arm, for conditions.
     pub(crate) fn declared(&self) -> DeclaredArm {
         let n = self.supply.joints();
         DeclaredArm {
@@ -289,7 +289,7 @@ impl Bench {
 }
 
 impl Run {
-    /// Whether the run reached its end.
+    /// Returns true if the run reached its end.
     pub(crate) fn complete(&self, bench: &Bench) -> bool {
         self.t.len() as f64 * PERIOD >= bench.duration - 0.5 * PERIOD
     }
