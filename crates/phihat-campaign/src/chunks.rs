@@ -1,8 +1,8 @@
 //! Runs by the million: rows of fixed width on the disk, done in chunks, with one line of a journal per chunk.
 //!
-//! Memory is what a few chunks need. A row's place is known before it is there, so that nothing is sorted and nothing is kept.
-//! A chunk counts once its bytes are on the disk and then its checksum in the journal: whenever the process ends, what does not
-//! agree with the journal is done again.
+//! Memory holds only a few chunks. The position of each row is known in advance, so that no rows are sorted
+//! or collected in memory. A chunk is complete when its rows, and after them its checksum in the journal, are
+//! on the disk: after an interruption, every chunk that does not agree with the journal is computed again.
 
 use std::fs::File;
 use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
@@ -22,12 +22,12 @@ use crate::runner::group;
 /// Largest chunk \[runs\].
 const CHUNK_MAX: u64 = 256;
 
-/// Which of so many parts of all runs, from 1.
+/// One part of all runs: part `part` of `of`, numbered from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// Which.
+    /// Number of the part, from 1.
     pub part: u64,
-    /// Of how many.
+    /// Number of parts.
     pub of: u64,
 }
 
@@ -44,7 +44,7 @@ impl Shard {
     }
 }
 
-/// How runs are cut into chunks, and which of them are a shard's. It decides no result, only who does what.
+/// Division of the runs into chunks, and of the chunks among shards. No result depends on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layout {
     /// All runs, of all shards.
@@ -76,7 +76,7 @@ impl Layout {
         first..(first + self.chunk).min(self.runs)
     }
 
-    /// How many runs this shard has.
+    /// Number of runs of this shard.
     pub fn own_runs(&self) -> u64 {
         self.chunks().map(|chunk| self.runs_of(chunk)).map(|runs| runs.end - runs.start).sum()
     }
@@ -95,9 +95,9 @@ pub enum ChunksError {
     Rows {
         /// The file.
         path: PathBuf,
-        /// What was being done.
+        /// Description of the failed operation.
         what: &'static str,
-        /// What the system said.
+        /// Error of the operating system.
         error: std::io::Error,
     },
     /// The journal.
@@ -240,8 +240,10 @@ impl RowFile {
     }
 }
 
-/// Does the chunks of a shard that are not there yet. `plan` stands for everything that decides a row but its place; `work` gives
-/// the rows of some runs, of nothing but their places. `progress` is told how many runs are done, first of those that were there.
+/// Computes the chunks of a shard that are missing. `plan` identifies everything that determines a row except
+/// its position; `work` returns the rows of a range of runs and must depend on their positions alone.
+/// `progress` is called with the number of finished runs, first with the number of those that were there
+/// before.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Where a campaign leaves its journal and its results.
+//! Folder of the journal and the results of a campaign.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,8 @@ use phihat_session::SessionError;
 /// The journal of a campaign, in its folder.
 pub const JOURNAL: &str = "journal.jsonl";
 
-/// Where the results of a campaign go: the folder that was named, else one with the study's name where there is one study.
+/// Folder of the results of a campaign: `out` if it is given, else `out/STUDY/CAMPAIGN` for one study and
+/// `out/CAMPAIGN` for several.
 ///
 /// # Errors
 ///

@@ -32,9 +32,9 @@ pub enum JournalError {
     Io {
         /// The journal.
         path: PathBuf,
-        /// What was being done.
+        /// Description of the failed operation.
         what: &'static str,
-        /// What the system said.
+        /// Error of the operating system.
         error: std::io::Error,
     },
     /// Another process writes to it.
@@ -50,7 +50,7 @@ pub enum JournalError {
     },
 }
 
-/// Damaged lines whose numbers are told.
+/// Largest number of damaged lines that are listed by number.
 const SHOWN: usize = 10;
 
 #[derive(Serialize)]
@@ -77,8 +77,8 @@ impl Journal {
         Self::read(path, Self::locked(path)?)
     }
 
-    /// Opens the journal of a campaign, or begins one, in a folder that is made where it is missing; says which of its lines
-    /// cannot be used. No other process writes to its folder while it is open.
+    /// Opens the journal of a campaign, or begins one, in a folder that is created if it is missing; reports
+    /// the lines that cannot be used. No other process writes to its folder while it is open.
     ///
     /// # Errors
     ///
@@ -148,17 +148,18 @@ impl Journal {
         Ok(journal)
     }
 
-    /// What is recorded of a run: its entry as the JSON text that was written.
+    /// Entry of a run, as the JSON text that was written; `None` if the run is not recorded.
     pub fn entry(&self, id: &str) -> Option<&str> {
         self.entries.get(id).map(String::as_str)
     }
 
-    /// The lines, from 1, that were no record when the journal was opened: not JSON, or not what their checksum says.
+    /// Numbers, from 1, of the lines that were no record when the journal was opened: no JSON, or a wrong
+    /// checksum.
     pub fn damaged(&self) -> &[usize] {
         &self.damaged
     }
 
-    /// Which lines are damaged, for people; `None` where all lines are whole.
+    /// Message with the numbers of the damaged lines; `None` if no line is damaged.
     pub fn damage(&self) -> Option<String> {
         let shown: Vec<_> = self.damaged.iter().take(SHOWN).map(ToString::to_string).collect();
         let shown = shown.join(", ");
@@ -177,12 +178,12 @@ impl Journal {
         }
     }
 
-    /// How many runs are recorded.
+    /// Number of recorded runs.
     pub fn len(&self) -> usize {
         self.entries.len()
     }
 
-    /// Whether no run is recorded.
+    /// Returns true if no run is recorded.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
@@ -219,8 +220,8 @@ impl Journal {
         Ok(())
     }
 
-    /// Records what another journal holds and this one does not, such as that of a shard; the other is left as it is, and lines that
-    /// are damaged there are passed over. How many runs are new.
+    /// Records the runs that another journal, such as that of a shard, has and this one has not. The other
+    /// journal is not changed; its damaged lines are skipped. Returns the number of new runs.
     ///
     /// # Errors
     ///

@@ -7,7 +7,8 @@
 //! [`faults`] is the campaign that breaks everything an arm, its sensors, its drives and its network can
 //! break, and says what became of it.
 //!
-//! [`sweep`] draws the numbers of a study anew in every run; [`rollouts`] is told them, and leaves arrays.
+//! [`sweep`] draws the numbers of a study anew in every run; [`rollouts`] gets them as arguments and returns
+//! arrays.
 //!
 //! # Not claimed
 //!

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::journal::{Journal, JournalError};
 
-/// How one run ended.
+/// Result of one run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ended<E> {
@@ -21,7 +21,7 @@ pub enum Ended<E> {
     Panicked(String),
 }
 
-/// How far a campaign is.
+/// Progress of a campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
     /// Runs that were in the journal already.
@@ -92,8 +92,9 @@ where
 /// Most results that are recorded at once.
 const GROUP: usize = 4096;
 
-/// Whatever has ended since the last time, at least one: while the disk takes some, others wait and are then taken together, so
-/// that many short runs wait for it no oftener than few long ones. `None` when all have ended.
+/// Results that have arrived since the last call, at least one; `None` when all runs have ended. Results that
+/// arrive while the disk is busy are written together, so that many short runs wait for the disk no more
+/// often than few long ones.
 pub(crate) fn group<T>(receiver: &mpsc::Receiver<T>) -> Option<Vec<T>> {
     let first = receiver.recv().ok()?;
     Some(std::iter::once(first).chain(receiver.try_iter().take(GROUP - 1)).collect())

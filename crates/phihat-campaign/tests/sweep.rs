@@ -1,5 +1,6 @@
-//! A sweep. Wrong if a byte of its answer depends on threads, interruptions or shards, if a figure is not that of the run's whole
-//! record, if a written study does not repeat its run, or if bad input is not told with what is valid.
+//! Monte Carlo sweeps. Wrong if a byte of the answer depends on threads, interruptions or shards, if a figure
+//! is not that of the run's whole record, if a written study does not repeat its run, or if a message about
+//! bad input does not say what is valid.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -78,7 +79,8 @@ fn whenever_it_is_interrupted_the_answer_is_the_same_to_the_last_byte() {
     let rows = fs::read(out.join("runs.npy")).unwrap();
     let mut dice = Dice::new(3, 0);
     for round in 0..5 {
-        // What a kill leaves: a journal up to any byte, rows of which those it does not speak of are anything, no answer.
+        // State after a kill: a journal cut at any byte, arbitrary rows where the journal has no entry, no
+        // answer.
         fs::write(out.join("journal.jsonl"), &journal[..dice.below(journal.len())]).unwrap();
         let _ = fs::remove_file(out.join("runs.npy"));
         let mut torn = rows.clone();

@@ -11,7 +11,7 @@ pub struct Case {
     pub arm: usize,
     /// Order of the estimator.
     pub order: usize,
-    /// What goes wrong.
+    /// Fault of the run.
     pub fault: &'static Fault,
     /// Severity, 0 to 2.
     pub severity: usize,

@@ -1,4 +1,4 @@
-//! What goes wrong in the matrix: one row per fault, with three severities and what must come of each.
+//! Faults of the matrix: one row per fault, with three severities and the required outcome of each.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,22 +9,22 @@ pub struct Fault {
     pub name: &'static str,
     /// The failure mode it stands for (docs/reliability.md).
     pub row: &'static str,
-    /// What happens, for people; the severity follows.
+    /// Description for reports; the value of the severity is appended.
     pub what: &'static str,
-    /// How a severity changes a study.
+    /// Change of the study by a severity.
     pub(crate) effect: Effect,
     /// The three severities, mild to severe, in `unit`.
     pub levels: [f64; 3],
     /// The unit of the levels, for people.
     pub unit: &'static str,
-    /// What must come of each severity.
+    /// Required outcome of each severity.
     pub bars: [Bar; 3],
 }
 
-/// What must come of a run.
+/// Required outcome of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bar {
-    /// How the run must end.
+    /// Required end of the run.
     pub end: End,
     /// Largest excursion \[rad\]: the error while the arm follows, and how far outside of the planned path it
     /// comes while it stops. `None`: listed, not judged.
@@ -33,7 +33,7 @@ pub struct Bar {
     pub noticed_ms: Option<f64>,
 }
 
-/// How a run must end.
+/// Required end of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum End {
@@ -45,16 +45,16 @@ pub enum End {
     Either,
 }
 
-/// How a severity gets into a study.
+/// Kind of change that a severity makes to a study.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Effect {
     /// An entry `[[fault]]`.
     Entry { kind: &'static str, size: Size, lasts: Lasts, on: On },
     /// Other values of keys, for the whole run.
     Keys(&'static [(&'static [&'static str], Size)]),
-    /// A stop is asked for at the onset, and to start again after the level, in seconds.
+    /// A stop is requested at the onset, and a restart after the level, in seconds.
     StopAndRestart,
-    /// The arm starts beside its reference: every joint by the level, with a sign drawn for the run.
+    /// The arm starts away from its reference: every joint by the level, with a sign drawn for the run.
     StartBeside,
 }
 
@@ -83,7 +83,7 @@ pub(crate) enum Size {
     True,
 }
 
-/// How long a fault lasts.
+/// Duration of a fault.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Lasts {
     /// So many seconds, at least one sample.
@@ -96,7 +96,7 @@ pub(crate) enum Lasts {
     Before,
 }
 
-/// What a fault concerns.
+/// Part of the arm that a fault affects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum On {
     /// The whole arm.

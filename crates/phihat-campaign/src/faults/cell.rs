@@ -1,4 +1,4 @@
-//! What a run came to.
+//! Result of one run of the matrix.
 
 use phihat_model::{Joint, JointKind, Robot};
 use phihat_sim::Surviving;
@@ -26,30 +26,31 @@ fn way_unit(robot: &Robot) -> String {
     }
 }
 
-/// What a run of the matrix came to.
+/// Result of a run of the matrix.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
-    /// When the fault began \[s\].
+    /// Onset of the fault \[s\].
     pub onset_s: f64,
     /// The joint it was about, where it is about one.
     pub joint: String,
     /// Why it could not run at all.
     pub refused: Option<String>,
-    /// Whether the arm and every torque stayed finite.
+    /// True if the state of the arm and every torque stayed finite.
     pub finite: bool,
-    /// Whether no drive was told more than the torque limit.
+    /// True if no drive was commanded more than the torque limit.
     pub torque_kept: bool,
-    /// Whether no drive was told to change its torque faster than the rate limit.
+    /// True if no drive was commanded to change its torque faster than the rate limit.
     pub rate_kept: bool,
-    /// What the controller noticed first, and when after the onset \[ms\].
+    /// First event that the controller detected, and its time after the onset \[ms\].
     pub noticed: Option<(String, f64)>,
-    /// Why it stopped, and when after the onset \[ms\]; before it: a false alarm.
+    /// Reason of the stop, and its time after the onset \[ms\]; negative: a false alarm.
     pub stopped: Option<(String, f64)>,
     /// Samples from the stop's reason to the stop.
     pub stop_delay: Option<u64>,
     /// Why the robot itself stopped, if it did.
     pub robot_stopped: Option<String>,
-    /// In which unit a person reads an arm's excursion and error: mrad, mm of joints that slide, or both where it has both.
+    /// Unit of excursion and error for people: mrad, mm for joints that slide, or both for an arm that has
+    /// both.
     #[serde(default = "turning")]
     pub way_unit: String,
     /// Largest excursion from the onset until the brakes have closed \[rad\].

@@ -5,7 +5,7 @@ use toml::{Table, Value};
 
 use super::catalogue::{Effect, Fault, Lasts, On, Size};
 
-/// What a run is about: drawn from its name alone.
+/// Values drawn for a run, from its name alone.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Draw {
     /// When the fault begins \[s\]: in the middle between two samples; 0 where it is there from the start.
@@ -14,11 +14,11 @@ pub(crate) struct Draw {
     pub(crate) joint: usize,
     /// +1 or −1.
     pub(crate) sign: f64,
-    /// Where the reference starts \[rad\].
+    /// Joint positions at the start of the reference \[rad\].
     pub(crate) start: Vec<f64>,
 }
 
-/// What a severity is measured with.
+/// Units of the severities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Units {
     /// Sample period \[s\].

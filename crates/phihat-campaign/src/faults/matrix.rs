@@ -28,13 +28,13 @@ pub struct FaultedArm {
     pub path: PathBuf,
     pub(crate) sha256: String,
     table: Table,
-    /// Where its reference starts.
+    /// Joint positions at the start of its reference \[rad\].
     start: Vec<f64>,
     /// The study and its gains, one pair for each order of the matrix.
     pub(crate) orders: Vec<(usize, Study, Gains)>,
 }
 
-/// Which part of the matrix.
+/// Selected part of the matrix.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Extent {
     /// Estimator orders.
@@ -120,7 +120,7 @@ pub(crate) enum RunError {
     Sim(#[from] SimError),
 }
 
-/// How the gains of a study are found that may run on its arm.
+/// Function that finds, for a study, gains that may run on its arm.
 pub type Choose<'a> = &'a dyn Fn(&Study, &Path) -> Result<Gains, SessionError>;
 
 impl Matrix {
@@ -215,7 +215,7 @@ impl Matrix {
 
     /// The study that a run is.
     ///
-    /// Where a fault makes the world too stiff for the arm's integration steps, they are made shorter.
+    /// If a fault makes the world too stiff for the arm's integration steps, the steps are made shorter.
     ///
     /// # Errors
     ///
@@ -233,7 +233,7 @@ impl Matrix {
         Ok(study)
     }
 
-    /// What the gains carry, where the study leaves it to the design; gains without a filter run without one.
+    /// Completes the study with the values that the gains carry; gains without a filter run without one.
     fn complete(&self, case: &Case, study: &mut Study) {
         let _ = self.gains(case).complete(study);
     }

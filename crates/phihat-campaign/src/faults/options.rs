@@ -15,7 +15,7 @@ use crate::runner::run_all;
 /// Runs whose traces are kept at most: some 3 MB each.
 const TRACES_MAX: usize = 20;
 
-/// What a fault matrix is told.
+/// Options of a fault matrix.
 #[derive(Debug, Clone)]
 pub struct FaultsOptions {
     /// The study files (TOML), one per arm; without faults of their own.
@@ -57,7 +57,7 @@ impl Default for FaultsOptions {
 /// The answer of a matrix, and where it was written.
 #[derive(Debug)]
 pub struct FaultsAnswer {
-    /// What became of every run.
+    /// Result of every run.
     pub summary: Summary,
     /// The folder of the results.
     pub folder: PathBuf,
@@ -66,7 +66,7 @@ pub struct FaultsAnswer {
 }
 
 impl FaultsOptions {
-    /// Where the results go.
+    /// Folder of the results.
     ///
     /// # Errors
     ///

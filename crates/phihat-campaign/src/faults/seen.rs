@@ -1,4 +1,4 @@
-//! What is looked at while the record of a faulted run goes by.
+//! Figures of a faulted run, computed from its record block by block.
 
 use core::convert::Infallible;
 
@@ -6,13 +6,13 @@ use phihat::{Events, Mode};
 use phihat_sim::{Motion, Recorder, Supervision, Trace};
 use phihat_study::Study;
 
-/// How long brakes take to close \[s\]: what the arm does after that is not judged.
+/// Closing time of the brakes \[s\]; the motion after it is not judged.
 pub const BRAKE_S: f64 = 0.05;
 
-/// How far ahead on its planned path an arm may come to rest \[s\].
+/// Time ahead on its planned path within which an arm may come to rest \[s\].
 const BRAKING_S: f64 = 0.3;
 
-/// What a guard says of a sample that is not as it should be.
+/// Events by which a guard reports an invalid sample.
 const NOTICES: [Events; 7] = [
     Events::MISSED,
     Events::DUPLICATE,
@@ -46,7 +46,7 @@ pub(super) struct Seen<'a> {
 struct Stop {
     at: usize,
     why: &'static str,
-    /// When the brakes were asked for.
+    /// Sample at which the brakes were requested.
     braked: Option<usize>,
     /// Lowest and highest position of each joint on the stretch of the planned path on which it may come to rest.
     stretch: Option<Vec<(f64, f64)>>,
@@ -71,12 +71,12 @@ impl<'a> Seen<'a> {
         }
     }
 
-    /// Whether every torque was a number.
+    /// Returns true if every commanded torque was finite.
     pub(super) fn is_finite(&self) -> bool {
         self.finite
     }
 
-    /// What was noticed first from the onset on, and when after it \[ms\].
+    /// First event detected from the onset on, and its time after the onset \[ms\].
     pub(super) fn noticed(&self) -> Option<(String, f64)> {
         self.noticed.as_ref().map(|(what, k)| (what.clone(), self.after(*k)))
     }
@@ -176,7 +176,8 @@ fn sample_at(study: &Study, t: f64) -> usize {
     usize::try_from(low).unwrap_or(usize::MAX)
 }
 
-/// Where an arm may come to rest that stops after the reference's clock ran for so many samples.
+/// Lowest and highest position at which each joint may come to rest in a stop after `tracked` samples on the
+/// reference.
 fn stretch(study: &Study, joints: usize, tracked: usize) -> Option<Vec<(f64, f64)>> {
     let motion = Motion::new(&study.reference, &study.robot, study.duration).ok()?;
     let begun = tracked as f64 * study.control.period_ns as f64 * 1e-9;

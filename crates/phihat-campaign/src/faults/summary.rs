@@ -8,7 +8,7 @@ use super::cell::{Cell, STOP_SAMPLES};
 use super::matrix::{FaultedArm, Matrix};
 use crate::runner::Ended;
 
-/// What `format` says in every summary.
+/// Value of `format` in every summary.
 pub const FORMAT: &str = "phihat-faults";
 
 /// Share of runs that must keep their excursion.
@@ -59,13 +59,13 @@ pub struct FaultRecord {
     pub name: String,
     /// The failure mode it stands for.
     pub row: String,
-    /// What happens.
+    /// Description of the fault.
     pub what: String,
     /// The severities.
     pub levels: Vec<f64>,
     /// Their unit.
     pub unit: String,
-    /// What must come of each.
+    /// Required outcome of each severity.
     pub bars: Vec<Bar>,
 }
 
@@ -86,14 +86,14 @@ pub struct RunRecord {
     pub severity: usize,
     /// Seed.
     pub seed: u64,
-    /// How it ended.
+    /// Result of the run.
     pub ended: Ended<Cell>,
     /// Bars that were missed, in words; empty: all kept.
     pub missed: Vec<Miss>,
 }
 
 impl RunRecord {
-    /// How it ended; `None` if the program panicked.
+    /// Result of the run; `None` if the program panicked.
     pub fn cell(&self) -> Option<&Cell> {
         match &self.ended {
             Ended::With(cell) => Some(cell),
@@ -112,9 +112,9 @@ pub enum Miss {
     Refused,
     /// Something was not finite, or the arm diverged.
     NotFinite,
-    /// A drive was told more than the torque limit.
+    /// A drive was commanded more than the torque limit.
     TorqueLimit,
-    /// A drive was told to change its torque faster than the rate limit.
+    /// A drive was commanded to change its torque faster than the rate limit.
     RateLimit,
     /// The arm stopped before anything went wrong.
     FalseAlarm,
@@ -168,8 +168,8 @@ pub struct Totals {
     pub wrong_ends: usize,
     /// Runs beyond their excursion's bar.
     pub beyond_excursion: usize,
-    /// Whether the matrix as a whole is as it must be: nothing missed but the excursion of at most one run
-    /// in a hundred.
+    /// True if the matrix as a whole passes: no bar is missed but that of the excursion, and that by at most
+    /// one run in a hundred.
     pub good: bool,
 }
 
@@ -220,7 +220,7 @@ fn record(matrix: &Matrix, case: &Case, ended: Ended<Cell>) -> RunRecord {
     }
 }
 
-/// What a run misses of its bar.
+/// Bars that a run misses.
 fn misses(cell: &Cell, bar: &Bar) -> Vec<Miss> {
     if cell.refused.is_some() {
         return vec![Miss::Refused];

@@ -9,10 +9,10 @@ use crate::sweep::RunError;
 /// Why rollouts cannot be made or run.
 #[derive(Debug, Error)]
 pub enum RolloutsError {
-    /// What is told has no place in the study.
+    /// Numbers that cannot be set in the study.
     #[error("{name}: {why}")]
     Key {
-        /// What it is called.
+        /// Name of the numbers.
         name: String,
         /// Why.
         why: String,
@@ -20,23 +20,23 @@ pub enum RolloutsError {
     /// A number cannot be.
     #[error("{name}{at} = {value}: it must be {limit}")]
     Value {
-        /// What it is called.
+        /// Name of the numbers.
         name: String,
         /// Its place.
         at: String,
         /// The number.
         value: f64,
-        /// What would be valid.
+        /// Valid values.
         limit: String,
     },
     /// There are not as many numbers as runs.
     #[error("{name}: values for {found} runs; there are {runs} runs")]
     Count {
-        /// What it is called.
+        /// Name of the numbers.
         name: String,
-        /// How many there are.
+        /// Number of runs that have values.
         found: usize,
-        /// How many there should be.
+        /// Number of runs.
         runs: usize,
     },
     /// A signal that there is not, or that cannot be kept so.
@@ -47,7 +47,7 @@ pub enum RolloutsError {
     Run {
         /// Its place.
         run: usize,
-        /// What it was told.
+        /// Numbers and seed of the run.
         told: String,
         /// Why.
         why: Box<RunError>,
@@ -55,12 +55,12 @@ pub enum RolloutsError {
     /// The study or its gains.
     #[error(transparent)]
     Session(#[from] SessionError),
-    /// Whoever looked on ended it.
+    /// `watch` ended the rollouts.
     #[error("stopped")]
     Stopped,
 }
 
-/// What is wrong with a key, without the line of a text that nobody wrote.
+/// Message of an error in a key, without the line: the user did not write that text.
 pub(super) fn in_words(why: &StudyError) -> String {
     let help = why.help().map(|help| format!("; {help}")).unwrap_or_default();
     let key = if why.key().is_empty() { String::new() } else { format!("{}: ", why.key()) };

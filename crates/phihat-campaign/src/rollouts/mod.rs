@@ -1,13 +1,14 @@
-//! One study many times, its numbers and seeds told run by run; what comes of each as arrays, in memory.
+//! Many runs of one study, with numbers and seeds given for each run; the results are arrays in memory.
 //!
-//! Where [`sweep`](crate::sweep) draws numbers and leaves files, a rollout is told its numbers and leaves arrays: the unit of
-//! learning, tuning and robustness checks. Runs of one structure move in lanes, as a [`Batch`](phihat_sim::Batch) has them.
+//! [`sweep`](crate::sweep) draws numbers and writes files; a rollout gets its numbers and returns arrays, for
+//! learning, tuning and robustness checks. Runs of one structure are simulated in lanes, as in a
+//! [`Batch`](phihat_sim::Batch).
 //!
 //! # Law
 //!
-//! Run `k` is the study with its numbers in their places and its seed: [`Rollouts::study`] gives it. Figures and signals
-//! are those that its own simulation with [`Rollouts::gains`] leaves, to the last bit (up to the sign of a zero), on any number of
-//! threads.
+//! Run `k` is the study with its numbers in their places and its seed: [`Rollouts::study`] returns it.
+//! Figures and signals are those of its own simulation with [`Rollouts::gains`], to the last bit (up to the
+//! sign of a zero), on any number of threads.
 //!
 //! # Example
 //!

@@ -1,4 +1,4 @@
-//! What rollouts leave: figures of every run and joint, and the signals that are asked for.
+//! Results of rollouts: figures of every run and joint, and the requested signals.
 
 use phihat_sim::{JointMetrics, JointTrace};
 
@@ -11,7 +11,7 @@ use super::error::RolloutsError;
 pub struct Signal {
     /// Its name.
     pub name: &'static str,
-    /// Where a record has it.
+    /// Function that returns its samples from the trace of a joint.
     pub of: fn(&JointTrace) -> &[f64],
 }
 
@@ -50,7 +50,7 @@ pub fn signal(name: &str) -> Option<&'static Signal> {
 pub struct JointFigure {
     /// Its name, as in `metrics.json`.
     pub name: &'static str,
-    /// Where the metrics have it.
+    /// Function that returns it from the metrics of a joint.
     pub of: fn(&JointMetrics) -> f64,
 }
 
@@ -60,7 +60,7 @@ macro_rules! figures {
     };
 }
 
-/// The figures that are kept of every run and joint.
+/// Figures that are stored for every run and joint.
 pub static JOINT_FIGURES: [JointFigure; 10] = figures![
     error_rms_rad,
     error_max_rad,
@@ -74,7 +74,7 @@ pub static JOINT_FIGURES: [JointFigure; 10] = figures![
     phi_error_steady_max_nm,
 ];
 
-/// Which signals are kept, and how often.
+/// Signals to store, and the interval between stored samples.
 #[derive(Debug, Clone)]
 pub struct Keep {
     /// Their names.
@@ -105,28 +105,30 @@ impl Keep {
     }
 }
 
-/// What came of all runs.
+/// Results of all runs.
 #[derive(Debug)]
 pub struct Rolled {
     /// Runs.
     pub runs: usize,
     /// Joints.
     pub joints: usize,
-    /// Kept samples of a run.
+    /// Number of stored samples of a run.
     pub kept: usize,
-    /// How each run ended.
+    /// End of each run.
     pub ended: Vec<End>,
-    /// Whether it kept every bound that its study states, to its end.
+    /// True for a run that was within every bound of its study, to its end.
     pub within_spec: Vec<bool>,
-    /// Samples that it had.
+    /// Number of samples of each run.
     pub samples: Vec<u64>,
     /// Largest error of the tip after `settle_s` \[m\]; no number where the robot names no tip.
     pub tip: Vec<f64>,
-    /// [`JOINT_FIGURES`], each one value per run and joint, run by run. Of a run that ended early, of the samples that it had.
+    /// [`JOINT_FIGURES`], each with one value per run and joint, run by run; for a run that ended early,
+    /// over its samples up to its end.
     pub figures: Vec<Vec<f64>>,
-    /// The signals that were asked for, each one value per run, kept sample and joint, in this order; no numbers after a run's end.
+    /// Requested signals, each with one value per run, stored sample and joint, in this order; NaN after a
+    /// run's end.
     pub signals: Vec<Vec<f64>>,
-    /// How many runs moved in lanes with others.
+    /// Number of runs that were simulated in lanes with others.
     pub in_lanes: usize,
 }
 

@@ -1,4 +1,5 @@
-//! What rollouts are told: a study, and numbers and seeds run by run; and each of its runs as a study of its own.
+//! Input of rollouts: a study, with numbers and seeds for each run; and each of its runs as a study of its
+//! own.
 
 use std::path::{Path, PathBuf};
 
@@ -12,15 +13,15 @@ use crate::sweep::RunError;
 
 use super::error::{RolloutsError, in_words};
 
-/// What stands for whoever names a key in messages.
+/// Origin of a key in messages.
 const ORIGIN: &str = "rollouts";
 /// A study takes seeds below this.
 const SEEDS: u64 = 1 << 53;
 
-/// Numbers of a study, told run by run.
+/// Numbers of a study, given for each run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Numbers {
-    /// What they are called in messages.
+    /// Name of the numbers in messages.
     pub name: String,
     /// The keys that they go to, by their paths: one for all, or one for each joint.
     pub paths: Vec<String>,
@@ -28,7 +29,7 @@ pub struct Numbers {
     pub values: Vec<f64>,
 }
 
-/// Numbers whose keys are found.
+/// Numbers with the keys that they set.
 #[derive(Debug)]
 struct Told {
     numbers: Numbers,
@@ -42,7 +43,7 @@ pub struct Rollouts {
     path: PathBuf,
     table: Table,
     gains: Gains,
-    /// Whether each run's study states the gains that it runs with.
+    /// True if each run's study states the gains that it runs with.
     own_gains: bool,
     told: Vec<Told>,
     seeds: Option<Vec<u64>>,
@@ -50,8 +51,9 @@ pub struct Rollouts {
 }
 
 impl Rollouts {
-    /// Checks everything before the first run: the study and its gains as `phihat run` checks them, every number against what its key
-    /// may be. `path` stands for the study in messages; without `seeds`, every run has the study's own.
+    /// Checks everything before the first run: the study and its gains as `phihat run` checks them, every
+    /// number against the range of its key. `path` is that of the study, for messages and relative files;
+    /// without `seeds`, every run has the seed of the study.
     ///
     /// # Errors
     ///
@@ -95,7 +97,7 @@ impl Rollouts {
         Ok(Self { study, path, table, gains, own_gains, told, seeds, runs })
     }
 
-    /// How many runs.
+    /// Number of runs.
     pub fn runs(&self) -> usize {
         self.runs
     }
@@ -166,7 +168,7 @@ impl Rollouts {
         Ok((study, simulation))
     }
 
-    /// What a run was told, in words.
+    /// Numbers and seed of a run, in words.
     fn told_of(&self, run: usize) -> String {
         let one = |told: &Told| {
             let width = told.keys.len();
@@ -189,7 +191,7 @@ impl Rollouts {
         samples(longest, period)
     }
 
-    /// Whether the runs' samples are at other times than the study's.
+    /// Returns true if the sample times of the runs differ from those of the study.
     pub(super) fn other_times(&self) -> bool {
         self.told.iter().any(|told| told.numbers.paths == ["loop.rate_hz"])
     }

@@ -16,7 +16,7 @@ use super::told::Rollouts;
 
 /// Runs of a chunk, at most: eight groups of lanes.
 const CHUNK_MAX: usize = 64;
-/// How often whoever looks on is asked whether to go on, at least.
+/// Longest wait between two calls of `watch`.
 const TICK: Duration = Duration::from_millis(50);
 
 /// Some runs that are done.
@@ -28,7 +28,7 @@ struct Chunk {
     alone: usize,
 }
 
-/// What the threads share.
+/// Data that the threads share.
 struct Work<'a> {
     rollouts: &'a Rollouts,
     signals: &'a [&'static Signal],
@@ -39,7 +39,8 @@ struct Work<'a> {
 }
 
 impl Rollouts {
-    /// Does all runs. `watch` is told how many are done of how many, twenty times a second, and ends it with `false`.
+    /// Simulates all runs. `watch` is called with the numbers of finished and of all runs, at least twenty
+    /// times a second; it ends the rollouts by returning `false`.
     ///
     /// # Errors
     ///
@@ -109,7 +110,8 @@ impl Work<'_> {
                         done += chunk.runs.len() as u64;
                         put(rolled, chunk);
                     }
-                    // Chunks before this one were begun before it: the first one that fails is known once all have ended.
+                    // Chunks before this one were begun before it: the first one that fails is known once all
+                    // have ended.
                     Ok((at, Err(why))) => {
                         no_more.store(true, Ordering::Relaxed);
                         if first.as_ref().is_none_or(|(other, _)| at < *other) {

@@ -48,7 +48,7 @@ pub enum SweepError {
     NoShard {
         /// The folder or file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Reason.
         why: String,
     },
     /// Shards of a sweep that are not there, or not finished.
@@ -56,9 +56,9 @@ pub enum SweepError {
         "shards {missing} of {count} are missing: run them with the same command and --shard K/{count}"
     )]
     Missing {
-        /// Which.
+        /// Numbers of the missing shards.
         missing: String,
-        /// How many there are.
+        /// Number of all shards.
         count: u64,
     },
     /// A study, gains or a result.

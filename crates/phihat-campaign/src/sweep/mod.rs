@@ -1,7 +1,8 @@
-//! Monte Carlo over the numbers of a study: every run draws them anew, and what comes of all of them is told with intervals.
+//! Monte Carlo over the numbers of a study: every run draws them anew, and the results have confidence
+//! intervals.
 //!
-//! A run is the study with a seed and values of its own, which the sweep's seed and the run's place decide and nothing else: on how many
-//! threads, in how many shards and with how many interruptions they are done changes no byte of the answer.
+//! A run is the study with a seed and values of its own, which depend on the sweep's seed and the run's
+//! number alone: the number of threads, of shards and of interruptions changes no byte of the answer.
 //!
 //! # Example
 //!

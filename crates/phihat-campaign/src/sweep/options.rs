@@ -18,19 +18,19 @@ use crate::journal::Journal;
 /// The rows while they come, and when all are there.
 const PART: &str = "runs.part";
 const ROWS: &str = "runs.npy";
-/// What says that a shard's rows are all there.
+/// File that marks the rows of a shard as complete.
 const SHARD: &str = "shard.json";
 /// The last file of a sweep's results.
 const ANSWER: &str = "sweep.json";
 
-/// What a sweep is told. A shard's record keeps what all shards of a sweep have in common.
+/// Options of a sweep. A shard's record stores those that all shards of a sweep have in common.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SweepOptions {
     /// The study file (TOML).
     pub study: PathBuf,
     /// A gains document in place of those that the study states or leaves to the design.
     pub gains: Option<PathBuf>,
-    /// What varies, each `KEY=HOW`.
+    /// Numbers that vary, each `KEY=HOW`.
     pub vary: Vec<String>,
     /// Runs, of all shards.
     pub runs: u64,
@@ -52,7 +52,7 @@ pub struct SweepOptions {
     pub out: Option<PathBuf>,
 }
 
-/// What a sweep came to.
+/// Result of a sweep.
 #[derive(Debug)]
 pub enum SweepAnswer {
     /// All of it.
@@ -77,7 +77,7 @@ pub struct SweptWhole {
     pub page: PathBuf,
 }
 
-/// What a shard says of itself.
+/// Record of a finished shard.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct ShardRecord {
     plan: String,
@@ -94,7 +94,7 @@ impl SweepOptions {
         Shard::parse(text).ok_or_else(|| SweepError::Shard(text.clone()))
     }
 
-    /// Where the results go; a shard's into a folder of its own in there.
+    /// Folder of the results; that of a shard is a folder of its own inside of it.
     ///
     /// # Errors
     ///
@@ -177,12 +177,13 @@ impl SweepOptions {
     }
 }
 
-/// Puts the shards of a sweep together: what one process would have left, byte for byte. `folders` are those of the shards, or one
-/// that has them; `out` takes the results, else the one folder that has them.
+/// Merges the shards of a sweep into the results of one process, byte for byte. `folders` are those of the
+/// shards, or one that contains them; the results go to `out`, else to the folder that contains the shards.
 ///
 /// # Errors
 ///
-/// [`SweepError`]: a shard is missing, unfinished or of another sweep; the study cannot be read any more, or is another one.
+/// [`SweepError`]: a shard is missing, unfinished or of another sweep; the study cannot be read any more, or
+/// is another one.
 pub fn merge(folders: &[PathBuf], out: Option<&Path>) -> Result<SweptWhole, SweepError> {
     let found = complete(shards(folders)?)?;
     let Some((first, record)) = found.first() else { return Err(SweepError::Nothing) };
@@ -279,7 +280,7 @@ fn shards(folders: &[PathBuf]) -> Result<Vec<Found>, SweepError> {
     Ok(found)
 }
 
-/// Writes the answer beside the rows, which are moved to their place.
+/// Writes the answer into the folder of the rows, which are moved to their final name.
 fn leave(
     plan: &Plan,
     mut file: RowFile,

@@ -49,7 +49,7 @@ pub(super) fn sweep_page(summary: &SweepSummary, drawn: &[Row]) -> String {
     Page { title: &title, style: include_str!("page.css"), script: None }.document(&main)
 }
 
-/// Whether there is a distribution to draw.
+/// Returns true if the figure is not the same in all runs, so that there is a distribution to draw.
 fn differs(figure: &FigureRecord) -> bool {
     figure.least.total_cmp(&figure.largest).is_ne()
 }
@@ -108,7 +108,7 @@ fn quantile(figure: &FigureRecord, share: f64) -> Markup {
     html! { @if let Some(q) = found { (shown(q.value)) span.note { (ends(q)) } } @else { "–" } }
 }
 
-/// By which figure runs are compared: its place in a row, its words, its bound.
+/// Figure by which runs are compared: its index in a row, its label, its bound.
 fn compared(summary: &SweepSummary) -> (usize, &'static str, Option<f64>) {
     match usize::from(summary.figures.iter().any(|f| f.name == "error_over_spec")) {
         0 => (0, "largest |e| after settle_s [rad]", None),

@@ -1,4 +1,5 @@
-//! What a sweep is: a study, its gains, what varies, and how many runs; and each of its runs as a study of its own.
+//! Plan of a sweep: a study, its gains, the numbers that vary and the number of runs; and each run as a study
+//! of its own.
 
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -27,7 +28,7 @@ pub struct Plan {
     path: PathBuf,
     table: Table,
     pub(crate) gains: Gains,
-    /// Whether each run's study states the gains that it runs with.
+    /// True if each run's study states the gains that it runs with.
     pub(crate) own_gains: bool,
     pub(crate) vary: Vec<Vary>,
     pub(crate) seed: u64,
@@ -41,7 +42,8 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// [`SweepError`]: the study cannot run as it stands, something cannot vary so, or a value makes a study that cannot run.
+    /// [`SweepError`]: the study cannot run as it stands, something cannot vary so, or a value makes a study
+    /// that cannot run.
     pub fn new(
         (path, gains): (&Path, Option<(Gains, &Path)>),
         vary: &[String],
@@ -113,7 +115,7 @@ impl Plan {
         Columns::new(varied, joints)
     }
 
-    /// What a run has: the seed of its study, and the values of what varies.
+    /// Seed of a run's study, and the values of the numbers that vary.
     pub fn drawn(&self, run: u64) -> (u64, Vec<f64>) {
         // 13 digits of 4 bits: a study takes seeds below 2^53.
         let digits = short_hash(&[&format!("{}/{run}", self.seed), "seed"]);
@@ -132,8 +134,9 @@ impl Plan {
         table
     }
 
-    /// The study of a table, as `phihat run` reads it, and its closed loop. Where values make the world too stiff for the steps
-    /// that the study states, they are made shorter, and the table says so.
+    /// Reads the study of a table as `phihat run` does, and builds its closed loop. If values make the world
+    /// too stiff for the integration steps that the study states, the steps are made shorter, and the table
+    /// states it.
     fn simulation(&self, table: &mut Table) -> Result<(Box<Study>, Simulation), RunError> {
         let mut study = self.read(table)?;
         match self.build(&mut study) {
@@ -177,7 +180,8 @@ impl Plan {
         Ok(Row::of((run, seed, values), &measured.metrics(), &ended))
     }
 
-    /// The rows of some runs, as bytes: the one place where runs are done. Nothing but the plan and their places decides them.
+    /// Simulates some runs and returns their rows as bytes. The rows depend on the plan and the runs' numbers
+    /// alone.
     pub fn chunk(&self, runs: Range<u64>) -> Vec<u8> {
         let mut bytes = Vec::new();
         let runs: Vec<u64> = runs.collect();
@@ -231,8 +235,8 @@ impl Plan {
         Row::none((run, seed, values), end, self.study.robot.joints.len())
     }
 
-    /// A run as the text of a study that repeats it, files named by their whole paths; and whether it runs only uncertified. With the
-    /// gains of the sweep, unless it states its own.
+    /// Text of a study that repeats a run, with absolute file paths; and true if it runs only uncertified. It
+    /// needs the gains of the sweep, unless it states its own.
     ///
     /// # Errors
     ///

@@ -79,7 +79,8 @@ fn picture(label: &str, inside: &Markup) -> Markup {
     html! { svg viewBox=(view) role="img" aria-label=(line(label)) { (inside) } }
 }
 
-/// A figure's distribution: the share of runs at or below a value, over a histogram. `curve` is evenly spaced quantiles.
+/// A figure's distribution: the share of runs at or below a value, over a histogram. `curve` is evenly spaced
+/// quantiles.
 pub(super) fn distribution(
     label: &str,
     unit: &str,
@@ -160,7 +161,8 @@ pub(super) fn scatter(marks: &[Mark], (below, beside): (&str, &str), bound: Opti
 mod tests {
     use super::{Mark, distribution, scatter};
 
-    /// A page is HTML, in which a mark of a picture that nobody closes swallows all that follow it, and none of them is seen.
+    /// A page is HTML: an element of a picture that is not closed contains all that follow it, and none of
+    /// them is shown.
     #[test]
     fn every_mark_is_closed_and_there_is_one_for_each_run() {
         let curve: Vec<_> = (0..=20).map(|k| (f64::from(k * k), f64::from(k) / 20.0)).collect();

@@ -1,8 +1,8 @@
-//! What a run leaves: a row of fixed width, and the file of all rows, which NumPy reads.
+//! Result of a run as a row of fixed width, and the file of all rows, which NumPy reads.
 
 use phihat_sim::{Ended, Metrics};
 
-/// How a run of a sweep ended, as the column `ended` has it.
+/// End of a run of a sweep, as in the column `ended`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum End {
@@ -23,7 +23,7 @@ impl End {
     pub const ALL: [Self; 5] =
         [Self::Whole, Self::Diverged, Self::Stopped, Self::Refused, Self::Panicked];
 
-    /// How a run ended that ran.
+    /// End of a run that began.
     pub fn of(ended: &Ended) -> Self {
         match ended {
             Ended { divergence: Some(_), .. } => Self::Diverged,
@@ -43,7 +43,7 @@ impl End {
         }
     }
 
-    /// Whether there was a run, and so figures.
+    /// Returns true if the run began, and so has figures.
     pub fn ran(self) -> bool {
         matches!(self, Self::Whole | Self::Diverged | Self::Stopped)
     }
@@ -54,7 +54,7 @@ impl End {
 pub struct FigureKind {
     /// Its name, the unit included.
     pub name: &'static str,
-    /// What it is.
+    /// Description.
     pub what: &'static str,
     /// Its unit as people write it.
     pub unit: &'static str,
@@ -139,14 +139,14 @@ pub struct Row {
     pub run: u64,
     /// The seed of its study.
     pub seed: u64,
-    /// What varied, in the order in which it was asked for.
+    /// Values of the numbers that varied, in the order in which they were requested.
     pub values: Vec<f64>,
-    /// How it ended.
+    /// End of the run.
     pub end: End,
-    /// Whether every bound that the study states was kept to the end.
+    /// True if every bound of the study was satisfied to the end.
     pub within_spec: bool,
-    /// [`FIGURES`], then the largest |e| after `settle_s` of each joint. Infinite where the run did not come to its end, no number
-    /// where there was none.
+    /// [`FIGURES`], then the largest |e| after `settle_s` of each joint; infinite if the run did not reach
+    /// its end, NaN if it did not begin.
     pub figures: Vec<f64>,
 }
 

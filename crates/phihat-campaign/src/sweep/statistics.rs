@@ -1,16 +1,17 @@
 //! Quantiles and shares of independent runs, with intervals that hold whatever the distribution is.
 //!
-//! Of `n` independent values, how many lie below the `p`-quantile is binomial, `B ~ Bin(n, p)`. So the `l`-th and the `u`-th smallest
-//! enclose it with probability `P(l ≤ B ≤ u − 1)` or more, whatever the values' distribution.
+//! The number of `n` independent values below the `p`-quantile is binomial, `B ~ Bin(n, p)`. So the `l`-th
+//! and the `u`-th smallest value enclose the quantile with probability `P(l ≤ B ≤ u − 1)` or more, for any
+//! distribution.
 
 /// Probability that an interval of this module encloses what it is about, at least.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// What is left out at each end.
+/// Probability left out at each end.
 const TAIL: f64 = (1.0 - CONFIDENCE) / 2.0;
 
-/// A quantile by its place in the order, from 1: the estimate, and both ends of its interval, `None` where so few values bound it
-/// on no side.
+/// Places of a quantile among sorted values, from 1: of the estimate, and of both ends of its interval;
+/// `None` if there are too few values to bound it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Places {
     /// Of the estimate: the smallest value with a share `p` of all at or below it.
@@ -21,7 +22,7 @@ pub struct Places {
     pub high: Option<u64>,
 }
 
-/// Where in `n` sorted values the `p`-quantile is, `0 < p < 1`; `None` for no values.
+/// Places of the `p`-quantile among `n` sorted values, `0 < p < 1`; `None` for no values.
 pub fn quantile_places(n: u64, p: f64) -> Option<Places> {
     if n == 0 {
         return None;
@@ -50,7 +51,7 @@ fn whole(x: f64) -> u64 {
     format!("{x:.0}").parse().unwrap_or(0)
 }
 
-/// Where something begins to hold, by halving; it holds at 1 and not at 0.
+/// Smallest argument at which `holds` is true, by bisection; it is true at 1 and false at 0.
 fn crossing(holds: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..60 {
@@ -133,12 +134,14 @@ mod tests {
 
     #[test]
     fn intervals_are_those_of_the_textbooks() {
-        // By hand from the table of B(16, 0.75): P(B ≤ 7) = 0.0075, P(B ≤ 8) = 0.0271, P(B ≥ 16) = 0.0100, P(B ≥ 15) = 0.0635.
+        // By hand from the table of B(16, 0.75): P(B ≤ 7) = 0.0075, P(B ≤ 8) = 0.0271, P(B ≥ 16) = 0.0100,
+        // P(B ≥ 15) = 0.0635.
         assert_eq!(
             quantile_places(16, 0.75),
             Some(Places { at: 12, low: Some(8), high: Some(16) })
         );
-        // The median of few: with 5 values no interval of 95 % is bounded (2·0.5⁵ = 0.0625), with 6 it is the whole range.
+        // The median of few: with 5 values no interval of 95 % is bounded (2·0.5⁵ = 0.0625), with 6 it is the
+        // whole range.
         assert_eq!(quantile_places(5, 0.5), Some(Places { at: 3, low: None, high: None }));
         assert_eq!(quantile_places(6, 0.5), Some(Places { at: 3, low: Some(1), high: Some(6) }));
         // Wilks: 59 values bound the 95 % quantile at one side with 95 %; with 2.5 % left out it takes 72.

@@ -10,10 +10,10 @@ use crate::chunks::{ChunksError, RowFile};
 /// Version of `sweep.json`.
 pub const FORMAT: u32 = 1;
 
-/// Shares whose quantiles are told.
+/// Shares of the reported quantiles.
 const SHARES: [f64; 8] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999];
 
-/// The worst runs that are told.
+/// Number of worst runs that are reported.
 pub(crate) const WORST: usize = 10;
 
 /// Runs that are drawn at most.
@@ -22,7 +22,7 @@ const DRAWN: u64 = 1500;
 /// Points of a curve.
 const POINTS: u64 = 200;
 
-/// What a sweep came to.
+/// Answer of a sweep.
 #[derive(Debug, Clone, Serialize)]
 pub struct SweepSummary {
     /// [`FORMAT`].
@@ -33,18 +33,18 @@ pub struct SweepSummary {
     pub study: String,
     /// SHA-256 of the study's text.
     pub study_sha256: String,
-    /// What varies, as it was written, with its unit.
+    /// Numbers that vary, as they were written, with their units.
     pub vary: Vec<VaryRecord>,
     /// The sweep's seed.
     pub seed: u64,
     /// All runs.
     pub runs: u64,
-    /// How they ended.
+    /// Numbers of runs by their end.
     pub totals: SweepTotals,
     /// Probability that an interval encloses what it is about, at least.
     pub confidence: f64,
-    /// Figures, with their quantiles over all runs that began; `null` stands for a run that did not come to its end, which is worse
-    /// than any number.
+    /// Figures, with their quantiles over all runs that began; `null` stands for a run that did not reach its
+    /// end, which is worse than any number.
     pub figures: Vec<FigureRecord>,
     /// The worst runs, the worst one first.
     pub worst: Vec<WorstRun>,
@@ -65,7 +65,7 @@ pub struct VaryRecord {
     pub unit: String,
 }
 
-/// How runs ended.
+/// Numbers of runs by their end.
 #[derive(Debug, Clone, Serialize)]
 pub struct SweepTotals {
     /// Runs that came to their end.
@@ -91,7 +91,7 @@ pub struct SweepTotals {
 pub struct FigureRecord {
     /// Its column.
     pub name: String,
-    /// What it is.
+    /// Description.
     pub what: String,
     /// Its unit.
     pub unit: String,
@@ -128,9 +128,9 @@ pub struct WorstRun {
     pub run: u64,
     /// The seed of its study.
     pub seed: u64,
-    /// How it ended.
+    /// End of the run.
     pub ended: String,
-    /// What varied, in the order of `vary`.
+    /// Values of the numbers that varied, in the order of `vary`.
     pub values: Vec<f64>,
     /// Its error over the bound, else its largest steady error \[rad\]; `null` where it did not come to its end.
     pub error: f64,

@@ -1,4 +1,4 @@
-//! What varies from run to run, and how its values are drawn.
+//! Numbers that vary from run to run, and the distributions of their values.
 
 use phihat_session::share;
 use phihat_study::{NumericKey, Study};
@@ -6,7 +6,7 @@ use toml::Table;
 
 use super::error::SweepError;
 
-/// What stands for the command line in messages about keys.
+/// Origin of a key in messages: the option of the command line.
 const ORIGIN: &str = "--vary";
 
 /// Draws of a normal distribution until one is a number that the study may have.
@@ -124,7 +124,7 @@ impl Vary {
         if self.times { "" } else { self.key.unit() }
     }
 
-    /// What it is called in tables: the key, or how many times it.
+    /// Name in tables: the key, or `times` and the key.
     pub fn name(&self) -> String {
         if self.times { format!("times {}", self.key.path()) } else { self.key.path().to_owned() }
     }
