@@ -17,7 +17,7 @@ pub struct Adapter {
     /// Position, velocity, torque that acted, torque commanded last.
     measured: [Vec<f64>; 4],
     wanted: [Vec<f64>; 4],
-    /// The motion with preview, for a rival that is told of it.
+    /// Motion with preview, for a rival that uses it.
     ahead: Option<PlannedMotion>,
     clipped: Vec<bool>,
     broken: Broken,
@@ -27,13 +27,13 @@ pub struct Adapter {
 pub(crate) type Broken = Arc<OnceLock<(f64, usize)>>;
 
 impl Adapter {
-    /// Puts a rival for `joints` joints behind the simulator's seam. What will be wanted where a torque acts is for it what is
-    /// wanted now: see [`Adapter::with_preview`].
+    /// Connects a rival for `joints` joints to the simulator. The rival gets the present reference
+    /// acceleration in place of that at the time when its torque acts: see [`Adapter::with_preview`].
     pub fn new(rival: Box<dyn Running>, joints: usize) -> Box<Self> {
         Self::watched(rival, joints, Broken::default())
     }
 
-    /// A rival that is told of the reference's acceleration where its torques will act, behind the study's delay.
+    /// Gives the rival the reference acceleration at the time when its torque acts, after the study's delay.
     ///
     /// # Errors
     ///
@@ -88,8 +88,8 @@ impl Driver for Adapter {
     }
 }
 
-/// What a rival can be told of a study's arm: `inertia` \[kg·m²\] per joint; the arm's own model under the
-/// study's gravity with links `masses` times as heavy, no load in its hand, and viscous friction.
+/// Data of a study's arm for a rival: `inertia` \[kg·m²\] per joint; the arm's own model under the study's
+/// gravity with links `masses` times as heavy and no payload; and viscous friction.
 ///
 /// # Errors
 ///

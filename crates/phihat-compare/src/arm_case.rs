@@ -38,7 +38,7 @@ pub struct ArmCase {
     pub(crate) error_bound: Vec<f64>,
     /// Torque limits \[N·m\] per joint.
     pub(crate) limits: Vec<f64>,
-    /// What this project's designs are told in place of the study, where its worlds are harder.
+    /// Study that this project's designs use in place of `study`, where its worlds are harder.
     pub(crate) harder: Option<Study>,
     designed: OnceLock<Result<ProposedLaw, Arc<NotDesigned>>>,
     designed_positions: OnceLock<Result<Vec<DesignedPosition>, Arc<NotDesigned>>>,
@@ -112,8 +112,9 @@ impl ArmCase {
         self.units.len()
     }
 
-    /// The gains that this project's design gives for the study's specification, or why there are none; designed
-    /// when first asked for. Where no gains keep it in a harder loop that the design is told of, they are those for the study's own.
+    /// The gains that this project's design gives for the study's specification, or why there are none;
+    /// designed at the first call. Where no gains satisfy it in the harder loop, they are those for the
+    /// study's own.
     pub(crate) fn designed(&self) -> &Result<ProposedLaw, Arc<NotDesigned>> {
         self.designed.get_or_init(|| {
             let harder = self.harder.as_ref().and_then(|told| ProposedLaw::designed(told).ok());
@@ -121,8 +122,8 @@ impl ArmCase {
         })
     }
 
-    /// The paper's law with the values of a row, where the row's law is the paper's under whatever name; that from positions is
-    /// another.
+    /// The paper's law with the values of a row, where the row's law is the paper's under any name; that from
+    /// positions is another.
     pub(crate) fn proposed(&self, entry: &Entry, values: &[f64]) -> Option<ProposedLaw> {
         if entry.needs.designed && !entry.needs.preview {
             return self.designed().as_ref().ok().cloned();
@@ -130,7 +131,7 @@ impl ArmCase {
         ProposedLaw::with(entry.card.id, values, &self.units, self.ratio)
     }
 
-    /// What a rival may know of the arm in one of its worlds.
+    /// Data of the arm for a rival in one of its worlds.
     ///
     /// # Errors
     ///
@@ -159,7 +160,8 @@ impl ArmCase {
         supply
     }
 
-    /// A law's own scalars, then what is free in what it is handed; and how many of them, from the first, have ranges that may give way.
+    /// A law's own scalars, then the free choices in its inputs; and the number of them, from the first,
+    /// whose ranges may be widened.
     pub(crate) fn free(&self, entry: &Entry) -> (Vec<Scalar>, usize) {
         let sensed = Sensed {
             rate_hz: 1e9 / self.study.control.period_ns as f64,

@@ -19,7 +19,7 @@ impl Driver for Idle {
     fn drive(&mut self, _: &Moment<'_>, _: &mut [f64]) {}
 }
 
-/// Which motion a run has.
+/// Motion of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Task {
     /// The study's own where the seed is 1, else one drawn from the seed.
@@ -28,7 +28,7 @@ pub(crate) enum Task {
     Train(u64),
 }
 
-/// How long a run is and where its scored part begins \[s\].
+/// Length of a run, and start of its scored part \[s\].
 pub(crate) type Span = (f64, f64);
 
 /// Sizes that a drawn motion is tried with, until one keeps the joints' limits.
@@ -68,7 +68,7 @@ impl ArmCase {
         self.parse(&table)
     }
 
-    /// How many integration steps a sample must have, where the study has too few.
+    /// Required number of integration steps per sample, where the study has too few.
     pub(crate) fn too_stiff(&self, study: &Study) -> Option<u32> {
         match Simulation::driven(study, Box::new(Idle), &self.units) {
             Err(SimError::TooStiff { needed, .. }) => Some(needed),

@@ -15,7 +15,7 @@ pub(crate) struct Case {
     pub(crate) seed: u64,
 }
 
-/// What is recorded of a run that counts.
+/// Record of a run that counts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Scored {
     #[serde(rename = "fate")]

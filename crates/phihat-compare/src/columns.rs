@@ -12,7 +12,7 @@ use crate::world::{SATURATION, TRAINING};
 /// Share of draws from which gains are easy to find, and from which they are partly so.
 pub const EASY_SHARES: (f64, f64) = (0.5, 0.25);
 
-/// What was measured of a rival on an arm, column by column, beside what the paper prints.
+/// Measured columns of a rival on an arm, alongside those that the paper prints.
 pub(crate) fn columns(
     arm: &ArmCase,
     entry: &Entry,
@@ -46,8 +46,9 @@ pub(crate) fn columns(
 /// Largest bound over measured error that still counts as a statement about the error.
 const TIGHT: f64 = 10.0;
 
-/// Whether a bound was computed before the runs with tuned gains, whether it held in all of them, and how tight it is.
-/// A drive that saturates has none: the world that is made for that does not count.
+/// Mark of the first column, and why: a bound that was computed before the runs with tuned gains, was
+/// satisfied in all of them, and is tight. A drive that saturates has no bound: the world that is made for
+/// that does not count.
 fn quantitative(cells: &[Cell]) -> (Mark, String) {
     let runs = |gains: GainsKind| {
         let cells = cells.iter().filter(move |c| c.gains == gains && c.world != SATURATION);
@@ -80,7 +81,7 @@ fn quantitative(cells: &[Cell]) -> (Mark, String) {
     (mark, why)
 }
 
-/// Whether the law, or whoever chose its gains, knew a model of the arm.
+/// Mark of the column "model free", and why: neither the law nor the choice of its gains uses a model.
 fn model_free(entry: &Entry) -> (Mark, String) {
     let handed = format!("handed {}", entry.needs);
     match (entry.needs.model_free(), entry.needs.designed) {
@@ -96,7 +97,7 @@ fn model_free(entry: &Entry) -> (Mark, String) {
     }
 }
 
-/// How much of the gains' neighbourhood keeps the specification.
+/// Mark of easy tuning, by the share of draws that satisfy the specification, and why.
 fn easy(entry: &Entry, tuning: &TuningRecord, share: f64) -> (Mark, String) {
     let mark = match share {
         s if s >= EASY_SHARES.0 => Mark::Yes,

@@ -1,6 +1,6 @@
-//! How much of a comparison is done.
+//! Extent of a comparison.
 
-/// How much of a comparison is done.
+/// Extent of a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Extent {
     /// Ids of rivals; empty: all.
@@ -11,13 +11,14 @@ pub struct Extent {
     pub seeds: u64,
     /// Evaluations of every tuning.
     pub tuning_runs: usize,
-    /// How often the ends of ranges that tuned values are at are widened and the tuning run again.
+    /// Largest number of times that ranges are widened where tuned values lie at their ends, and the tuning
+    /// is repeated.
     pub widenings: usize,
     /// Motions of an evaluation, each in every world that is trained in.
     pub training_motions: u64,
     /// Their length \[s\].
     pub training_s: f64,
-    /// Where they begin to count \[s\].
+    /// Time from which they are scored \[s\].
     pub training_settle_s: f64,
     /// Draws of gains.
     pub draws: usize,

@@ -1,4 +1,4 @@
-//! How a run ended, its figures, and its trace in few numbers.
+//! Outcome of a run, its figures, and its trace in few numbers.
 
 use phihat_sim::{JointTrace, Outcome, Trace};
 use phihat_study::Study;
@@ -13,7 +13,7 @@ const SLICES: usize = 60;
 /// An error of this share of a joint's own motion is not following.
 const LOST: f64 = 1.0;
 
-/// What the judge holds a run against.
+/// Bounds that a run is judged by.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bars<'a> {
     /// Largest |e| of the specification \[rad\] per joint.

@@ -18,7 +18,7 @@ use crate::repeat::{self, Repeated};
 pub struct CompareOptions {
     /// The study files (TOML), one per arm; the worlds are made from them.
     pub studies: Vec<PathBuf>,
-    /// Laws of somebody's own, beside those of the list.
+    /// Laws of the caller, alongside those of the list.
     pub laws: Vec<&'static Entry>,
     /// Ids of the rivals; none: all.
     pub only: Vec<String>,
@@ -39,7 +39,7 @@ pub struct CompareOptions {
 /// The answer of a comparison, and where it was written.
 #[derive(Debug)]
 pub struct CompareAnswer {
-    /// What was measured.
+    /// The results.
     pub comparison: Comparison,
     /// The folder of the results.
     pub folder: PathBuf,
@@ -48,7 +48,7 @@ pub struct CompareAnswer {
 }
 
 impl CompareOptions {
-    /// Where the results go.
+    /// Folder of the results.
     ///
     /// # Errors
     ///
@@ -74,8 +74,9 @@ impl CompareOptions {
         Ok(CompareAnswer { comparison, folder, page })
     }
 
-    /// Repeats one run (`ARM/RIVAL/WORLD/default|tuned/SEED`) and keeps its study, trace (as this kind of file) and report. It needs its rival's
-    /// gains on its arm, and those alone: what the journal does not hold of them is done first.
+    /// Repeats one run (`ARM/RIVAL/WORLD/default|tuned/SEED`) and writes its study, trace (as this kind of
+    /// file) and report. It needs the gains of its rival on its arm alone: those that are not in the journal
+    /// are found first.
     ///
     /// # Errors
     ///

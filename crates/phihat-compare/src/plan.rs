@@ -14,7 +14,7 @@ use crate::world::{WORLDS, World, world};
 /// Raised when the same run would come out otherwise: journals of before are then done again.
 pub(crate) const EDITION: &str = "compare 6";
 
-/// What tells a piece of work from others, with the edition of a law that is not in the list.
+/// Parts of a job's id, with the edition of a law that is not in the list.
 pub(crate) fn with_edition<'a>(parts: &[&'a str], edition: &'a str) -> Vec<&'a str> {
     let own = (!edition.is_empty()).then_some(edition);
     parts.iter().copied().chain(own).collect()
@@ -29,7 +29,7 @@ pub struct Plan {
     pub rivals: Vec<&'static Entry>,
     /// The worlds, from easy to hard.
     pub worlds: Vec<&'static World>,
-    /// How much is done.
+    /// Extent of the comparison.
     pub extent: Extent,
 }
 
@@ -135,7 +135,7 @@ impl Plan {
         cases
     }
 
-    /// How long a run that counts is, and where its scored part begins \[s\].
+    /// Length of a run that counts, and start of its scored part \[s\].
     pub(crate) fn span(&self, arm: usize) -> (f64, f64) {
         let study = &self.arms[arm].study;
         let settle = study.spec.settle;

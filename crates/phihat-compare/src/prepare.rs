@@ -17,7 +17,7 @@ use crate::tune::{Widened, tune_widening};
 use crate::world::TRAINING;
 use phihat_session::share;
 
-/// What comes before the runs that count.
+/// Result of a preparation for the runs that count.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Prepared {
     /// The rival does not apply to this arm or task.
@@ -42,7 +42,7 @@ pub(crate) enum Untuned {
     Panicked(String),
 }
 
-/// What is known of an arm and a rival before the runs that count.
+/// Tuning of a rival on an arm, and its share of draws, before the runs that count.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Preparation {
     pub(crate) tuning: Result<TuningRecord, Untuned>,
@@ -53,7 +53,7 @@ pub(crate) struct Preparation {
 struct Trained {
     /// \[rad\]
     cost: f64,
-    /// Whether every motion kept the specification and the cap on noise.
+    /// True if every motion satisfied the specification and the cap on noise.
     kept: bool,
 }
 

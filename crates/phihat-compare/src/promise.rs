@@ -1,4 +1,4 @@
-//! What is known of a rival before a run: the bound it states, its condition, its certificate.
+//! Claims about a rival before a run: the bound it states, its condition, its certificate.
 
 use phihat_rivals::{Condition, DeclaredArm, Entry, Tick, Tuning};
 use phihat_sim::Demand;
@@ -9,7 +9,7 @@ use crate::mark::Mark;
 use crate::proposed_claims::position_bound;
 use crate::row::ConditionRecord;
 
-/// What is declared of an arm in a study before its run, `demand` along its reference.
+/// Declared data of an arm in a study before its run, `demand` along its reference.
 fn declared(arm: &ArmCase, study: &Study, demand: &Demand) -> DeclaredArm {
     let along: Vec<_> =
         arm.units.iter().enumerate().map(|(i, unit)| demand.phi(i, *unit)).collect();
@@ -55,7 +55,8 @@ pub(crate) fn bound(
     usable.then_some(stated)
 }
 
-/// Whether what is declared asks for more torque than the drives have: then nobody's bound is worth asking for.
+/// Returns true if the declared load needs more torque than the drives have: then no law's bound is
+/// requested.
 fn saturates(arm: &DeclaredArm, study: &Study) -> bool {
     let limits = study.control.torque_max.as_deref().unwrap_or_default();
     arm.phi_max.iter().zip(limits).any(|(phi, limit)| phi > limit)
@@ -88,7 +89,7 @@ pub(crate) fn condition(
 /// Laws without a row in the paper's table whose authors claim optimality.
 const CLAIMED: [&str; 2] = ["park-chung", "chen-lee-feng"];
 
-/// Whether a certificate of optimality holds for these gains, and why.
+/// Mark of the certificate of optimality for these gains, and why.
 ///
 /// The law of this project, under whatever name: `Q ≻ 0`, `S ≻ 0` and the Riccati equation, computed again from the
 /// gains; or, weaker, some `Q ⪰ 0` that need not be diagonal. Others whose authors claim optimality: the condition

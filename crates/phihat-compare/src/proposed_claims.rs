@@ -1,4 +1,4 @@
-//! What is promised of the law of this project before a run: a bound on its error, a certificate of optimality.
+//! Claims about the law of this project before a run: a bound on its error, a certificate of optimality.
 
 use phihat::Form;
 use phihat_design::claims::{Attenuation, Optimality};
@@ -55,9 +55,10 @@ impl Shared<'_> {
     }
 }
 
-/// What is promised of a row of the law from positions with one law for all joints, of nominal inertia `inertia` \[kg·m²\] and
-/// `ratio` over it; `None` for other rows, and where the loop is unstable somewhere. Laws that differ from joint to joint do not
-/// separate by eigenvalues of the inertia: nothing is promised of them without a tube.
+/// Largest |e| \[rad\] per joint that is promised before the run, for a row of the law from positions with
+/// one law for all joints, of nominal inertia `inertia` \[kg·m²\] and `ratio` over it; `None` for other rows,
+/// and where the loop is unstable somewhere. Laws that differ from joint to joint do not separate by
+/// eigenvalues of the inertia: no bound is promised for them without a tube.
 pub(crate) fn position_bound(
     (id, values): (&str, &[f64]),
     (inertia, ratio): (&[f64], [f64; 2]),
@@ -83,7 +84,8 @@ pub(crate) fn position_bound(
 }
 
 impl ProposedLaw {
-    /// Largest |e| \[rad\] per joint that is promised before the run; `None` where the sampled loop is unstable somewhere.
+    /// Largest |e| \[rad\] per joint that is promised before the run; `None` where the sampled loop is
+    /// unstable somewhere.
     pub(crate) fn bound(&self, study: &Study, demand: &Demand) -> Option<Vec<f64>> {
         let (record, inertia, ratio) = (self.record(), &self.inertia[..], self.ratio);
         Shared { record, form: study.control.form, inertia, ratio }.bound(study, demand)
@@ -100,7 +102,7 @@ impl ProposedLaw {
         }
     }
 
-    /// Whether the certificate of optimality holds, and why.
+    /// Mark of the certificate of optimality, and why.
     pub(crate) fn optimal(&self) -> (Mark, String) {
         let refuted = |e: &dyn core::fmt::Display| (Mark::No, format!("no certificate: {e}"));
         let found = match Attenuation::of(&self.law) {
@@ -132,7 +134,7 @@ impl ProposedLaw {
     }
 }
 
-/// What the error is at most per what causes it, at unit inertia.
+/// Largest error per unit of each cause, at unit inertia.
 #[derive(Debug, Clone, Copy)]
 struct Gains {
     ramp: f64,

@@ -10,16 +10,17 @@ use phihat_study::{DesignMethod, Study};
 use crate::cost::NOISE_CAP;
 use crate::proposed_law::NotDesigned;
 
-/// The laws of least error, joint by joint, whose torque changes by no more than [`NOISE_CAP`] of the joint's torque limit per
-/// sample, as far as the encoder makes it change: the comparison's allowance of noise as the design's clause. `limits` \[N·m\] per
-/// joint.
+/// The laws of least error, joint by joint, whose torque changes by no more than [`NOISE_CAP`] of the joint's
+/// torque limit per sample, as far as the encoder makes it change: the comparison's cap on noise as a clause
+/// of the design. `limits` \[N·m\] per joint.
 ///
-/// The clause is for the worst reading, and the allowance for the mean: what is measured is about a quarter of the allowance. To scale
-/// the clause to the mean, joint by joint, is not done: joints hand their noise on to each other, and the Panda was then 1.8 times
-/// too loud.
+/// The clause is for the worst reading, and the cap for the mean: the measured noise is about a quarter of
+/// the cap. The clause is not scaled to the mean joint by joint: joints pass their noise on to each other,
+/// and the noise of the Panda was then 1.8 times the cap.
 ///
-/// With `filter` such laws are sought once more, with a filter on the innovation, no louder by their estimates than those without one
-/// are by their tube along the study's own motion; where those have none, they stay without.
+/// With `filter` such laws are searched once more, with a filter on the innovation and an estimated noise no
+/// larger than that of those without one by their tube along the study's own motion; where those have no
+/// tube, they stay without a filter.
 ///
 /// # Errors
 ///

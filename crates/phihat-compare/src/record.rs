@@ -1,4 +1,4 @@
-//! What a comparison leaves, as data: `compare.json`.
+//! Results of a comparison, as data: `compare.json`.
 
 use phihat_rivals::{Card, Needs, Scalar};
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::mark::Mark;
 use crate::row::Row;
 
-/// What `format` says in every comparison.
+/// Value of `format` in every comparison.
 pub const FORMAT: &str = "phihat-comparison";
 
 /// The whole answer, `compare.json`: the same bytes for the same plan, however it was run.
@@ -35,7 +35,7 @@ pub struct Fairness {
     pub optimiser: String,
     /// Evaluations that each rival's tuning had on each arm.
     pub tuning_runs: usize,
-    /// How often ranges gave way at most, each time for as many evaluations again.
+    /// Largest number of times that ranges are widened, each time for as many evaluations again.
     #[serde(default)]
     pub widenings: usize,
     /// Motions that an evaluation simulates in every world that is tuned in, and their length \[s\].
@@ -80,7 +80,7 @@ pub struct ArmRecord {
 pub struct WorldRecord {
     /// Its name, `[a-z-]`.
     pub name: String,
-    /// What is in it, in one line.
+    /// Its contents, in one line.
     pub what: String,
 }
 
@@ -95,15 +95,15 @@ pub struct RivalRecord {
     pub reference: String,
     /// Authors, title, year of the source.
     pub source: String,
-    /// How certain the published form is: A, B, C.
+    /// Certainty of the published form: A, B, C.
     pub grade: String,
-    /// What was reconstructed or stands for something else; empty for grade A.
+    /// Parts that were reconstructed or stand for something else; empty for grade A.
     pub caveat: String,
     /// The law in few lines.
     pub law: String,
-    /// What it is handed.
+    /// Its inputs.
     pub needs: Needs,
-    /// What it is handed, in words.
+    /// Its inputs, in words.
     pub needs_words: String,
     /// Its free scalars.
     pub scalars: Vec<ScalarRecord>,
@@ -118,11 +118,11 @@ pub struct ScalarRecord {
     pub name: String,
     /// Unit.
     pub unit: String,
-    /// What it does.
+    /// Its meaning.
     pub meaning: String,
     /// The value that it has unless tuned: published, or the one that ran first.
     pub default: f64,
-    /// What a tuner may try: `[low, high]`.
+    /// Range for a tuner: `[low, high]`.
     pub range: [f64; 2],
 }
 
@@ -139,7 +139,7 @@ impl From<&Scalar> for ScalarRecord {
 }
 
 impl RivalRecord {
-    /// What a card, the needs and the scalars of a rival say.
+    /// Record from a card, the needs and the scalars of a rival.
     pub fn new(card: &Card, needs: Needs, scalars: &[Scalar]) -> Self {
         let marks = |t: phihat_rivals::Ticks| {
             [t.quantitative, t.easy, t.optimal, t.model_free].map(Mark::from)

@@ -16,7 +16,7 @@ use crate::record::Comparison;
 /// A run that was repeated, with everything that it left.
 #[derive(Debug)]
 pub struct Repeated {
-    /// Where its files are.
+    /// Folder of its files.
     pub folder: PathBuf,
     /// Its trace.
     pub trace: PathBuf,
@@ -26,7 +26,7 @@ pub struct Repeated {
     pub metrics: Metrics,
 }
 
-/// What a run leaves, in the order in which it is written.
+/// Files of a run's results, in the order in which they are written.
 pub(crate) fn results(folder: &Path, name: &str, kind: TraceKind) -> [PathBuf; 4] {
     let folder = folder.join("runs").join(name);
     ["study.toml", "metrics.json", kind.file(), "report.html"].map(|name| folder.join(name))

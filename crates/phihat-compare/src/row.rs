@@ -19,7 +19,7 @@ pub struct Row {
     pub tuning: Option<TuningRecord>,
     /// The four columns, in the paper's order.
     pub columns: Option<Columns>,
-    /// What an update costs; `None` where refused.
+    /// Cost of an update; `None` where refused.
     pub cost: Option<Cost>,
     /// One for each world and choice of gains, worlds in their order, default before tuned.
     pub cells: Vec<Cell>,
@@ -77,11 +77,11 @@ pub struct Columns {
 /// One column of one row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// What was measured.
+    /// Measured mark.
     pub mark: Mark,
-    /// What the paper prints.
+    /// Mark that the paper prints.
     pub printed: Option<Mark>,
-    /// Whether they are the same; `None` where the paper prints nothing.
+    /// True if they are the same; `None` where the paper prints nothing.
     pub agrees: Option<bool>,
     /// Why, in one sentence with figures.
     pub why: String,
@@ -92,13 +92,13 @@ pub struct Measured {
 pub struct ConditionRecord {
     /// The condition.
     pub text: String,
-    /// Whether it holds.
+    /// True if it is satisfied.
     pub holds: bool,
     /// Left side over right side: above 1 it holds; `None` where it is not a finite number.
     pub margin: Option<f64>,
 }
 
-/// What an update costs.
+/// Cost of an update.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Cost {
     /// Scalars remembered from one sample to the next.
@@ -107,7 +107,7 @@ pub struct Cost {
     pub instructions: Option<u64>,
 }
 
-/// Which gains a cell was run with.
+/// Choice of gains of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GainsKind {
@@ -122,7 +122,7 @@ pub enum GainsKind {
 pub struct Cell {
     /// The world's name.
     pub world: String,
-    /// Which gains.
+    /// Choice of gains.
     pub gains: GainsKind,
     /// Every seed, from 1.
     pub runs: Vec<Run>,
@@ -142,7 +142,7 @@ pub struct Run {
     pub name: String,
     /// Seed.
     pub seed: u64,
-    /// How it ended.
+    /// Outcome of the run.
     #[serde(rename = "fate")]
     pub outcome: RunOutcome,
     /// Its figures; `None` unless it ran to its end.

@@ -51,7 +51,7 @@ fn ended(ended: Ended<Scored>) -> Scored {
     }
 }
 
-/// Puts the chatter of the exact world beside that of every other.
+/// Sets the chatter of every run over that in the exact world.
 fn beside_exact(plan: &Plan, runs: &mut [(Case, Scored)]) {
     let exact: Vec<(Case, f64)> = runs
         .iter()

@@ -13,7 +13,7 @@ impl Plan {
     /// Does everything that the journal does not hold, on `threads` threads. The answer does not depend on
     /// their number, nor on interruptions.
     ///
-    /// `progress` is told of both parts, preparation and runs that count, in one figure.
+    /// `progress` is called for both parts, preparation and runs that count, in one figure.
     ///
     /// # Errors
     ///

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How a run ended, from good to bad.
+/// Outcome of a run, from good to bad.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RunOutcome {
@@ -34,7 +34,7 @@ pub enum RunOutcome {
 }
 
 impl RunOutcome {
-    /// Whether the run followed its reference.
+    /// Returns true if the run followed its reference.
     pub fn followed(&self) -> bool {
         *self == Self::Followed
     }
@@ -70,8 +70,8 @@ pub struct Figures {
     /// Mean |τ_k − 2τ_{k−1} + τ_{k−2}|/√3 over the joint's torque limit: what white noise of the torque
     /// has as mean step, without what the motion asks for.
     pub noise: f64,
-    /// Root mean square of what of the applied torque lies above 50 Hz, over the joint's torque limit; `None` where the samples do not
-    /// reach that frequency, and in documents of before.
+    /// Root mean square of the applied torque above 50 Hz, over the joint's torque limit; `None` where the
+    /// samples do not reach that frequency, and in older documents.
     #[serde(default)]
     pub noise_above_50_hz: Option<f64>,
     /// Share of samples in which a joint's torque met its limit.

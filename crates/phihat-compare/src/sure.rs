@@ -1,4 +1,4 @@
-//! For tests: what has to be there.
+//! For tests: values that must exist.
 
 use core::fmt::Debug;
 

@@ -23,7 +23,8 @@ pub(crate) enum TrialError {
     Model(#[from] phihat_model::ModelError),
 }
 
-/// What a run leaves, and when and at which joint the rival's torque was no number, if it was.
+/// Outcome of a run, with the time \[s\] and the joint at which the rival's torque was first not finite, if
+/// it was.
 #[derive(Debug)]
 pub(crate) struct Trial {
     pub(crate) outcome: Outcome,
@@ -109,11 +110,13 @@ impl Trial {
     }
 }
 
-/// Runs that share lanes: as many as keep them full most of the time, and few enough for their records to be in memory together.
+/// Runs that share lanes: as many as keep them full most of the time, and few enough for their records to be
+/// in memory together.
 const TOGETHER: usize = 2 * Lanes::COUNT;
 
-/// One rival in many studies, several at a time in lanes, each with the bits that it has alone: hands over what each run leaves, by the
-/// place of its study. `made` builds the law for a study, by its place, with what it is handed.
+/// Runs one rival in many studies, several at a time in lanes, each with the bits that it has alone; passes
+/// the result of each run to `show`, with the place of its study. `made` builds the law for a study, by its
+/// place, with its inputs.
 pub(crate) fn run_many<'a>(
     entry: &Entry,
     units: &[f64],
@@ -155,7 +158,8 @@ pub(crate) fn run_many<'a>(
     }
 }
 
-/// Whether a rival follows a path without a time table: it is then judged by its distance to the path.
+/// Returns true if a rival follows a path without a time table: it is then judged by its distance to the
+/// path.
 pub(crate) fn untimed(entry: &Entry) -> bool {
     entry.needs.orbit && entry.needs.derivatives == 0
 }
@@ -189,8 +193,8 @@ mod tests {
     use crate::protocol::{Harder, Split, draw};
     use phihat_rivals::rival;
 
-    /// Worlds of several structures and one of louder drives, more than go together at a time: what each run leaves is what it leaves
-    /// alone.
+    /// Worlds of several structures, some with raised drive gains, more than are run together: the result of
+    /// each run is that of the run alone.
     #[test]
     fn in_lanes_every_run_is_the_one_alone() {
         let text = include_str!("../../../studies/table1.toml");

@@ -8,13 +8,14 @@ use serde::{Deserialize, Serialize};
 /// searched within some half decade around its start.
 const STEP: f64 = 0.25;
 
-/// What stands for a cost that is no number: worse than any that is.
+/// Cost in place of one that is not a number: no cost is worse.
 const WORST: f64 = 1e300;
 
-/// Where a value counts as being at an end of its range: within this share of the range in logarithms.
+/// Distance from an end of its range within which a value counts as at that end: a share of the range in
+/// logarithms.
 const AT_END: f64 = 0.01;
 
-/// By how much an end that is hit gives way.
+/// Factor by which a range is widened at an end that is hit.
 const WIDER: f64 = 10.0;
 
 /// The result of a search.
@@ -62,7 +63,7 @@ pub fn tune(
 pub struct AtEnd {
     /// The scalar's name.
     pub scalar: String,
-    /// Whether it is the range's upper end.
+    /// True if it is the range's upper end.
     pub upper: bool,
 }
 
@@ -79,11 +80,13 @@ pub struct Widened {
     pub at_end: Vec<AtEnd>,
 }
 
-/// [`tune`], and where the best values lie at ends of their ranges (within 1 % of the range, in logarithms), these ends give way by
-/// a factor of ten and the search goes on from there with as many runs again, `widenings` times at most.
+/// [`tune`], and where the best values lie at ends of their ranges (within 1 % of the range, in logarithms),
+/// these ends give way by a factor of ten and the search goes on from there with as many runs again,
+/// `widenings` times at most.
 ///
-/// Every round has exactly `runs` evaluations, so that a law has `rounds × runs` of them: more for one whose ranges were too
-/// narrow, and the record says so. Where a law itself refuses values beyond an end, nothing is found there.
+/// Every round has exactly `runs` evaluations, so that a law has `rounds × runs` of them: more for one whose
+/// ranges were too narrow, and the record says so. Where a law itself refuses values beyond an end, nothing
+/// is found there.
 pub fn tune_widening(
     scalars: &[Scalar],
     (runs, widenings): (usize, usize),
@@ -94,8 +97,8 @@ pub fn tune_widening(
     tune_widening_from((scalars, scalars.len()), &start, (runs, widenings), seed, &mut cost)
 }
 
-/// [`tune_widening`] from a start of one's own inside the ranges, in place of the default values; only the ranges of the first `wide`
-/// scalars may give way or are told of.
+/// [`tune_widening`] from a given start inside the ranges, in place of the default values; only the ranges of
+/// the first `wide` scalars may be widened or are reported.
 pub(crate) fn tune_widening_from(
     (scalars, wide): (&[Scalar], usize),
     start: &[f64],
@@ -127,7 +130,7 @@ pub(crate) fn tune_widening_from(
     }
 }
 
-/// Which values lie at an end of their range.
+/// Values that lie at an end of their range.
 pub(crate) fn ends(scalars: &[Scalar], values: &[f64]) -> Vec<AtEnd> {
     let at = |(scalar, value): (&Scalar, &f64)| {
         let place = place(scalar, *value);
@@ -193,7 +196,7 @@ fn search(
     }
 }
 
-/// Where a value lies in its range, in logarithms.
+/// Position of a value in its range, from 0 to 1, in logarithms.
 fn place(scalar: &Scalar, value: f64) -> f64 {
     (value / scalar.low).ln() / (scalar.high / scalar.low).ln()
 }

@@ -1,4 +1,4 @@
-//! How much work the parts of a plan are, for those who wait.
+//! Amount of work in the parts of a plan, for reports of progress.
 
 use crate::plan::Plan;
 use crate::world::TRAINING;

@@ -6,12 +6,12 @@ use toml::{Table, Value};
 
 use phihat_session::set;
 
-/// A world: what is in it beside the arm.
+/// A world: its contents besides the arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct World {
     /// Its name, `[a-z-]`.
     pub name: &'static str,
-    /// What is in it, in one line.
+    /// Its contents, in one line.
     pub what: &'static str,
     parts: Parts,
 }

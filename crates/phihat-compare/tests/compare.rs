@@ -10,7 +10,7 @@ use phihat_rivals::{
     Card, DeclaredArm, Entry, Grade, Motion, Nothing, Refusal, Rival, Scalar, Tuning, Velocity,
 };
 
-/// What a test's rival does.
+/// Behaviour of a test's rival.
 trait Way: core::fmt::Debug + Send + 'static {
     const ID: &'static str;
     fn torque(t: f64, e: f64, de: f64, unit: f64, gain: f64) -> f64;

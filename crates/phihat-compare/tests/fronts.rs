@@ -1,4 +1,5 @@
-//! A small comparison at equal noise: its answer does not depend on who did which part, and chance is inside its own band.
+//! A small comparison at equal noise: its answer does not depend on the division into shards, and chance is
+//! inside its own band.
 
 use std::path::{Path, PathBuf};
 
@@ -69,8 +70,8 @@ fn parts_and_interruptions_leave_the_same_bytes() {
     assert!(whole(&options(all, &only, 1)).1 == exact);
 }
 
-/// Laws that could run, none of whose gains keep every constraint in training and follow in one test world at least: one world to
-/// train in teaches little.
+/// Laws that could run, but without gains that satisfy every constraint in training and follow in at least
+/// one test world: one training world is little.
 fn not_followed(fronts: &Fronts) -> Vec<String> {
     let mut without = Vec::new();
     for point in fronts.points.iter().filter(|point| !point.law.ends_with(" again")) {
@@ -85,8 +86,8 @@ fn not_followed(fronts: &Fronts) -> Vec<String> {
     without
 }
 
-/// Every law of the list finds gains that keep every constraint and follow, or says why it has none on this arm; what is held against
-/// itself is inside its own band, which says of no law that it is better than itself.
+/// Every law of the list finds gains that satisfy every constraint and follow, or states why it has none on
+/// this arm; a law that is compared with itself is inside its own band, so that no law is better than itself.
 #[test]
 fn every_law_follows_and_chance_is_inside_its_band() {
     let few = |name: &str, only: &[&str], per_scalar: u32| FrontsOptions {
@@ -122,7 +123,7 @@ fn every_law_follows_and_chance_is_inside_its_band() {
     assert!(page.len() > 20_000 && !String::from_utf8(page).unwrap().contains("NaN"));
 }
 
-/// What cannot be used is said, and nothing is left.
+/// Options that cannot be used are reported.
 #[test]
 fn bad_options_are_told() {
     let out = folder("bad");

@@ -84,9 +84,9 @@ fn the_same_law_under_another_name_is_promised_the_same() {
     }
 }
 
-/// The law from positions: with one law for all joints the bound found before the run holds and is not empty; with a law per joint,
-/// designed for the cap on noise, there is no bound, and the cap is kept with room; a filter on the innovation makes the error less
-/// and the torque no louder.
+/// The law from positions: with one law for all joints the bound found before the run is satisfied and not
+/// empty; with a law per joint, designed for the cap on noise, there is no bound, and the noise is well
+/// within the cap; a filter on the innovation reduces the error, and hardly changes the noise.
 #[test]
 fn the_rows_from_positions_keep_their_bound_and_their_noise() {
     let worlds = ["exact", "delay"];

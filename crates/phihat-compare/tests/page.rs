@@ -210,7 +210,7 @@ fn marks_lie_where_their_figures_are() {
     roxmltree::Document::parse(&svg).unwrap();
 }
 
-/// What the page opens with names whoever is best, and puts nobody first who was too noisy.
+/// The first part of the page names the best law, and puts none first that was too noisy.
 #[test]
 fn the_story_names_the_best_and_orders_all() {
     let mut all = comparison([3.0, 0.2, 8.0, 1.0]);

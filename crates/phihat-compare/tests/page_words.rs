@@ -1,4 +1,5 @@
-//! Wrong if the page of a comparison said more than was measured: of worlds, of gains, of what was not found or counted.
+//! Wrong if the page of a comparison said more than was measured: of worlds, of gains, of what was not found
+//! or counted.
 
 use phihat_compare::{Comparison, comparison_page, losses};
 use scraper::{ElementRef, Html, Selector};

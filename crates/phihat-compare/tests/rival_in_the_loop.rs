@@ -47,7 +47,8 @@ fn positions(limit: &str) -> Study {
     Study::from_text(&text, "positions.toml", Path::new(".")).unwrap()
 }
 
-/// The row's torques against the simulator's own law from positions, bit for bit; the trace's joints' largest error \[rad\].
+/// Compares the row's torques with those of the simulator's own law from positions, bit for bit; returns the
+/// largest error of all joints \[rad\].
 fn is_the_core(
     study: &Study,
     (entry, values): (&Entry, &[f64]),
@@ -91,8 +92,8 @@ fn is_the_core(
     most
 }
 
-/// Preview, delay, encoder, and limits in action: the rows are the core's law from positions, with a law for all joints and with one
-/// for each.
+/// Preview, delay, encoder, and limits in action: the rows are the core's law from positions, with a law for
+/// all joints and with one for each.
 #[test]
 fn the_law_from_positions_as_a_rival_is_the_core() {
     // A triple pole as ADRC has it, `e^{−0.15}`, and what the row's other default values come to.
@@ -148,7 +149,7 @@ fn the_law_from_positions_as_a_rival_is_the_core() {
     assert_eq!(built_states(first), 7 * (2 + 1 + 1 + 2));
 }
 
-/// What it keeps from sample to sample, behind one sample of delay.
+/// Number of its states, behind one sample of delay.
 fn built_states(entry: &Entry) -> usize {
     let study = positions("");
     let tuning = Tuning::published(entry.scalars, &[0.4; 7], 1e-3).unwrap();

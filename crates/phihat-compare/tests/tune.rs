@@ -44,8 +44,9 @@ fn it_never_leaves_the_ranges() {
     assert!(tuned.values[0] > 95.0 && tuned.values[1] < 0.032, "{:?}", tuned.values);
 }
 
-/// The optimum is two decades beyond one range, inside another, and beyond all ranges of a third: the first is found once its end
-/// has given way, the second keeps its range, and the third is told of. Each round has the same number of runs.
+/// The optimum is two decades beyond one range, inside another, and beyond all ranges of a third: the first
+/// is found once its range is widened, the second keeps its range, and the third is reported. Each round has
+/// the same number of runs.
 #[test]
 fn an_end_that_is_hit_gives_way_and_one_that_stays_is_told() {
     let named = |name| Scalar { name, ..scalar(10.0, 1.0, 100.0) };

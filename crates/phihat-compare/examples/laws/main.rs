@@ -1,8 +1,9 @@
-//! Laws from positions against laws that are fed with velocity: the least certified error on each arm, and gains designed once
-//! in worlds that differ from theirs.
+//! Laws from positions against laws that use a velocity: the least certified error on each arm, and gains
+//! that are designed once and run in worlds that differ from their own.
 //!
-//! `cargo xtask laws`, or `cargo run --release -p phihat-compare --example laws -- [arms|worlds] [ARM] [--json FILE] [--fresh]`.
-//! What was designed is kept in out/laws; the same command goes on from there.
+//! `cargo xtask laws`, or
+//! `cargo run --release -p phihat-compare --example laws -- [arms|worlds] [ARM] [--json FILE] [--fresh]`.
+//! Designs are stored in out/laws; the same command continues from there.
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a command speaks to a terminal")]
 

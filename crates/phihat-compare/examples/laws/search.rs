@@ -1,11 +1,11 @@
-//! The least error that designs reach, found by asking for less and less of it.
+//! Search for the least error that designs reach, by requesting less and less of it.
 
-/// What one design came to.
+/// Result of one design.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Tried {
-    /// The error that was asked for.
+    /// Requested error.
     pub(crate) asked: f64,
-    /// The error of the tube of what was designed; `None`: nothing was, or what was keeps no clause but that.
+    /// Error of the design's tube; `None`: no tube, or torque changes beyond the allowed ones.
     pub(crate) reached: Option<f64>,
 }
 
@@ -17,8 +17,9 @@ pub(crate) fn least(tried: &[Tried]) -> Option<f64> {
     tried.iter().filter_map(|one| one.reached).reduce(f64::min)
 }
 
-/// What to ask for next; `None`: it is known well enough. `first` at first; less than was reached; then between what was asked for
-/// in vain and what was not, which may have come to far less than was asked for; more, where nothing was reached.
+/// Error to request next; `None`: the least error is known well enough. `first` at first; then less than was
+/// reached; then a value between the requests that failed and those that succeeded, which may have reached
+/// far less than requested; more, if nothing was reached.
 pub(crate) fn next(tried: &[Tried], first: f64) -> Option<f64> {
     let (good, vain): (Vec<Tried>, Vec<Tried>) =
         tried.iter().partition(|one| one.reached.is_some_and(|reached| reached <= one.asked));

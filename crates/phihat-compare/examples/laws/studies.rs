@@ -18,24 +18,24 @@ pub(crate) const ARMS: [(&str, &str); 4] = [
 /// The study of the worlds.
 pub(crate) const PANDA: &str = include_str!("../../../../studies/panda_rate.toml");
 
-/// A kind of law, and what is asked of it.
+/// A kind of law, and the errors requested of it.
 #[derive(Debug)]
 pub(crate) struct Kind {
     pub(crate) name: &'static str,
     /// Form of the loop.
     form: &'static str,
-    /// Whether it may filter its innovation.
+    /// True if it may filter its innovation.
     filtered: bool,
-    /// What is asked on an arm at first \[rad\].
+    /// First error that is requested on an arm \[rad\].
     pub(crate) first: f64,
     /// Errors that the worlds' gains are designed for, the first that can be proved \[rad\].
     pub(crate) worlds: &'static [f64],
 }
 
-/// What the worlds' gains are asked for, from positions.
+/// Errors requested of the gains for the worlds, from positions \[rad\].
 const OF_POSITIONS: &[f64] = &[5e-4, 7.5e-4, 1e-3, 1.5e-3, 2e-3];
 
-/// Laws from positions, the same with a filter on their innovation, and those that are fed with a velocity.
+/// Laws from positions, the same with a filter on their innovation, and those that use a velocity.
 pub(crate) const KINDS: [Kind; 3] = [
     Kind {
         name: "positions",
@@ -61,7 +61,7 @@ pub(crate) const KINDS: [Kind; 3] = [
     },
 ];
 
-/// What a change to a study's text is.
+/// Change of a study: the path of a key, and its new value.
 pub(crate) type Edit<'a> = (&'a [&'a str], Value);
 
 /// A study with some keys changed, for a kind of law.

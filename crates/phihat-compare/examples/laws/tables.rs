@@ -1,4 +1,4 @@
-//! What was measured, as Markdown.
+//! Measured results, as Markdown.
 
 use core::fmt::Write as _;
 
@@ -12,7 +12,7 @@ pub(crate) struct ArmRow {
     pub(crate) arm: String,
     /// Largest change of torque per sample that is allowed \[N·m\].
     pub(crate) step_allowed: f64,
-    /// From positions, the same filtered, fed with a velocity.
+    /// From positions, the same filtered, with a velocity.
     pub(crate) kinds: Vec<Least>,
 }
 
@@ -44,7 +44,7 @@ pub(crate) struct WorldRow {
     pub(crate) runs: Vec<Option<Run>>,
 }
 
-/// What a gains document of the worlds was designed for.
+/// Design of the gains for the worlds: request and result.
 #[derive(Debug, Serialize)]
 pub(crate) struct Designed {
     pub(crate) kind: String,
@@ -54,7 +54,7 @@ pub(crate) struct Designed {
     pub(crate) proved: bool,
     /// Certified errors \[rad\] per joint.
     pub(crate) errors: Option<Vec<f64>>,
-    /// What is not proved.
+    /// Clauses that are not proved.
     pub(crate) unproved: Vec<String>,
 }
 
@@ -71,7 +71,7 @@ fn ratio(new: Option<f64>, old: Option<f64>) -> String {
     }
 }
 
-/// What each kind comes to, in one cell or more.
+/// Results of each kind, in one cell or more.
 fn cells<T>(all: &[T], shown: impl Fn(&T) -> String, between: &str) -> String {
     all.iter().map(shown).collect::<Vec<_>>().join(between)
 }
@@ -161,7 +161,7 @@ pub(crate) fn worlds(rows: &[WorldRow]) -> String {
     text
 }
 
-/// What the gains of the worlds were designed for.
+/// List of the designs for the worlds.
 pub(crate) fn designs(rows: &[Designed]) -> String {
     let mut text = String::new();
     for row in rows {

@@ -1,4 +1,4 @@
-//! What takes time: a design, and a run. A design is kept in the journal, under its study's hash.
+//! Designs and runs, which take time. A design is stored in the journal, under its study's hash.
 
 use std::error::Error;
 use std::path::Path;
@@ -16,7 +16,7 @@ use crate::studies::{Edit, Kind, study};
 /// Designs that the least error of an arm is looked for by, at most.
 const TRIES: usize = 6;
 
-/// A design as it is kept.
+/// A design as it is stored in the journal.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Kept {
     /// The document; else why there is none.
@@ -27,11 +27,11 @@ struct Kept {
 /// A design.
 #[derive(Debug)]
 pub(crate) struct Design {
-    /// The error that was asked for \[rad\].
+    /// Requested error \[rad\].
     pub(crate) asked: f64,
-    /// What was designed; else why nothing was.
+    /// The gains, or why there are none.
     pub(crate) gains: Result<Box<Gains>, String>,
-    /// What changes with the sample allows \[N·m\], per joint.
+    /// Largest allowed change of torque per sample \[N·m\], per joint.
     allowed: Vec<f64>,
 }
 
@@ -54,7 +54,7 @@ impl Design {
         self.errors().filter(|_| inside).map(|errors| largest(&errors))
     }
 
-    /// Whether the certificate proves all that was asked for.
+    /// Returns true if the certificate proves all that was requested.
     pub(crate) fn proved(&self) -> bool {
         let certificate = self.gains.as_ref().ok().and_then(|gains| gains.certificate.as_ref());
         certificate.is_some_and(|all| all.tube.is_some() && all.unproved.is_empty())
@@ -116,10 +116,10 @@ pub(crate) fn design(
     Ok(design)
 }
 
-/// What a try came to, whether it keeps its steps or not.
+/// Result of a try, also where its torque changes exceed the allowed ones.
 #[derive(Debug, Serialize)]
 pub(crate) struct Try {
-    /// The error that was asked for \[rad\].
+    /// Requested error \[rad\].
     pub(crate) asked: f64,
     /// Certified error \[rad\] of the worst joint; `None`: there is no tube.
     pub(crate) error: Option<f64>,
@@ -170,7 +170,7 @@ pub(crate) fn first_proved(
     last.ok_or_else(|| "no error is asked for".into())
 }
 
-/// What a run showed.
+/// Figures of a run.
 #[derive(Debug, Serialize)]
 pub(crate) struct Run {
     /// Largest |e| after settling \[rad\], per joint.

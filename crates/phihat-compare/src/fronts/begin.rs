@@ -1,10 +1,11 @@
-//! Where a search begins.
+//! Start of a search.
 
 use phihat_rivals::{Entry, Scalar, rival};
 
 use crate::protocol::random_start;
 
-/// Laws that another one contains: where the scalars that it has more are at the low ends of their ranges, it is nearly that one.
+/// Laws, each with one that it contains: with its additional scalars at the low ends of their ranges, it is
+/// nearly that one.
 const CONTAINED: [(&str, &str); 6] = [
     ("computed-torque-integral", "computed-torque"),
     ("momentum-observer", "computed-torque"),
@@ -35,7 +36,7 @@ pub(super) fn from_contained(outer: &[Scalar], inner: &[Scalar], values: &[f64])
     outer.iter().map(of).collect()
 }
 
-/// Where a restart begins that has no law to begin from.
+/// Start of a restart without a contained law.
 pub(super) fn start(scalars: &[Scalar], restart: u64, stream: u64, seed: u64) -> Vec<f64> {
     random_start(scalars, restart, stream.wrapping_add(1000 * seed))
 }

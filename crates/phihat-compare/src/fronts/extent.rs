@@ -1,20 +1,20 @@
-//! How much of a comparison at equal noise is done.
+//! Extent of a comparison at equal noise.
 
 use serde::{Deserialize, Serialize};
 
 use crate::protocol::{CAPS, FOLLOWING, PER_SCALAR, SPLITS};
 
-/// How much is done.
+/// Extent of a comparison at equal noise.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FrontsExtent {
     /// Caps on noise above 50 Hz, over the torque limit: one tuning each, all of one search.
     pub caps: Vec<f64>,
     /// Searches of each law, the first from its default values, the others from random ones.
     pub restarts: u64,
-    /// Evaluations of a search for each free scalar and one more under the loosest cap; under every other a quarter as many, from the best
-    /// of all before.
+    /// Evaluations of a search for each free scalar and one more under the loosest cap; under every other cap
+    /// a quarter as many, from the best candidate so far.
     pub per_scalar: usize,
-    /// How often ends of ranges that are hit may give way tenfold.
+    /// Largest number of times that ranges are widened tenfold at ends that are hit.
     pub widenings: usize,
     /// Worlds to train in, to choose by, to be judged in.
     pub worlds: [u32; 3],
@@ -25,7 +25,7 @@ pub struct FrontsExtent {
 }
 
 impl FrontsExtent {
-    /// What a comparison that somebody publishes takes: days on two cores.
+    /// Extent for publication: days on two cores.
     pub fn full() -> Self {
         Self {
             caps: CAPS.to_vec(),

@@ -16,10 +16,10 @@ use crate::statistics::{
     hypervolume, placebo, quantile, ranks, ratio, standing,
 };
 
-/// What a run that did not follow counts as where laws are held against each other \[rad\]: more than any that did.
+/// Error of a run that did not follow, where laws are compared \[rad\]: larger than that of any run that did.
 pub(super) const FAILED_RAD: f64 = 1.0;
 
-/// What its noise counts as, over the torque limit: more than any cap.
+/// Its noise over the torque limit: above every cap.
 const DEAFENING: f64 = 1e30;
 
 /// The level of ranks that differ.
@@ -88,7 +88,7 @@ fn record(arm: &ArmCase, law: &Law) -> LawRecord {
     }
 }
 
-/// What came of a search, one per cap.
+/// Results of a search, one per cap.
 fn restarts(restart: u64, ended: Ended<Done>, caps: usize) -> Vec<Restart> {
     let none = |failed: &str| Restart {
         restart,
@@ -123,7 +123,7 @@ fn restarts(restart: u64, ended: Ended<Done>, caps: usize) -> Vec<Restart> {
     }
 }
 
-/// What the validation worlds choose among the tunings that keep every constraint where they were tuned.
+/// The best in the validation worlds, of the tunings that satisfy every constraint in the training worlds.
 fn chosen(point: &AtCap) -> Option<Chosen> {
     let mut best: Option<&Restart> = None;
     for restart in point.restarts.iter().filter(|restart| restart.feasible()) {
@@ -141,7 +141,7 @@ fn chosen(point: &AtCap) -> Option<Chosen> {
 }
 
 impl Chosen {
-    /// What gains measure in the test worlds.
+    /// Figures of gains in the test worlds.
     pub(super) fn of(restart: u64, test: &[Option<Tried>], cap: f64) -> Self {
         let followed: Vec<Tried> = test.iter().flatten().copied().collect();
         let noise: Vec<f64> = followed.iter().map(|tried| tried.noise).collect();
@@ -176,7 +176,7 @@ fn error(tried: Option<Tried>) -> f64 {
     tried.map_or(FAILED_RAD, |tried| tried.error_rms_rad)
 }
 
-/// How far laws are from themselves at a cap.
+/// Placebo band at a cap, from laws compared with themselves.
 fn band(laws: &[LawRecord], points: &[AtCap], cap: f64) -> Placebo {
     let pair = |law: &LawRecord| {
         let again = table(at(points, &law.id, cap)?)?;
@@ -219,7 +219,7 @@ fn best_of_ours(
     Some((id, table))
 }
 
-/// Corrects for everything that was asked, and says what may be said.
+/// Corrects the p-values for all questions, and sets the standings.
 fn correct(versus: &mut [Versus], caps: &[f64], placebo: &[Placebo]) {
     let corrected = holm(&versus.iter().map(|one| one.ratio.p).collect::<Vec<_>>());
     for (one, p) in versus.iter_mut().zip(corrected) {
@@ -275,7 +275,8 @@ fn volumes(laws: &[LawRecord], points: &[AtCap], caps: &[f64]) -> Vec<Volume> {
     laws.iter().filter_map(volume).collect()
 }
 
-/// Noise and error of a tuning over some of its worlds, in logarithms: medians. A run that failed has the largest of both.
+/// Noise and error of a tuning over some of its worlds, in logarithms: medians. A run that failed has the
+/// largest of both.
 fn middle(restart: &Restart, worlds: &[usize]) -> Option<Point> {
     let of = |failed: f64, of: fn(&Tried) -> f64| {
         let tried = worlds.iter().filter_map(|world| restart.test.get(*world));

@@ -1,4 +1,4 @@
-//! One search, and what came of it in the worlds to choose by and to be judged in.
+//! One search, and its results in the validation and the test worlds.
 
 use phihat_rivals::Entry;
 use serde::{Deserialize, Serialize};
@@ -14,7 +14,7 @@ use crate::tune::AtEnd;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Law {
     pub(super) entry: &'static Entry,
-    /// 1, or 2 for the second name of a law that is held against itself.
+    /// 1, or 2 for the second name of a law that is compared with itself.
     pub(super) stream: u64,
 }
 
@@ -33,10 +33,10 @@ pub(super) struct Job {
     pub(super) restart: u64,
 }
 
-/// What came of a search under one cap.
+/// Result of a search under one cap.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Searched {
-    /// Values of the law's scalars and of what is free in what it is handed.
+    /// Values of the law's scalars and of the free choices in its inputs.
     pub(super) values: Vec<f64>,
     /// Over the training worlds, with the margin's trials.
     pub(super) train: Assessed,
@@ -46,7 +46,7 @@ pub(super) struct Searched {
     pub(super) evaluations: usize,
     /// The least cost after so many of them, where it fell.
     pub(super) history: Vec<(usize, f64)>,
-    /// How often ranges gave way.
+    /// Number of times that ranges were widened.
     pub(super) widened: usize,
     /// Ends of ranges that values are at all the same.
     pub(super) at_end: Vec<AtEnd>,
@@ -54,7 +54,7 @@ pub(super) struct Searched {
     pub(super) test: Vec<Option<Tried>>,
 }
 
-/// What the journal keeps of a search.
+/// Record of a search in the journal.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Done {
@@ -63,11 +63,11 @@ pub(super) enum Done {
     Refused(String),
 }
 
-/// Seeds of searches that have nothing to do with each other are this far apart: rounds and restarts inside of a search lie between.
+/// Distance between the seeds of independent searches: the rounds and restarts of one search lie between.
 const APART: u64 = 1_000_000;
 
 impl FrontsExtent {
-    /// Does one search; what came of it, in the order of the caps.
+    /// Does one search; returns its results in the order of the caps.
     pub(super) fn search(
         &self,
         arm: &ArmCase,

@@ -1,15 +1,16 @@
 //! Fronts of error against torque noise: `phihat fronts`.
 //!
-//! Every law is tuned under several caps on its torque noise, from several random starts, in drawn worlds; among its tunings one is
-//! chosen in other worlds, and measured in worlds that nobody has seen before. Laws are held against laws of equal knowledge, at equal
-//! noise, and one law under two names says how far apart chance puts one law from itself.
+//! Every law is tuned under several caps on its torque noise, from several random starts, in drawn worlds;
+//! one of its tunings is chosen in other worlds, and measured in worlds that were not used before. Laws are
+//! compared with laws of equal knowledge, at equal noise, and one law under two names shows how far apart
+//! chance puts a law from itself.
 //!
 //! # Not claimed
 //!
-//! That a law can do no better: its errors are those of the tunings that were found. What is drawn is what [`draw`](crate::protocol::draw)
-//! draws; another arm, or a robot, is another question. How the velocity is filtered, how large the nominal
-//! inertia in a law is, and which torque it is fed with is free for every law that uses it, and tuned with its own scalars; a law from
-//! positions alone may filter these.
+//! That a law can do no better: its errors are those of the tunings that were found. Worlds are those that
+//! [`draw`](crate::protocol::draw) draws; another arm, or a real robot, is not covered. The filter of the
+//! velocity, the size of the nominal inertia and the torque that a law gets are free for every law that uses
+//! them, and tuned with its own scalars; a law from positions alone may filter the positions.
 
 mod begin;
 mod extent;

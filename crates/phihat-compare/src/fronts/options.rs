@@ -44,12 +44,12 @@ pub struct FrontsOptions {
     pub out: Option<PathBuf>,
 }
 
-/// What a comparison at equal noise came to.
+/// Result of a comparison at equal noise.
 #[derive(Debug)]
 pub enum FrontsAnswer {
     /// All of it.
     Whole {
-        /// What was measured.
+        /// The results.
         fronts: Box<Fronts>,
         /// The folder of the results.
         folder: PathBuf,
@@ -66,7 +66,7 @@ pub enum FrontsAnswer {
 }
 
 impl FrontsOptions {
-    /// How much is done.
+    /// Extent of the comparison.
     ///
     /// # Errors
     ///
@@ -95,7 +95,7 @@ impl FrontsOptions {
         Ok(extent)
     }
 
-    /// Where the results go; a shard's into a folder of its own in there.
+    /// Folder of the results; that of a shard is a folder of its own inside of it.
     ///
     /// # Errors
     ///

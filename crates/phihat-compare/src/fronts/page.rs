@@ -110,7 +110,7 @@ fn told(band: Option<Placebo>) -> Markup {
     } } }
 }
 
-/// How many laws of a tier are better, worse, not to be told apart.
+/// Numbers of laws of a tier that are better, worse, and not distinguishable.
 fn counts(fronts: &Fronts, tier: Tier, cap: f64) -> (usize, usize, usize) {
     let of = |standing: Standing| {
         let asked = fronts.versus.iter().filter(|one| one.tier == tier);
@@ -294,7 +294,7 @@ fn profiles(fronts: &Fronts, laws: &[&LawRecord], cap: f64) -> Markup {
     }
 }
 
-/// What a search has found after so many evaluations.
+/// Error that a search has found, against its evaluations.
 fn efforts(fronts: &Fronts, laws: &[&LawRecord], cap: f64) -> Markup {
     // The cost of gains that keep their constraints is e/(1 + e), below 1.
     let error = |cost: f64| (cost < 1.0).then(|| MILLI * cost / (1.0 - cost));

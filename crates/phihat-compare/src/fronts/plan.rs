@@ -19,7 +19,8 @@ use crate::protocol::{Assessor, Split, Tried, draw, hardest};
 /// Raised when the same search would come out otherwise: journals of before are then done again.
 const EDITION: &str = "fronts 3";
 
-/// Of these, the first that a tier has is held against itself under a second name: laws of few scalars whose searches end well.
+/// Laws of few scalars whose searches end well: in each tier the first of them is compared with itself under
+/// a second name.
 const TWICE: [&str; 4] = ["industrial-pid", "time-delay", "proposed-1", "computed-torque-integral"];
 
 /// A comparison at equal noise, ready to run.
@@ -28,7 +29,7 @@ pub struct FrontsPlan {
     /// The one that laws are tuned on, and one that they are not.
     arms: Vec<ArmCase>,
     laws: Vec<Law>,
-    /// How much is done.
+    /// Extent of the comparison.
     pub extent: FrontsExtent,
 }
 
@@ -75,8 +76,9 @@ impl FrontsPlan {
         (jobs.len(), jobs.iter().map(runs).sum())
     }
 
-    /// Does the searches of a shard that the journal does not hold, on `threads` threads. The answer of the whole does not depend on
-    /// their number, on interruptions, or on who did which part; a shard that is not the whole has none.
+    /// Does the searches of a shard that the journal does not hold, on `threads` threads. The answer of the
+    /// whole does not depend on their number, on interruptions, or on the division into shards; a shard that
+    /// is not the whole has none.
     ///
     /// # Errors
     ///
@@ -178,7 +180,8 @@ impl FrontsPlan {
     }
 }
 
-/// The laws in the order of the list, then those that are held against themselves, one of each tier where there is one.
+/// The laws in the order of the list, then those that are compared with themselves, one of each tier where
+/// there is one.
 fn laws(only: &[String]) -> Result<Vec<Law>, CompareError> {
     if let Some(id) = only.iter().find(|id| RIVALS.iter().all(|r| r.card.id != **id)) {
         return Err(CompareError::Rival(id.clone()));

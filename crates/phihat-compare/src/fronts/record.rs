@@ -1,4 +1,4 @@
-//! What a comparison at equal noise leaves, as data.
+//! Results of a comparison at equal noise, as data.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +21,7 @@ pub struct Fronts {
     pub phihat_version: String,
     /// The arm.
     pub arm: ArmRecord,
-    /// How much was done.
+    /// Extent of the comparison.
     pub extent: FrontsExtent,
     /// The laws, a law that is held against itself under its second name after all others.
     pub laws: Vec<LawRecord>,
@@ -29,7 +29,7 @@ pub struct Fronts {
     pub points: Vec<AtCap>,
     /// The area above each law's front.
     pub volumes: Vec<Volume>,
-    /// How far one law is from itself, per cap, in the order of the caps.
+    /// Placebo bands from laws compared with themselves, in the order of the caps.
     pub placebo: Vec<Placebo>,
     /// Laws against this project's best law that knows no more than their tier, at equal caps.
     pub versus: Vec<Versus>,
@@ -46,17 +46,17 @@ pub struct LawRecord {
     pub id: String,
     /// Its title.
     pub title: String,
-    /// What it knows.
+    /// Its knowledge of the arm.
     pub tier: Tier,
-    /// What it is handed, in words.
+    /// Its inputs, in words.
     pub needs: String,
-    /// Whether it is of this project or its paper.
+    /// True if it is of this project or its paper.
     pub ours: bool,
-    /// Whether its gains are designed for the study, with no scalar to search.
+    /// True if its gains are designed for the study, with no scalar to search.
     pub designed: bool,
     /// The law whose second name this is.
     pub again: Option<String>,
-    /// Names of its free scalars, then of what is free in what it is handed.
+    /// Names of its free scalars, then of the free choices in its inputs.
     pub scalars: Vec<String>,
 }
 
@@ -69,18 +69,19 @@ pub struct AtCap {
     pub cap: f64,
     /// Its searches.
     pub restarts: Vec<Restart>,
-    /// The tuning that the validation worlds chose, in the test worlds; `None` where no search found gains that keep every constraint.
+    /// The tuning that is best in the validation worlds, in the test worlds; `None` where no search found
+    /// gains that satisfy every constraint.
     pub chosen: Option<Chosen>,
 }
 
 /// A search.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Restart {
-    /// Which, from 0.
+    /// Number of the restart, from 0.
     pub restart: u64,
     /// Why there is none.
     pub failed: Option<String>,
-    /// Values of the law's scalars, then of what is free in what it is handed.
+    /// Values of the law's scalars, then of the free choices in its inputs.
     pub values: Vec<f64>,
     /// In the training worlds.
     pub train: Option<Assessed>,
@@ -90,7 +91,7 @@ pub struct Restart {
     pub evaluations: usize,
     /// The least cost after so many of them, where it fell.
     pub history: Vec<(usize, f64)>,
-    /// How often ranges gave way.
+    /// Number of times that ranges were widened.
     pub widened: usize,
     /// Ends of ranges that values are at all the same.
     pub at_end: Vec<AtEnd>,
@@ -99,7 +100,7 @@ pub struct Restart {
 }
 
 impl Restart {
-    /// Whether the tuning keeps every constraint in the worlds that it was tuned in.
+    /// Returns true if the tuning satisfies every constraint in the training worlds.
     pub fn feasible(&self) -> bool {
         self.train.is_some_and(|train| train.feasible())
     }
@@ -108,7 +109,7 @@ impl Restart {
 /// Gains in the test worlds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Chosen {
-    /// Which restart.
+    /// Number of the restart.
     pub restart: u64,
     /// Errors \[rad\]; where it did not follow 1 rad.
     pub error_rad: Option<Spread>,
@@ -140,13 +141,14 @@ pub struct Versus {
     pub cap: f64,
     /// The law's name.
     pub law: String,
-    /// Ours that it is held against: of those that know no more than the tier, the best in the validation worlds.
+    /// Law of this project that it is compared with: of those that know no more than the tier, the best in
+    /// the validation worlds.
     pub ours: String,
     /// Its errors over ours.
     pub ratio: Ratio,
-    /// The p-value, corrected for all that is asked.
+    /// The p-value, corrected for all questions.
     pub corrected_p: f64,
-    /// What may be said.
+    /// Conclusion from ratio and p-value.
     pub standing: Standing,
 }
 
@@ -159,7 +161,7 @@ pub struct Ordered {
     pub cap: f64,
     /// Names and mean ranks, the best first.
     pub laws: Vec<(String, f64)>,
-    /// How far ranks must lie apart to differ at 5 %.
+    /// Least distance of mean ranks that differ at 5 %.
     pub critical_difference: f64,
     /// Friedman's statistic.
     pub friedman: f64,

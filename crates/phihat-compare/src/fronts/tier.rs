@@ -1,17 +1,19 @@
-//! What laws know of the arm: only equals are held against each other.
+//! Knowledge that laws have of the arm: laws are compared at equal knowledge.
 
 use phihat_rivals::Needs;
 use serde::{Deserialize, Serialize};
 
-/// How much of the arm a law is handed.
+/// Amount of knowledge of the arm that a law gets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Tier {
     /// Nothing but what scales the gains of all laws: one nominal inertia per joint.
     Nothing,
-    /// That inertia in the law itself, friction or torque limits per joint, or gains that were designed for a range of inertia.
+    /// That inertia in the law itself, friction or torque limits per joint, or gains that were designed for a
+    /// range of inertia.
     PerJoint,
-    /// Gravity, a regressor, the tip's kinematics or the whole model: masses wrong by up to 30 %, the same draw for all.
+    /// Gravity, a regressor, the tip's kinematics or the whole model: masses wrong by up to 30 %, the same
+    /// draw for all.
     Model,
 }
 

@@ -28,7 +28,7 @@ impl Axis {
         Self { low: low - room, high: high + room, from, to }
     }
 
-    /// Where a value lies.
+    /// Position of a value in the figure.
     pub(crate) fn at(&self, value: f64) -> f64 {
         self.from + (value.log10() - self.low) / (self.high - self.low) * (self.to - self.from)
     }
@@ -57,7 +57,8 @@ impl Axis {
     }
 }
 
-/// Both axes of a figure of a size with margins at its left, top, right and bottom: grid, ticks, frame, and what they are of.
+/// Both axes of a figure with its size and its margins (left, top, right, bottom): grid, ticks, frame and
+/// labels.
 pub(crate) fn axes(
     [width, height]: [f64; 2],
     [left, top, right, bottom]: [f64; 4],

@@ -93,12 +93,12 @@ fn end(tuning: &TuningRecord, scalar: &ScalarRecord) -> Option<&'static str> {
     Some(if end.upper { "at the upper end of its range" } else { "at the lower end of its range" })
 }
 
-/// Whether a range reaches beyond another.
+/// Returns true if `range` reaches beyond `of`.
 fn wider(of: [f64; 2], range: [f64; 2]) -> bool {
     range[0] < of[0] || range[1] > of[1]
 }
 
-/// Which ranges gave way, and how far.
+/// Ranges that were widened, and their new ends.
 fn widened(tuning: &TuningRecord, rival: &RivalRecord) -> String {
     let wider = rival
         .scalars

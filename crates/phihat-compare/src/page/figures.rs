@@ -41,7 +41,7 @@ pub(super) fn tables(comparison: &Comparison, arm: &ArmRecord) -> Markup {
     }
 }
 
-/// What some row has a value of: nobody recovers where nothing pushes.
+/// Columns in which some row has a value: without a push there is no recovery.
 fn of_a_world(
     comparison: &Comparison,
     arm: &ArmRecord,
@@ -66,7 +66,7 @@ fn headings(quantities: impl Iterator<Item = &'static Quantity>) -> Markup {
     } } }
 }
 
-/// What is said of a law as a whole, once for all worlds.
+/// Table of the columns of a law as a whole, once for all worlds.
 fn costs(comparison: &Comparison, arm: &ArmRecord) -> Markup {
     let best: Vec<_> = of_a_row().map(|q| q.best(comparison, &arm.name, "")).collect();
     let label = format!("Table: tuning and cost on {}", line(&arm.name));
@@ -142,7 +142,7 @@ fn free_key(model_free: &str) -> u8 {
     }
 }
 
-/// How the arm's run ended in this world.
+/// Table cell with the outcome of a row's runs in this world.
 fn here(comparison: &Comparison, row: &Row, world: &WorldRecord) -> Markup {
     if let Some(why) = &row.refused {
         return html! { td.refused data-v="9" { "– does not apply" span.note { (line(why)) } } };
@@ -157,7 +157,7 @@ fn here(comparison: &Comparison, row: &Row, world: &WorldRecord) -> Markup {
     } }
 }
 
-/// Whether the tuned gains are outside what the law's own stability condition covers: that it ran is luck.
+/// Returns true if the tuned gains violate the law's own stability condition: that it ran is luck.
 fn breaks_its_condition(row: &Row) -> bool {
     let columns = row.columns.as_ref();
     columns.and_then(|columns| columns.condition.as_ref()).is_some_and(|condition| !condition.holds)

@@ -15,7 +15,7 @@ const LED: f64 = 12.0;
 /// Marks nearer than this make a crowd.
 const NEAR: f64 = 70.0;
 
-/// Where a label is: left edge, centre, and whether a line has to lead to it.
+/// Place of a label: left edge, centre, width; `led` is true if a line has to lead to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Place {
     pub left: f64,

@@ -1,4 +1,4 @@
-//! Where the proposed law is not the best choice: found in the data, not written by hand.
+//! Columns in which the proposed law is not the best choice: found in the data, not written by hand.
 
 use crate::{Comparison, GainsKind, Row};
 use serde::Serialize;
@@ -17,7 +17,7 @@ pub struct Loss {
     pub column: &'static str,
     /// Its unit; empty for none.
     pub unit: &'static str,
-    /// What has to count most for this to matter.
+    /// Priority of a user for whom this matters.
     pub counts: &'static str,
     /// Cases (arm and world, or arm) in which some other row is better.
     pub cases: usize,
@@ -53,7 +53,7 @@ impl Beaten {
     }
 }
 
-/// Whether a row is one of the paper's own laws.
+/// Returns true if the id is that of a law of the paper or of this project.
 pub(super) fn is_proposed(id: &str) -> bool {
     id.starts_with("proposed")
 }
@@ -104,7 +104,7 @@ fn worlds<'a>(comparison: &'a Comparison, column: &Quantity) -> Vec<Option<&'a s
     }
 }
 
-/// Whether the row was run here and some row has a value.
+/// Returns true if the row was run here and some row has a value.
 fn can_be_compared(
     comparison: &Comparison,
     column: &Quantity,

@@ -31,7 +31,7 @@ pub use trial::{Trial, trial_page};
 pub use words::{DEFAULTS, NOT_TUNED, UNITS, model_free, model_free_in_full};
 
 const STYLE: &str = include_str!("comparison.css");
-/// What sorts the tables.
+/// Script that sorts the tables.
 const SCRIPT: &str = include_str!("comparison.js");
 
 /// The self-contained page of a comparison. `command` is the one that made it: every run's is made from it.

@@ -1,4 +1,4 @@
-//! How a run ended, in symbols and words.
+//! Outcome of a run, in symbols and words.
 
 use phihat_report::kit::number::stated;
 use phihat_report::kit::text::line;
@@ -9,7 +9,7 @@ use crate::row::Cell;
 use crate::run_outcome::RunOutcome;
 use crate::world::SATURATION;
 
-/// How a run ended: a symbol and a word, so that no colour is needed.
+/// Outcome of a run as a symbol and a word, so that no colour is needed.
 pub(super) fn symbol_and_word(outcome: &RunOutcome) -> (&'static str, &'static str) {
     match outcome {
         RunOutcome::Followed => ("✓", "followed"),
@@ -21,8 +21,8 @@ pub(super) fn symbol_and_word(outcome: &RunOutcome) -> (&'static str, &'static s
     }
 }
 
-/// What is wrong with an arm that followed all the same: its torque is noisier than tuned gains may be in
-/// training, or it lives on limits that leave room for the motion, as in a limit cycle. In short, and in full.
+/// Defect of an arm that followed, in short and in full: its torque is noisier than tuned gains may be in
+/// training, or it stays at limits that leave room for the motion, as in a limit cycle.
 pub(super) fn unrest(comparison: &Comparison, cell: &Cell) -> Option<(&'static str, String)> {
     let figures = cell.worst.as_ref().filter(|_| cell.outcome.followed())?;
     // There the limits are drawn in on purpose.
@@ -41,7 +41,7 @@ pub(super) fn two_digits(value: f64) -> String {
     stated(format!("{value:.1e}").parse().unwrap_or(value))
 }
 
-/// How a run ended in words, with time, joint or reason.
+/// Outcome of a run in words, with time, joint or reason.
 pub(super) fn outcome_in_full(of: &RunOutcome) -> String {
     let word = symbol_and_word(of).1;
     match of {

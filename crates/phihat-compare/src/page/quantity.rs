@@ -1,10 +1,10 @@
-//! What rows are compared by: one list for the tables, the marks of the best, and the losses.
+//! Columns by which rows are compared: one list for the tables, the marks of the best, and the losses.
 
 use crate::{Cell, Columns, Comparison, Figures, GainsKind, Row};
 
 use phihat_report::kit::MILLI;
 
-/// Which of two values is better.
+/// Direction in which values are better.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Better {
     /// The smaller one.
@@ -25,13 +25,13 @@ pub(super) struct Quantity {
     pub short: &'static str,
     /// Unit; empty for none.
     pub unit: &'static str,
-    /// What matters to those who sort by it.
+    /// Priority of those who sort by it.
     pub counts: &'static str,
     pub better: Better,
     pub of: Of,
 }
 
-/// Where a column's value comes from.
+/// Source of a column's value.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Of {
     /// The worst figures of a world under the tuned gains.
@@ -115,7 +115,8 @@ pub(super) fn worlds_followed(row: &Row) -> usize {
 }
 
 impl Quantity {
-    /// Whether a row can be compared by it as a whole: what was not counted, or not chosen, is neither better nor worse.
+    /// Returns true if a row can be compared by it as a whole: a value that was not counted, or not chosen,
+    /// is neither better nor worse.
     pub(super) fn concerns(&self, row: &Row) -> bool {
         // A tuning that never kept the specification has no number of runs, and that is worse than any.
         let searched = self.name == RUNS_TO_SPEC && chosen(row).is_some();
@@ -139,7 +140,7 @@ impl Quantity {
         (self.name != "bound / measured" || value >= 1.0).then_some(value)
     }
 
-    /// Whether `a` is better than `b`.
+    /// Returns true if `a` is better than `b`.
     pub(super) fn prefers(&self, a: f64, b: f64) -> bool {
         match self.better {
             Better::Less => a < b,
@@ -147,7 +148,7 @@ impl Quantity {
         }
     }
 
-    /// Whether a value is the best one, or too near to tell them apart where they are read.
+    /// Returns true if a value is the best one, or too near to it for a reader to distinguish them.
     pub(super) fn is_best(&self, mine: Option<f64>, best: Option<f64>) -> bool {
         let near = |mine: f64, best: f64| (mine - best).abs() <= NEAR * best.abs();
         mine.zip(best).is_some_and(|(mine, best)| near(mine, best) || self.prefers(mine, best))

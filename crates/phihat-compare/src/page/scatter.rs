@@ -31,7 +31,7 @@ struct Point {
     price: f64,
 }
 
-/// What a law knows of the arm, by which marks differ in shape and colour.
+/// Knowledge that a law has of the arm, shown by shape and colour of its mark.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Free,
@@ -59,7 +59,7 @@ fn kind(needs: &Needs) -> Kind {
     }
 }
 
-/// What the error is drawn against.
+/// Quantity against which the error is drawn.
 struct Against {
     title: &'static str,
     axis: &'static str,
@@ -97,7 +97,8 @@ pub(super) fn noise(comparison: &Comparison, arm: &ArmRecord) -> Markup {
     }
 }
 
-/// The least errors of the picture among laws within the cap on noise: of all, without a model, and of the proposed ones.
+/// The least errors of the picture among laws within the cap on noise: of all, without a model, and of the
+/// proposed ones.
 fn named_best(comparison: &Comparison, arm: &ArmRecord, world: &str) -> Markup {
     let cap = 100.0 * comparison.fairness.noise_cap;
     let place = |row| point(comparison, row, world, NOISE.of);

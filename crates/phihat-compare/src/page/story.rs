@@ -1,4 +1,5 @@
-//! What the page opens with: the picture, who is best for whom, and the order of all laws in every world.
+//! First part of the page: the picture, the best law for each kind of user, and the order of all laws in
+//! every world.
 
 use maud::{Markup, html};
 use phihat_report::kit::MILLI;
@@ -13,7 +14,7 @@ use super::scatter;
 use super::words::is_designed;
 use crate::{ArmRecord, Cell, Comparison, GainsKind, Row, SATURATION};
 
-/// The part of an arm that is seen first.
+/// First part of the page for an arm.
 pub(super) fn story(comparison: &Comparison, arm: &ArmRecord) -> Markup {
     html! {
         (scatter::noise(comparison, arm))
@@ -22,7 +23,8 @@ pub(super) fn story(comparison: &Comparison, arm: &ArmRecord) -> Markup {
     }
 }
 
-/// A row's cell in a world that gains were tuned for, where its arm followed without noise beyond the cap or life on a limit.
+/// A row's cell in a world with tuned gains, where its arm followed without noise beyond the cap and did not
+/// stay at a limit.
 fn quiet<'a>(comparison: &Comparison, row: &'a Row, world: &str) -> Option<&'a Cell> {
     let cell = row.cell(world, GainsKind::Tuned).filter(|cell| cell.outcome.followed())?;
     unrest(comparison, cell).is_none().then_some(cell)
@@ -51,7 +53,8 @@ fn error(comparison: &Comparison, row: &Row) -> Option<f64> {
     over_worlds(comparison, row, |cell| Some(cell.worst.as_ref()?.error_rms_rad))
 }
 
-/// Torque noise in the world where it is worst, as a share of the torque limit; `None` where the row was not quiet in one of them.
+/// Torque noise in the world where it is worst, as a share of the torque limit; `None` where the row was not
+/// quiet in one of them.
 fn noise(comparison: &Comparison, row: &Row) -> Option<f64> {
     let each = |world| Some(quiet(comparison, row, world)?.worst.as_ref()?.noise);
     worlds(comparison).map(each).try_fold(0.0, |most: f64, noise| Some(most.max(noise?)))
@@ -61,13 +64,13 @@ fn needs_model(comparison: &Comparison, row: &Row) -> bool {
     comparison.rival(&row.rival).is_none_or(|rival| !rival.needs.model_free())
 }
 
-/// Whether a row's specification holds in every world without a push.
+/// Returns true if a row satisfies its specification in every world without a push.
 fn keeps(comparison: &Comparison, row: &Row) -> bool {
     let kept = |cell: &Cell| cell.worst.as_ref().is_some_and(|f| f.error_over_spec <= 1.0);
     worlds(comparison).all(|world| quiet(comparison, row, world).is_some_and(kept))
 }
 
-/// Which rows are meant.
+/// Selection of rows.
 type Which = fn(&Comparison, &Row) -> bool;
 
 /// A kind of user: what they say of themselves, which rows are for them, and what they prefer, smaller values first.
@@ -75,7 +78,7 @@ struct User {
     says: &'static str,
     may: Which,
     prefers: fn(&Comparison, &Row) -> Option<f64>,
-    /// Of which rows the best is told too, and how they are called.
+    /// Further rows whose best one is reported, and their name.
     also: Option<(&'static str, Which)>,
 }
 

@@ -42,7 +42,7 @@ pub(super) fn heading(comparison: &Comparison, page: &str) -> Markup {
     } }
 }
 
-/// Which rows' tuned scalars are at an end of their range: another range might give them less error.
+/// Rows with tuned scalars at an end of their range: another range might give them less error.
 fn at_ends(comparison: &Comparison) -> Option<String> {
     let of = |row: &Row| {
         let ends = &row.tuning.as_ref()?.at_end;
@@ -56,7 +56,7 @@ fn at_ends(comparison: &Comparison) -> Option<String> {
     })
 }
 
-/// How many rows follow everywhere, and which are best in which column.
+/// Numbers of laws that follow in every world, and that satisfy the specification.
 fn tally(comparison: &Comparison, arm: &str) -> Markup {
     let rows: Vec<_> = comparison.rows_of(arm).filter(|row| row.refused.is_none()).collect();
     let all = comparison.worlds.len();
@@ -86,7 +86,7 @@ fn tally(comparison: &Comparison, arm: &str) -> Markup {
     }
 }
 
-/// Where the proposed law is not the best row, in the order of the table.
+/// Columns in which the proposed law is not the best row, in the order of the table.
 pub(super) fn another_row(comparison: &Comparison) -> Markup {
     let losses = losses(comparison);
     let world = main_world(comparison).map(line).unwrap_or_default();

@@ -70,7 +70,7 @@ pub(super) fn symbol(mark: Mark) -> &'static str {
     }
 }
 
-/// What the paper prints, and whether that is the same.
+/// Mark that the paper prints, and its agreement with the measured one.
 pub(super) fn beside(measured: &Measured) -> String {
     match (measured.printed, measured.agrees) {
         (Some(printed), Some(true)) => format!("printed {}: agrees", symbol(printed)),

@@ -96,7 +96,7 @@ fn cell_line(cell: &Cell, designed: bool, command: &str) -> Markup {
     } }
 }
 
-/// How many of the runs followed.
+/// Number of runs that followed, in words.
 fn kept(cell: &Cell) -> String {
     let followed = cell.runs.iter().filter(|run| run.outcome.followed()).count();
     format!("{followed} of {} motions followed", cell.runs.len())

@@ -17,11 +17,11 @@ pub struct Trial<'a> {
     pub law: &'a str,
     /// Its scalars: name, value, unit.
     pub gains: &'a [(String, f64, String)],
-    /// Where the run ended early, and why; `None`: it did not.
+    /// Reason of an early end; `None` if the run reached its end.
     pub ended: Option<&'a str>,
     /// The study that was run, as text.
     pub study: &'a str,
-    /// What is drawn of it.
+    /// Signals that are drawn.
     pub drawing: &'a Drawing,
     /// The figures of the run.
     pub metrics: &'a Metrics,

@@ -5,12 +5,12 @@ use crate::{Comparison, GainsKind, RivalRecord, WorldRecord};
 use phihat_report::kit::number::stated;
 use phihat_report::kit::text::line;
 
-/// What the scalars of every law are multiplied by.
+/// Factors on the scalars of every law, in words.
 pub const UNITS: &str = "one value for all joints; where a gain acts on torque it is multiplied by U, one nominal inertia \
                          per joint of the arm (a PD has K_P = U ω²), the same for every law, or by the inertia or model \
                          that the law is handed";
 
-/// What default gains are.
+/// Origin of the default gains, in words.
 pub const DEFAULTS: &str = "from the source where it prints some that could be used, else this project's own choice; a \
                             tuning starts from them";
 
@@ -18,12 +18,13 @@ pub const DEFAULTS: &str = "from the source where it prints some that could be u
 pub const NOT_TUNED: &str = "no free scalar: they are `phihat design STUDY`'s, for the specification or, from positions, for the \
                              tuning's cap on noise as a torque step; the same in every world";
 
-/// Whether nothing can be chosen of a law: its gains are designed, and its runs have one kind of gains.
+/// Returns true if nothing can be chosen of a law: its gains are designed, and its runs have one kind of
+/// gains.
 pub(super) fn is_designed(rival: Option<&RivalRecord>) -> bool {
     rival.is_some_and(|rival| rival.needs.designed)
 }
 
-/// Whether a law needs no model. Of designed gains that is half of it.
+/// `yes` for a law that needs no model, `partly` where its gains are designed, else `no`.
 pub fn model_free(rival: &RivalRecord) -> &'static str {
     match (rival.needs.model_free(), rival.needs.designed) {
         (false, _) => "no",
@@ -32,7 +33,7 @@ pub fn model_free(rival: &RivalRecord) -> &'static str {
     }
 }
 
-/// Whether a law is model-free, in a sentence.
+/// Result of [`model_free`], in a sentence.
 pub fn model_free_in_full(rival: &RivalRecord) -> &'static str {
     match model_free(rival) {
         "no" => "not model free",
@@ -50,7 +51,7 @@ pub(super) fn gains(kind: GainsKind) -> &'static str {
     }
 }
 
-/// What is in a world, and what is not exact in the exact one.
+/// Contents of a world, and what is not exact in the exact one.
 pub(super) fn world(comparison: &Comparison, world: &WorldRecord) -> String {
     let what = line(&world.what);
     let percent = (100.0 * (comparison.fairness.nominal_masses - 1.0)).round();

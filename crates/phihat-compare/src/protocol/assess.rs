@@ -1,4 +1,4 @@
-//! A candidate, tried in drawn worlds: what its error is, and which constraints it breaks.
+//! A candidate, tried in drawn worlds: its error, and the constraints that it violates.
 
 use std::borrow::Cow;
 
@@ -22,13 +22,14 @@ use crate::tune::{AtEnd, ends, tune_widening_from};
 /// Evaluations of one search, for each of a law's free scalars and one more.
 pub const PER_SCALAR: usize = 200;
 
-/// Under every cap but the loosest a search has this part of its evaluations: it begins where the looser ones have led.
+/// Divisor of a search's evaluations under every cap but the loosest: it begins at the result of the looser
+/// ones.
 pub const FOLLOWING: usize = 4;
 
-/// Errors below this \[rad\] are alike: a microradian is less than an encoder of 22 bits sees.
+/// Errors below this \[rad\] are alike: a microradian is below the resolution of an encoder of 22 bits.
 const LEAST: f64 = 1e-6;
 
-/// What a run that followed measured.
+/// Figures of a run that followed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Tried {
     /// Root mean square of the error of the worst joint \[rad\]; a microradian at least.
@@ -37,7 +38,7 @@ pub struct Tried {
     pub noise: f64,
 }
 
-/// How a run ended, and its figures where it has some.
+/// Outcome of a run, and its figures where it has some.
 type Ran = (RunOutcome, Option<Figures>);
 
 impl Tried {
@@ -49,20 +50,21 @@ impl Tried {
     }
 }
 
-/// Where candidates are tried.
+/// Worlds in which candidates are tried.
 #[derive(Debug, Clone)]
 pub struct Assessor<'a> {
     arm: &'a ArmCase,
-    /// Each world with the masses of the model that laws are handed there: as it is, and with what a margin asks for.
+    /// Each world: masses of the model that laws get there, its study, and the studies of the trials of a
+    /// margin.
     worlds: Vec<(f64, Study, Vec<Study>)>,
     /// The largest noise of a run whose margin is tried.
     loosest: f64,
 }
 
-/// A candidate and what came of it over all worlds, under no cap yet.
+/// A candidate and its result over all worlds, under no cap yet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assayed {
-    /// Values of the law's scalars and of what is free in what it is handed.
+    /// Values of the law's scalars and of the free choices in its inputs.
     pub values: Vec<f64>,
     /// The geometric mean of its errors, and what is broken of all constraints but the cap on noise.
     uncapped: Assessed,
@@ -71,11 +73,11 @@ pub struct Assayed {
 }
 
 impl Assayed {
-    /// Under a cap on noise above 50 Hz over the torque limit: the geometric mean of its errors \[rad\], and as violation the sum over
-    /// worlds of
+    /// Under a cap on noise above 50 Hz over the torque limit: the geometric mean of its errors \[rad\], and
+    /// as violation the sum over worlds of
     ///
-    /// - 1 for each run that did not follow, and for each trial of the margin that did not, or that was not run because the world itself
-    ///   was not held,
+    /// - 1 for each run that did not follow, and for each trial of the margin that did not, or that was not
+    ///   run because the candidate failed in the world itself,
     /// - what the noise is beyond its cap, over the cap,
     /// - what the share of samples at a torque limit is beyond 2 %, over 2 %.
     pub fn at(&self, cap: f64) -> Assessed {
@@ -94,15 +96,15 @@ pub struct Best {
     pub evaluations: usize,
     /// The least cost under this cap after so many of them, where it fell.
     pub history: Vec<(usize, f64)>,
-    /// How often ranges gave way while this cap was searched.
+    /// Number of times that ranges were widened in the search under this cap.
     pub widened: usize,
     /// Ends of ranges that the values are at all the same.
     pub at_end: Vec<AtEnd>,
 }
 
 impl<'a> Assessor<'a> {
-    /// For drawn worlds of a length \[s\] whose score begins at `span.1`; `margin`: with its trials, for runs whose noise above 50 Hz
-    /// over the torque limit is no more than this.
+    /// For drawn worlds of a length \[s\] whose score begins at `span.1`; `margin`: with its trials, for runs
+    /// whose noise above 50 Hz over the torque limit is no more than this.
     ///
     /// # Errors
     ///
@@ -123,14 +125,14 @@ impl<'a> Assessor<'a> {
         Ok(Self { arm, worlds, loosest: margin.unwrap_or(f64::INFINITY) })
     }
 
-    /// What a candidate measures, one per world; `None` where it did not follow. `values`: of the law's own scalars, and behind them
-    /// of [`Entry::choices`] or nothing.
+    /// Figures of a candidate, one per world; `None` where it did not follow. `values`: those of the
+    /// law's own scalars, followed by none or those of [`Entry::choices`].
     pub fn measured(&self, entry: &Entry, values: &[f64]) -> Vec<Option<Tried>> {
         self.plain(entry, values).iter().map(|run| Tried::of(run.as_ref()?)).collect()
     }
 
-    /// The candidate over all worlds. What a margin asks for is tried where the world itself was held: whoever does not follow in a
-    /// world, or is louder there than any cap, has not borne more either.
+    /// Assesses the candidate over all worlds. The trials of a margin are run in the worlds where the
+    /// candidate followed with noise within the loosest cap; in the others they count as failed.
     pub fn assay(&self, entry: &Entry, values: &[f64]) -> Assayed {
         let plain = self.plain(entry, values);
         let held = |run: &Ran| Tried::of(run).is_some_and(|tried| tried.noise <= self.loosest);
@@ -159,13 +161,15 @@ impl<'a> Assessor<'a> {
         Assayed { values: values.to_vec(), uncapped: Assessed { error, ..all }, noise }
     }
 
-    /// One search under several caps, from the loosest to the tightest: CMA-ES over the law's own scalars and [`Entry::choices`] in the
-    /// order of [`Assessed::cost`], under each cap from the best of all that was tried before. The loosest has `per_scalar (d + 1)`
-    /// evaluations for `d` free scalars, every other one [a quarter](FOLLOWING) as many; and as many again each time that an end of a
-    /// range was hit and gave way, `widenings` times at most. `starts`: where it may begin, inside the ranges. `seed` decides what the
-    /// search draws.
+    /// One search under several caps, from the loosest to the tightest: CMA-ES over the law's own scalars and
+    /// [`Entry::choices`] in the order of [`Assessed::cost`], under each cap from the best candidate so far.
+    /// The loosest has `per_scalar (d + 1)` evaluations for `d` free scalars, every other one
+    /// [a quarter](FOLLOWING) as many; and as many again each time that a range is widened at an end that was
+    /// hit, `widenings` times at most. `starts`: candidates to begin from, inside the ranges. `seed`
+    /// determines all draws of the search.
     ///
-    /// The answer, in the order of the caps, is the best of everything that was tried: none of a looser cap is worse than one of a tighter.
+    /// Returns, in the order of the caps, the best of everything that was tried: none of a looser cap is
+    /// worse than one of a tighter.
     pub fn search(
         &self,
         entry: &Entry,
@@ -220,7 +224,8 @@ impl<'a> Assessor<'a> {
         self.runs(entry, values, &plain.collect::<Vec<_>>())
     }
 
-    /// Runs in studies, each with the masses of the model that the law is handed; `None` where the law refuses these values.
+    /// Runs in studies, each with the masses of the model that the law is handed; `None` where the law
+    /// refuses these values.
     fn runs(&self, entry: &Entry, values: &[f64], studies: &[(f64, &Study)]) -> Vec<Option<Ran>> {
         let units = &self.arm.units;
         let mut all = vec![None; studies.len()];
@@ -261,7 +266,7 @@ fn best(tried: &[Assayed], cap: f64) -> Option<&Assayed> {
     tried.iter().min_by(|a, b| a.at(cap).cost().total_cmp(&b.at(cap).cost()))
 }
 
-/// Where the least so far fell: how many evaluations it took, and to what.
+/// Evaluations at which the least cost fell: their number, and the new cost.
 fn falls(history: impl Iterator<Item = f64>) -> Vec<(usize, f64)> {
     let mut least = f64::INFINITY;
     let mut fell = |(count, cost): (usize, f64)| {
@@ -272,11 +277,11 @@ fn falls(history: impl Iterator<Item = f64>) -> Vec<(usize, f64)> {
     (1..).zip(history).filter_map(&mut fell).collect()
 }
 
-/// What a run that ended early counts as, beside 1 for one that did not follow.
+/// Value of a run that ended early, against a limit of 1; a run that did not follow adds 1.
 const HALTED: f64 = 100.0;
 
-/// A place in the ranges, even in logarithms: of restart 0 the default values. `stream` tells apart searches of one law that are to
-/// have nothing in common but that.
+/// A place in the ranges, uniform in logarithms; for restart 0 the default values. `stream` separates
+/// searches of one law that are to be independent.
 pub fn random_start(scalars: &[Scalar], restart: u64, stream: u64) -> Vec<f64> {
     let mut dice = Dice::new(restart, stream);
     let place = |scalar: &Scalar| {
@@ -295,8 +300,9 @@ mod tests {
 
     const TEXT: &str = include_str!("../../../../studies/table1.toml");
 
-    /// Soft gains keep every constraint; ten times as stiff the loop does not bear one more sample, and a cap that is far below the noise
-    /// is told as what it is broken by. A law that cannot be built is worse than all.
+    /// Soft gains satisfy every constraint; with gains ten times as stiff the loop does not tolerate one more
+    /// sample of delay, and noise far above a cap counts by its excess. A law that cannot be built is worse
+    /// than all.
     #[test]
     fn what_breaks_a_constraint_is_behind_all_that_do_not() {
         let arm = ArmCase::from_text(TEXT, "table1.toml").sure();
@@ -319,8 +325,9 @@ mod tests {
         assert!(refused.violation >= 2.0 * 99.0, "{refused:?}");
     }
 
-    /// What is free in what a law is handed: at its default values the candidate is what it is without, to the bit; the filter reaches the
-    /// sensors, the inertia and the torque the law, and a number of choices that is none of these is refused.
+    /// Free choices in a law's inputs: at their default values the candidate is the one without them, to the
+    /// bit; the filter reaches the sensors, the inertia and the torque reach the law, and a wrong number of
+    /// choices is refused.
     #[test]
     fn choices_reach_the_law_and_its_sensors() {
         let arm = ArmCase::from_text(TEXT, "table1.toml").sure();
@@ -356,8 +363,9 @@ mod tests {
         }
     }
 
-    /// One law, two caps: what the search finds keeps its constraints, is no worse than where it began nor, under the looser cap, than
-    /// under the tighter; the loosest comes first whatever the order of the caps, and a restart is repeatable.
+    /// One law, two caps: the result of the search satisfies its constraints, is no worse than its start nor,
+    /// under the looser cap, than under the tighter; the loosest comes first for any order of the caps, and a
+    /// restart is repeatable.
     #[test]
     fn a_search_begins_anywhere_and_ends_no_worse() {
         let arm = ArmCase::from_text(TEXT, "table1.toml").sure();
@@ -381,8 +389,8 @@ mod tests {
         assert!(found.iter().eq(search(&[0.05, 0.01]).iter().rev()));
     }
 
-    /// Gains that are designed for the hardest loop that can be drawn keep every constraint in drawn worlds; those for the study's own loop,
-    /// which is easier, do not.
+    /// Gains that are designed for the hardest loop that can be drawn satisfy every constraint in drawn worlds;
+    /// those for the study's own loop, which is easier, do not.
     #[test]
     fn a_design_that_is_told_of_the_worlds_bears_them() {
         let arm = || ArmCase::from_text(TEXT, "table1.toml").sure();

@@ -8,12 +8,14 @@ pub const CAPS: [f64; 5] = [5e-4, 1e-3, 2e-3, 5e-3, 1e-2];
 /// Largest violation that still tells two candidates apart: everything beyond is as bad.
 const HOPELESS: f64 = 1e12;
 
-/// What came of a candidate over all worlds it was tried in.
+/// Result of a candidate over all worlds that it was tried in.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Assessed {
-    /// What is to become small where all constraints are kept, 0 or more: an error \[rad\], or the mean of its logarithm as an exponential.
+    /// Objective where all constraints are satisfied, 0 or more: an error \[rad\], or the exponential of the
+    /// mean of its logarithm.
     pub error: f64,
-    /// The sum of what constraints are broken by, each over its own limit; 0: all are kept. Not a number counts as hopeless.
+    /// Sum of the violations of constraints, each over its own limit; 0: all are satisfied. NaN counts as the
+    /// largest violation.
     pub violation: f64,
 }
 
@@ -31,7 +33,7 @@ impl Assessed {
         Self { violation: self.violation + if kept { 0.0 } else { 1.0 }, ..self }
     }
 
-    /// Whether every constraint is kept.
+    /// Returns true if every constraint is satisfied.
     pub fn feasible(&self) -> bool {
         self.violation <= 0.0
     }
@@ -50,13 +52,13 @@ impl Assessed {
     }
 }
 
-/// Whether one candidate is better than another: who keeps the constraints before who does not, of those that do the smaller error,
-/// of those that do not the smaller violation. No weight between the two has to be chosen.
+/// Returns true if one candidate is better than another: feasible before infeasible ones, of feasible ones
+/// the smaller error, of infeasible ones the smaller violation. No weight between the two has to be chosen.
 ///
 /// # References
 ///
-/// K. Deb, "An efficient constraint handling method for genetic algorithms", Computer Methods in Applied Mechanics and Engineering
-/// 186, 2000.
+/// K. Deb, "An efficient constraint handling method for genetic algorithms", Computer Methods in Applied
+/// Mechanics and Engineering 186, 2000.
 pub fn better(one: &Assessed, other: &Assessed) -> bool {
     match (one.feasible(), other.feasible()) {
         (true, true) => one.error < other.error,

@@ -4,23 +4,23 @@ use phihat_session::set;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
-/// By how much louder every drive is in the trial of a margin.
+/// Gain of every drive in the raised-gain trial of a margin.
 pub const LOUDER: f64 = 1.3;
 
-/// What is made harder than a world for the margin's sake: the loop, not the law.
+/// Perturbation of a world's loop in the trial of a margin; the law is not changed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Harder {
-    /// Torque that acts per torque told, the same for every drive.
+    /// Torque that acts per commanded torque, the same for every drive.
     pub gain: f64,
-    /// Samples of delay more.
+    /// Additional samples of delay.
     pub delay: u32,
 }
 
 impl Harder {
     /// The world as it is.
     pub const NOT: Self = Self { gain: 1.0, delay: 0 };
-    /// The two trials of a margin: drives that are 1.3 times as loud, and a torque that is one sample later. Gains survive them where
-    /// the arm still follows.
+    /// The two trials of a margin: drives with a gain of 1.3, and a torque that acts one sample later. Gains
+    /// pass a trial where the arm still follows.
     pub const TRIALS: [Self; 2] = [Self { gain: LOUDER, delay: 0 }, Self { gain: 1.0, delay: 1 }];
 
     /// Puts it into a study's table, on top of a world whose torques act `delay` samples late.

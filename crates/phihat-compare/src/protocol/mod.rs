@@ -1,7 +1,7 @@
-//! Parts of a comparison in which every law has the same noise to spend: the noise figure, the order of candidates under
-//! constraints, and the worlds that are drawn.
+//! Parts of a comparison of laws at equal noise: the noise figure, the order of candidates under constraints,
+//! and the worlds that are drawn.
 //!
-//! What goes over all laws, caps and restarts is in [`fronts`](crate::fronts).
+//! Computations over all laws, caps and restarts are in [`fronts`](crate::fronts).
 
 mod assess;
 mod feasible;

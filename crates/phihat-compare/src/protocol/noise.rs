@@ -1,27 +1,29 @@
-//! Torque noise: what of a torque no motion of an arm asks for.
+//! Torque noise: the part of a torque that no motion of an arm needs.
 
 use core::f64::consts::PI;
 
-/// From which frequency on a torque counts as noise \[Hz\]: motions of these arms have their harmonics below 5 Hz.
+/// Lowest frequency at which a torque counts as noise \[Hz\]: motions of these arms have their harmonics
+/// below 5 Hz.
 pub const NOISE_FROM_HZ: f64 = 50.0;
 
 /// Order of the filter.
 const ORDER: u32 = 4;
 
-/// Root mean square of what of a torque lies above [`NOISE_FROM_HZ`], from sample `from` on, in the unit of `tau`; `None` where
-/// nothing is left from there on, or samples of period `period` \[s\] do not reach that frequency.
+/// Root mean square of the part of a torque above [`NOISE_FROM_HZ`], from sample `from` on, in the unit of
+/// `tau`; `None` where nothing is left from there on, or samples of period `period` \[s\] do not reach that
+/// frequency.
 ///
 /// # Method
 ///
-/// A Butterworth high-pass of order 4, by the bilinear transform with its edge at the frequency itself, run from the first sample on
-/// as if the torque had always been what it is there:
+/// A Butterworth high-pass of order 4, by the bilinear transform with its edge at the frequency itself, run
+/// from the first sample on as if the torque had always been what it is there:
 ///
 /// ```text
 /// |H|² = 1/(1 + (tan(π f_c T)/tan(π f T))⁸)                                              (1)
 /// ```
 ///
-/// A motion of 3 Hz is 100 dB down. A spectrum of the record would not do: a torque that does not end where it began has a step
-/// in its periodic continuation, and that is noise that was not there.
+/// A motion of 3 Hz is 100 dB down. A spectrum of the record would not do: a torque that does not end where
+/// it began has a step in its periodic continuation, and that is noise that was not there.
 pub fn noise_above(tau: &[f64], from: usize, period: f64) -> Option<f64> {
     let edge = (PI * NOISE_FROM_HZ * period).tan();
     if from >= tau.len() || period.is_nan() || period <= 0.0 || 2.0 * NOISE_FROM_HZ * period >= 1.0

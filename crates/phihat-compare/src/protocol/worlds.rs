@@ -11,7 +11,7 @@ use crate::arm_in_world::Span;
 use crate::error::CompareError;
 use crate::world::numbers;
 
-/// What a world is for.
+/// Purpose of a world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Split {
@@ -19,7 +19,7 @@ pub enum Split {
     Train,
     /// Among tuned gains one choice is made by it.
     Validation,
-    /// What was chosen is judged in it, once.
+    /// The chosen gains are judged in it, once.
     Test,
 }
 
@@ -41,7 +41,7 @@ const START: f64 = 0.05;
 /// A drawn world, as data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Drawn {
-    /// What it is for.
+    /// Its purpose.
     pub split: Split,
     /// Its number in its split, from 1.
     pub number: u32,
@@ -57,14 +57,15 @@ pub struct Drawn {
     pub payload: f64,
     /// The name that the motion is drawn from.
     pub motion: String,
-    /// Largest error at the start \[rad\]: 0 in half of the worlds, else up to 0.05; its sign and size differ from joint to joint.
+    /// Largest error at the start \[rad\]: 0 in half of the worlds, else up to 0.05; its sign and size differ
+    /// from joint to joint.
     pub start_rad: f64,
-    /// Seed of what is random in the run.
+    /// Seed of the random numbers of the run.
     pub seed: u32,
 }
 
-/// The worlds of a split: the same for every arm and law. Worlds of different splits, seeds or numbers have nothing in common but
-/// the ranges that they are drawn from; more of a split begin with fewer of it.
+/// The worlds of a split: the same for every arm and law. Worlds of different splits, seeds or numbers have
+/// nothing in common but the ranges that they are drawn from; more of a split begin with fewer of it.
 pub fn draw(seed: u64, split: Split, count: u32) -> Vec<Drawn> {
     (1..=count).map(|number| one(seed, split, number)).collect()
 }
@@ -101,8 +102,9 @@ pub(crate) fn hardest() -> (u32, u32) {
 }
 
 impl ArmCase {
-    /// The arm in a drawn world, made harder or not, as a study of its own that `phihat run` would read. The robot's own limits of
-    /// torque rate are on, where its description has them. `span`: length, and where the scored part begins \[s\].
+    /// The arm in a drawn world, perturbed or not, as a study of its own that `phihat run` would read. The
+    /// robot's own limits of torque rate are on, where its description has them. `span`: length, and start of
+    /// the scored part \[s\].
     ///
     /// # Errors
     ///
@@ -120,8 +122,8 @@ impl ArmCase {
         self.parse(&table)
     }
 
-    /// The same, with designs for the hardest loop that can be drawn: its longest delay and its coarsest encoder. Laws with scalars learn
-    /// of those in the training worlds; a design has to be told.
+    /// The same, with designs for the hardest loop that can be drawn: its longest delay and its coarsest
+    /// encoder. Laws with scalars meet those in the training worlds; a design needs them as inputs.
     pub(crate) fn told_of_drawn(mut self) -> Self {
         let (delay, bits) = hardest();
         let mut told = self.study.clone();
@@ -212,7 +214,8 @@ mod tests {
         assert!((160..240).contains(&still) && (70..130).contains(&empty), "{still} {empty}");
     }
 
-    /// What was drawn is what the study says and what its world can simulate; and what is harder is harder in that alone.
+    /// The study has the drawn values, and its world can be simulated; a perturbed study differs in its
+    /// perturbation alone.
     #[test]
     fn a_drawn_world_is_a_study() {
         let arm = ArmCase::from_text(TEXT, "table1.toml").sure();

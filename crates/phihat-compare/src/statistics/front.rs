@@ -7,8 +7,8 @@ use super::paired::sorted_quantile;
 /// A choice by what it costs: `[noise, error]`, both better when smaller, in any unit.
 pub type Point = [f64; 2];
 
-/// The points that no other beats in both figures, by their first figure; of equal ones the first. What is no number is left
-/// out.
+/// The points that no other beats in both figures, by their first figure; of equal ones the first. NaN is
+/// left out.
 pub fn front(points: &[Point]) -> Vec<Point> {
     let mut sorted: Vec<Point> =
         points.iter().copied().filter(|point| point.iter().all(|x| !x.is_nan())).collect();
@@ -28,8 +28,9 @@ pub fn front(points: &[Point]) -> Vec<Point> {
 /// area = Σ (r_1 − x_i) (y_{i−1} − y_i),     y_0 = r_2,  points of the front by rising x                (1)
 /// ```
 ///
-/// Larger is better. In logarithms of the figures it is an area of ratios: one law's front below another's by a factor of two,
-/// over a decade of noise, is `ln 2 · ln 10` more. Points beyond the reference count for nothing.
+/// Larger is better. In logarithms of the figures it is an area of ratios: one law's front below another's by
+/// a factor of two, over a decade of noise, is `ln 2 · ln 10` more. Points beyond the reference count for
+/// nothing.
 ///
 /// # References
 ///
@@ -46,7 +47,7 @@ pub fn hypervolume(points: &[Point], reference: Point) -> f64 {
     front(&inside).iter().map(strip).sum()
 }
 
-/// What lies below a share of the values, linear between neighbours; `None` of none, or where one is no number.
+/// Quantile of the values at a share, linear between neighbours; `None` for no values, or if one is NaN.
 pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
     if values.is_empty() || values.iter().any(|value| value.is_nan()) {
         return None;

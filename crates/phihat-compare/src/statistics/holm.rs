@@ -1,7 +1,7 @@
 //! Many questions at once.
 
-/// Holm's correction: `p` of every one of `m` questions, such that the chance of any wrong "yes" among them is at most the level
-/// that they are held against, however the questions depend on each other.
+/// Holm's correction: `p` of every one of `m` questions, such that the chance of any wrong "yes" among them
+/// is at most the level that they are compared with, however the questions depend on each other.
 ///
 /// With `p_(1) ≤ … ≤ p_(m)`
 ///

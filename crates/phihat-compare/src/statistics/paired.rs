@@ -19,7 +19,7 @@ pub enum PairError {
     /// Rows that are not of one length.
     #[error("restart {restart} has {found} worlds, the first one {first}: all have the same")]
     Ragged {
-        /// Which, from 0.
+        /// Number of the restart, from 0.
         restart: usize,
         /// Its worlds.
         found: usize,
@@ -29,9 +29,9 @@ pub enum PairError {
     /// An error that has no logarithm.
     #[error("restart {restart}, world {world}: {value} is no error: above 0 and finite is valid")]
     Value {
-        /// Which restart, from 0.
+        /// Number of the restart, from 0.
         restart: usize,
-        /// Which world, from 0.
+        /// Number of the world, from 0.
         world: usize,
         /// The figure.
         value: f64,
@@ -49,7 +49,7 @@ pub enum PairError {
         "{draws} draws at level {level}: 100 draws at least and a level between 0 and 1 are valid"
     )]
     Bootstrap {
-        /// How many draws.
+        /// Number of draws.
         draws: usize,
         /// The level.
         level: f64,
@@ -61,8 +61,9 @@ impl Figures {
     ///
     /// # Errors
     ///
-    /// [`PairError`]: none, rows of different lengths, or a figure that is not above 0 and finite. A run that failed has no error:
-    /// what it counts as is for the caller to say (a failure rate beside, or the largest error that there is).
+    /// [`PairError`]: none, rows of different lengths, or a figure that is not above 0 and finite. A run that
+    /// failed has no error: the caller decides how it counts (as a separate failure rate, or as the largest
+    /// error that there is).
     pub fn new(rows: Vec<Vec<f64>>) -> Result<Self, PairError> {
         let first = rows.first().map_or(0, Vec::len);
         if first == 0 {
@@ -95,7 +96,7 @@ impl Figures {
     }
 }
 
-/// How often, how wide, from which seed.
+/// Options of the bootstrap.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bootstrap {
     /// Draws: 100 at least.
@@ -123,8 +124,8 @@ pub struct Ratio {
     pub p: f64,
 }
 
-/// The ratio of the errors of `ours` to `theirs` over the same worlds, with an interval that counts both the luck of the
-/// tuning and the choice of worlds.
+/// The ratio of the errors of `ours` to `theirs` over the same worlds, with an interval that counts both the
+/// luck of the tuning and the choice of worlds.
 ///
 /// # Method
 ///
@@ -134,10 +135,10 @@ pub struct Ratio {
 /// ln ratio = mean over w of (ē_w,ours − ē_w,theirs)                                       (1)
 /// ```
 ///
-/// A draw of the bootstrap draws restarts of each law with replacement, worlds with replacement, and takes (1) of what was
-/// drawn. Restarts are drawn once for all worlds, since a restart's gains are the same in all of them: whole rows and whole columns are
-/// drawn, never single runs, or the interval would be too narrow by the root of their number. The interval has the quantiles of
-/// the draws at `(1 ± level)/2`.
+/// A draw of the bootstrap draws restarts of each law with replacement, worlds with replacement, and takes
+/// (1) of what was drawn. Restarts are drawn once for all worlds, since a restart's gains are the same in all
+/// of them: whole rows and whole columns are drawn, never single runs, or the interval would be too narrow by
+/// the root of their number. The interval has the quantiles of the draws at `(1 ± level)/2`.
 ///
 /// # Errors
 ///
@@ -145,12 +146,13 @@ pub struct Ratio {
 ///
 /// # Not claimed
 ///
-/// Coverage for a handful of restarts: the percentile bootstrap is then too narrow, by a factor of `√((n − 1)/n)` for a mean of `n`.
+/// Coverage for a handful of restarts: the percentile bootstrap is then too narrow, by a factor of
+/// `√((n − 1)/n)` for a mean of `n`.
 ///
 /// # References
 ///
-/// A. C. Davison, D. V. Hinkley, "Bootstrap Methods and their Application", 1997, section 3.8 (hierarchical data); A. B. Owen, "The
-/// pigeonhole bootstrap", Annals of Applied Statistics 1(2), 2007 (rows and columns).
+/// A. C. Davison, D. V. Hinkley, "Bootstrap Methods and their Application", 1997, section 3.8 (hierarchical
+/// data); A. B. Owen, "The pigeonhole bootstrap", Annals of Applied Statistics 1(2), 2007 (rows and columns).
 pub fn ratio(ours: &Figures, theirs: &Figures, how: Bootstrap) -> Result<Ratio, PairError> {
     if ours.worlds() != theirs.worlds() {
         return Err(PairError::Unpaired { ours: ours.worlds(), theirs: theirs.worlds() });
@@ -227,8 +229,9 @@ mod tests {
         assert!((found.p - 2.0 / 4001.0).abs() < 1e-12, "{found:?}");
     }
 
-    /// Additive tables: the variance of the drawn mean is that of the restarts over their number, plus that of what the worlds do
-    /// to one law and not to the other over theirs. What worlds do to both cancels in the pair.
+    /// Additive tables: the variance of the drawn mean is that of the restarts over their number, plus that
+    /// of what the worlds do to one law and not to the other over theirs. What worlds do to both cancels in
+    /// the pair.
     #[test]
     fn the_interval_has_the_width_of_restarts_and_unshared_worlds() {
         let mut dice = Dice::new(3, 0);

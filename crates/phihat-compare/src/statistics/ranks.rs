@@ -13,8 +13,8 @@ pub struct Ranks {
     pub friedman: f64,
 }
 
-/// Mean ranks: `errors` has a row per law and a column per world, smaller is better; `None` where there is no law, no world, a row of
-/// another length, or a figure that is no number.
+/// Mean ranks: `errors` has a row per law and a column per world, smaller is better; `None` where there is no
+/// law, no world, a row of another length, or a figure that is no number.
 ///
 /// ```text
 /// χ²_F = 12 N/(k (k + 1)) [Σ R_j² − k (k + 1)²/4]                                          (1)
@@ -44,7 +44,7 @@ pub fn ranks(errors: &[Vec<f64>]) -> Option<Ranks> {
     Some(Ranks { mean, friedman })
 }
 
-/// How far two mean ranks of `laws` laws over `worlds` worlds have to lie apart to differ at a level (Nemenyi):
+/// Least distance at which two mean ranks of `laws` laws over `worlds` worlds differ at a level (Nemenyi):
 ///
 /// ```text
 /// CD = q_α/√2 √(k (k + 1)/(6 N))                                                      (2)
@@ -60,8 +60,8 @@ pub fn critical_difference(laws: usize, worlds: usize, level: f64) -> Option<f64
     Some(q / SQRT_2 * (k * (k + 1.0) / (6.0 * worlds as f64)).sqrt())
 }
 
-/// The value that the range of `count` standard normal numbers (from 2 on) stays below with a probability: the studentized range with
-/// infinitely many degrees of freedom.
+/// The value that the range of `count` standard normal numbers (from 2 on) stays below with a probability:
+/// the studentized range with infinitely many degrees of freedom.
 ///
 /// By bisection on
 ///

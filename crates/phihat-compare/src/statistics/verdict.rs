@@ -1,4 +1,4 @@
-//! What may be said of a ratio: better, worse, or not to be told apart.
+//! Conclusion from a ratio: better, worse, or not distinguishable.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,27 +7,27 @@ use super::paired::Ratio;
 /// A ratio nearer to 1 than this does not matter to anybody, however sure it is.
 pub const NOTICEABLE: f64 = 1.1;
 
-/// The level that corrected p-values are held against.
+/// Level that corrected p-values are compared with.
 const LEVEL: f64 = 0.05;
 
-/// How far apart one law and itself under another name came out, tuned and measured like two laws.
+/// Band of error ratios between one law and itself under another name, tuned and measured like two laws.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Placebo {
     /// A factor, 1 or more: ratios from `1/factor` to `factor` are what tuning and worlds do to one law.
     pub factor: f64,
-    /// How many pairs it is from.
+    /// Number of pairs.
     pub pairs: usize,
 }
 
-/// The band of several pairs, each one law under two names: the farthest end of all their intervals. Without a pair the factor is 1
-/// and the count 0.
+/// The band of several pairs, each one law under two names: the farthest end of all their intervals. Without
+/// a pair the factor is 1 and the count 0.
 pub fn placebo(pairs: &[Ratio]) -> Placebo {
     let far = |pair: &Ratio| pair.interval.iter().map(|end| end.ln().abs()).fold(0.0, f64::max);
     let most = pairs.iter().map(far).fold(0.0, f64::max);
     Placebo { factor: most.exp(), pairs: pairs.len() }
 }
 
-/// What may be said of a law against another.
+/// Conclusion about a law against another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Standing {
@@ -35,7 +35,7 @@ pub enum Standing {
     Better,
     /// Larger errors, likewise.
     Worse,
-    /// Not to be told apart by this comparison.
+    /// Not distinguishable by this comparison.
     Alike,
 }
 
