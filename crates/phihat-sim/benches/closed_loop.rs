@@ -63,8 +63,8 @@ fn times_real_time(study: &Study, runs: usize) -> f64 {
     times[times.len() / 2]
 }
 
-/// Seconds that this program has computed, which waiting for others does not lengthen; by the clock where the system does not
-/// tell.
+/// Processor time of this thread \[s\], which does not grow while it waits for others; elapsed time where the
+/// system does not report it.
 fn computed() -> f64 {
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
     let ns = told.and_then(|told| told.split(' ').next()?.parse::<f64>().ok());
@@ -79,8 +79,9 @@ fn computed() -> f64 {
     )
 }
 
-/// The same with figures alone, and of as many arms as there are lanes, each with load, friction and seed of its own, one after the
-/// other in one program: simulated seconds of all arms per second of one core, and the ratio; each a median and the quartiles.
+/// The same with figures alone, and of as many arms as there are lanes, each with load, friction and seed of
+/// its own, one after the other in one program: simulated seconds of all arms per second of one core, and the
+/// ratio; each a median and the quartiles.
 fn figures(study: &Study, arms: usize, runs: usize) -> [[f64; 3]; 3] {
     let gains = gains(study);
     let own = |arm: usize| {

@@ -6,13 +6,15 @@ use crate::error::SimError;
 use crate::stepped::Stepped;
 use crate::world::{PlantLanes, World};
 
-/// Goes on with many runs at once: arms of one structure that are at the same sample move in lockstep, eight at a time.
+/// Steps many runs at once: arms of one structure that are at the same sample move in lockstep, eight at a
+/// time.
 ///
 /// # Law
 ///
-/// That of [`Stepped::step`], run by run: every record and every reading equals that of the run alone to the last bit, but for the sign
-/// of a zero in the record. Sensing, limits and drives are the very code of the single run; what is in lanes is the integration. Runs
-/// with elastic transmissions, stiction, contacts or end stops, and a run that is alone at its sample, go by themselves.
+/// That of [`Stepped::step`], run by run: every record and every reading equals that of the run alone to the
+/// last bit, but for the sign of a zero in the record. Sensing, limits and drives are the code of the single
+/// run; only the integration is in lanes. Runs with elastic transmissions, stiction, contacts or end stops,
+/// and a run that is alone at its sample, are stepped separately.
 ///
 /// # Example
 ///
@@ -59,12 +61,13 @@ struct Group {
     runs: Vec<u64>,
     /// `None`: they do not go in lanes.
     lanes: Option<PlantLanes>,
-    /// Whether they went on together at the last sample.
+    /// True if they were stepped together at the last sample.
     used: bool,
 }
 
 impl Abreast {
-    /// Tells each run the torque \[N·m\] of every joint for its sample, and goes on to the next. Nothing happens in a run that is over.
+    /// Sends each run the torque \[N·m\] of every joint for its sample, and steps it to the next one. Nothing
+    /// happens in a run that is over.
     ///
     /// # Errors
     ///

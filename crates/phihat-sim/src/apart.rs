@@ -26,14 +26,14 @@ pub struct WorldSide {
     divergence: Option<Divergence>,
 }
 
-/// What there is to know at a sample.
+/// Data of one control sample.
 #[derive(Debug, Clone, Copy)]
 pub struct Sensed<'a> {
     /// Time since the start of the run \[ns\].
     pub t_ns: u64,
     /// The message that came last. One that was lost shows as the one before.
     pub sample: &'a Sample,
-    /// Whether the controller runs: a fault of the study may stop it.
+    /// True if the controller runs: a fault of the study may stop it.
     pub runs: bool,
 }
 
@@ -110,7 +110,7 @@ impl WorldSide {
         self.samples
     }
 
-    /// Whether the last sample is done, the arm diverged, or the robot's interface stopped.
+    /// Returns true if the last sample is done, the arm diverged, or the robot's interface stopped.
     pub fn is_over(&self) -> bool {
         self.divergence.is_some() || self.world.path.abort.is_some() || self.k >= self.samples
     }
@@ -128,7 +128,8 @@ impl WorldSide {
         Some(Sensed { t_ns, sample: self.world.sample(), runs })
     }
 
-    /// What the supervisor said of the sample that was sensed: brakes close when it asks for them, where the arm has some.
+    /// Passes the supervisor's report on the last measured sample: the brakes close if it requests them,
+    /// where the arm has some.
     pub fn brake(&mut self, report: Option<&Report>) {
         self.world.brake(report);
     }
@@ -141,7 +142,7 @@ impl WorldSide {
         self.k += 1;
     }
 
-    /// What a joint did at the sample that was answered last, with `φ` about a nominal inertia \[kg·m²\].
+    /// Motion and torque of a joint at the last answered sample, with `φ` about a nominal inertia \[kg·m²\].
     ///
     /// # Panics
     ///
@@ -151,9 +152,9 @@ impl WorldSide {
         Acted { q: self.q[joint], dq: self.dq[joint], ddq, tau, phi }
     }
 
-    /// From the next sample on, what goes wrong is what this study says: the study of this run with other faults. What they leave
-    /// of the past is as it was, so a run that meets a fault at its start is the run of a study that had it from the beginning,
-    /// bit for bit, where no more integration steps are needed.
+    /// From the next sample on, the faults are those of this study: the study of this run with other faults.
+    /// The effects of past faults on the state remain, so a run that meets a fault at its start is the run of
+    /// a study that had it from the beginning, bit for bit, where no more integration steps are needed.
     ///
     /// # Errors
     ///
@@ -172,7 +173,7 @@ impl WorldSide {
         self.world.path.abort.as_ref()
     }
 
-    /// How it ended.
+    /// End of the run.
     pub fn end(self) -> Ended {
         ended(*self.world, self.divergence)
     }

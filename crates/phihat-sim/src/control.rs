@@ -1,4 +1,4 @@
-//! The control side: from what was sensed to the torque that is asked for.
+//! The control side: from the measurements to the torque command.
 
 use core::f64::consts::TAU;
 
@@ -17,8 +17,8 @@ use crate::motion::Motion;
 use crate::sample::Sample;
 use crate::supervision::Supervised;
 
-/// What computes torques, with its limits, and the reference it follows. It knows of the world what a [`Sample`] says: whether
-/// that is simulated or a robot, it cannot tell.
+/// Controller with its limits and its reference. All that it knows of the world is in a [`Sample`]: it cannot
+/// distinguish a simulation from a robot.
 ///
 /// # Real time
 ///
@@ -33,11 +33,11 @@ pub struct ControlSide {
     /// Nominal inertia \[kg·m²\] per joint.
     inertia: Vec<f64>,
     motion: Motion,
-    /// Whether the next command must be zero: the robot's start rule.
+    /// True if the next command must be zero: the robot's start rule.
     starts: bool,
-    /// Whether the law takes over a torque at the next sample: that of `commands`.
+    /// True if the law takes over a torque at the next sample: that of `commands`.
     takes_over: bool,
-    /// What is fed forward to the law alone, and what it is for this sample \[rad/s²\]; a supervisor has its own.
+    /// Feed-forward of the law alone, and its value for this sample \[rad/s²\]; a supervisor has its own.
     fed: Option<(FeedForward, Vec<f64>)>,
     echo: Option<Echo>,
     /// Joints that turn without end, whose readings start over.
@@ -51,7 +51,7 @@ pub struct ControlSide {
 /// Readings that start over become angles that do not.
 #[derive(Debug)]
 struct Endless {
-    /// Which joints, the angle of each, and how far the first reading was from the reference's turn \[rad\].
+    /// Index of each joint, its angle, and the turns from the first reading to the reference \[rad\].
     joints: Vec<(usize, Unwrap<f64>, Option<f64>)>,
     sample: Sample,
 }
@@ -82,13 +82,13 @@ impl Endless {
 /// Gains and states of an arm's joints, and the torques that its law takes over from \[N·m\].
 pub(crate) type LawAlone<'a> = (&'a [JointGains<f64>], &'a [JointState<f64>], Option<Vec<f64>>);
 
-/// Who computes the torques.
+/// Source of the torques.
 #[derive(Debug)]
 enum Brain {
     Law {
         gains: Vec<JointGains<f64>>,
         states: Vec<JointState<f64>>,
-        /// The references with what is fed forward beside them.
+        /// The references with the feed-forward added.
         asked: Vec<Reference<f64>>,
     },
     Supervised(Box<Supervised>),
@@ -126,7 +126,8 @@ impl ControlSide {
         Ok(Self { fed, ..Self::with(study, brain, gate, inertia, motion) })
     }
 
-    /// Puts the study's torque limits behind a controller of somebody else's; `None`: it is told the torque of each sample.
+    /// Puts the study's torque limits behind an external controller; `None`: the torque of each sample is set
+    /// by [`Self::told`].
     pub(crate) fn driven(
         study: &Study,
         driver: Option<Box<dyn Driver>>,
@@ -145,8 +146,8 @@ impl ControlSide {
         }
     }
 
-    /// Gains and states of the joints, and the torques that the law takes over from, if any, where nothing but it and the study's
-    /// motion decides what is commanded; `None`: more does.
+    /// Gains and states of the joints, and the torques that the law takes over from, if any, where nothing
+    /// but it and the study's motion decides the commands; `None`: more does.
     pub(crate) fn law_alone(&self) -> Option<LawAlone<'_>> {
         let Brain::Law { gains, states, .. } = &self.brain else { return None };
         if self.fed.is_some() || self.echo.is_some() || self.starts {
@@ -161,7 +162,7 @@ impl ControlSide {
         &self.motion
     }
 
-    /// What the arm shall do at time `t` \[s\].
+    /// Sets the references of time `t` \[s\].
     pub(crate) fn refer(&mut self, t: f64) {
         for (i, wanted) in self.references.iter_mut().enumerate() {
             *wanted = reference(&self.motion, i, t);
@@ -216,7 +217,7 @@ impl ControlSide {
         Self { starts: false, ..self }.taking_over(Some(&held))
     }
 
-    /// From here on a safe stop is asked for, whatever the study asks; `false`: there is no supervisor that could be asked.
+    /// Requests a safe stop from here on, whatever the study requests; `false`: there is no supervisor.
     pub fn stop(&mut self) -> bool {
         match &mut self.brain {
             Brain::Supervised(supervised) => {
@@ -227,8 +228,9 @@ impl ControlSide {
         }
     }
 
-    /// From here on the arm is to go to these positions \[rad, m\], one per joint, as fast as the supervisor's limits of the reference let it, in
-    /// place of the study's motion; `false`: the study states no such limits, or these are no positions of this arm.
+    /// From here on the reference goes to these positions \[rad, m\], one per joint, as fast as the
+    /// supervisor's limits of the reference permit, in place of the study's motion; `false`: the study states
+    /// no such limits, or these are no positions of this arm.
     pub fn refer_to(&mut self, q: &[f64]) -> bool {
         match &mut self.brain {
             Brain::Supervised(supervised) => supervised.refer_to(q),
@@ -236,12 +238,12 @@ impl ControlSide {
         }
     }
 
-    /// Whether there is a supervisor around the law.
+    /// Returns true if a supervisor is around the law.
     pub fn is_supervised(&self) -> bool {
         matches!(self.brain, Brain::Supervised(_))
     }
 
-    /// What the arm was to do at the last sample, one entry per joint.
+    /// References of the last sample, one entry per joint.
     pub fn references(&self) -> &[Reference<f64>] {
         &self.references
     }
@@ -330,7 +332,7 @@ impl ControlSide {
         &self.gate
     }
 
-    /// What the supervisor did at the last sample.
+    /// Report of the supervisor on the last sample.
     pub fn report(&self) -> Option<&Report> {
         match &self.brain {
             Brain::Supervised(supervised) => Some(&supervised.report),

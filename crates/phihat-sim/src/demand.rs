@@ -1,4 +1,4 @@
-//! What a reference asks of the arm: the unknown dynamics `φ` along it, by inverse dynamics.
+//! Torque along a reference: the unknown dynamics `φ`, by inverse dynamics.
 
 use phihat_model::{Model, Rotor, Workspace};
 use phihat_study::Study;
@@ -26,9 +26,9 @@ pub struct PhiAlong {
 /// τ(t) = M(q_d) q̈_d + C(q_d, q̇_d) q̇_d + g(q_d) + smooth friction(q̇_d),   φ = τ − M̄ q̈_d          (R1)
 /// ```
 ///
-/// at every control sample after `spec.settle`, for the study's own payload, for none, and for the
-/// heaviest ones the design must bear, at the corners of the box of their centres of mass, and at both ends of the rotors'
-/// intervals; dry friction at its highest. Remark 11 of the paper.
+/// at every control sample after `spec.settle`, for the study's own payload, for none, and for the heaviest
+/// ones the design must bear, at the corners of the box of their centres of mass, and at both ends of the
+/// rotors' intervals; dry friction at its highest. Remark 11 of the paper.
 ///
 /// # Not claimed
 ///
@@ -74,7 +74,8 @@ impl Demand {
         let period = study.control.period_ns as f64 * 1e-9;
         let mut cases = vec![loaded_model(study)?];
         let set = &study.design.payload;
-        // Each φ_i is affine in its joint's own rotor inertia, so that its bounds are convex: their ends are at its ends.
+        // Each φ_i is affine in its joint's own rotor inertia, so that its bounds are convex and attained at
+        // the ends of the interval.
         let rotors: &[Rotor] = if study.robot.has_rotor_interval() {
             &[Rotor::Least, Rotor::Most]
         } else {

@@ -20,9 +20,9 @@ pub trait Driver: Debug + Send {
 pub struct Moment<'a> {
     /// Time since the start of the run \[s\].
     pub t: f64,
-    /// What was sensed.
+    /// Measurements of this sample.
     pub sample: &'a Sample,
-    /// What the arm shall do, one entry per joint.
+    /// References of this sample, one entry per joint.
     pub references: &'a [Reference<f64>],
     /// The commands before this one, with what the limits did to them.
     pub last: &'a [Command<f64>],

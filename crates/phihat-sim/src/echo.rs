@@ -5,16 +5,17 @@ use phihat_study::Study;
 
 use crate::sample::Sample;
 
-/// What single precision leaves of a torque.
+/// Relative rounding of a torque in single precision.
 const ROUNDING: f64 = 1e-6;
 
 /// Keeps every command within one step of whatever the robot may have accepted last.
 ///
 /// The robot compares a command with the last one that arrived, not with the last one sent. Its echo says
-/// which that was; while no fresh echo comes, it is the last echo or any command sent since. The limit is
-/// the intersection of the intervals around all of these, never empty as each was chosen so. An echo of what was never sent is
-/// not believed: the robot can only have accepted what it was sent, or what held the arm before. The first echo says what that
-/// was, where a first command could be within one step of it.
+/// which that was; while no fresh echo comes, it is the last echo or any command sent since. The limit is the
+/// intersection of the intervals around all of these, never empty as each was chosen so. An echo of a command
+/// that was never sent is ignored: the robot can only have accepted a command that was sent, or the torque
+/// that held the arm before. The first echo gives that torque, where a first command could be within one step
+/// of it.
 #[derive(Debug)]
 pub(crate) struct Echo {
     step: f64,

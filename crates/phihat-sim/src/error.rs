@@ -39,9 +39,9 @@ pub enum SimError {
     Unreachable {
         /// When \[s\].
         t: f64,
-        /// Where \[m\].
+        /// Position of the target \[m\].
         point: [f64; 3],
-        /// What stands in the way.
+        /// Reason why it cannot be reached.
         reason: OutOfReach,
     },
     /// Friction, a spring or a wall is too stiff for the integration step.
@@ -51,9 +51,9 @@ pub enum SimError {
     TooStiff {
         /// The joint that it is on.
         joint: String,
-        /// What the study asks for.
+        /// Integration steps that the study states.
         substeps: u32,
-        /// What is needed.
+        /// Integration steps that are needed.
         needed: u32,
     },
     /// A limit or the delay is out of range.

@@ -10,15 +10,17 @@ use crate::spline::Jet;
 /// Velocity at which fed-forward dry friction reaches 1/√2 of its level \[rad/s\].
 const COULOMB_VELOCITY: f64 = 1e-3;
 
-/// What a study feeds forward beside `M̄ q̈_d`.
+/// Feed-forward of a study on top of `M̄ q̈_d`.
 ///
 /// # Law
 ///
 /// ```text
-/// τ_ff = g(q_d)  or  ID(q_d, q̇_d, q̈_d) − M̄ q̈_d,  of the description with its masses scaled,  + f̂ q̇_d/√(q̇_d² + v_c²)
+/// τ_ff = g(q_d)  or  ID(q_d, q̇_d, q̈_d) − M̄ q̈_d,   + f̂ q̇_d/√(q̇_d² + v_c²)
+///        (g and ID of the description with its masses scaled)
 /// ```
 ///
-/// Where the robot adds gravity by itself, that description has none. With preview all of it is taken in the middle of the interval in which the torque will act. The law is told of `q̈_d + τ_ff/M̄`.
+/// If the robot adds gravity by itself, that description has none. With preview, all terms are evaluated in
+/// the middle of the interval in which the torque will act. The law receives `q̈_d + τ_ff/M̄`.
 #[derive(Debug)]
 pub struct FeedForward {
     known: Known,
@@ -29,7 +31,7 @@ pub struct FeedForward {
     ahead: f64,
     jets: [Vec<f64>; 3],
     rest: Vec<f64>,
-    /// What is known, without dry friction \[N·m\].
+    /// Torque of the description, without dry friction \[N·m\].
     torque: Vec<f64>,
 }
 
@@ -61,8 +63,8 @@ impl FeedForward {
         }))
     }
 
-    /// What is fed forward with the sample at `t` \[s\], over `M̄` \[kg·m²\] per joint: to be added to the acceleration that the
-    /// law is told \[rad/s²\].
+    /// Feed-forward of the sample at `t` \[s\], over `M̄` \[kg·m²\] per joint: to be added to the
+    /// acceleration that the law receives \[rad/s²\].
     pub fn acceleration(&mut self, motion: &Motion, t: f64, inertia: &[f64], out: &mut [f64]) {
         let t = t + self.ahead;
         self.known_at(|i| motion.at(i, t));
@@ -91,7 +93,7 @@ impl FeedForward {
         self.ahead
     }
 
-    /// What is known of a joint's torque \[N·m\], and the acceleration whose `M̄ q̈_d` it stands for.
+    /// Feed-forward torque of a joint \[N·m\], and the acceleration whose `M̄ q̈_d` it replaces.
     fn of_joint(&self, i: usize) -> (f64, f64) {
         let [_, dq, ddq] = &self.jets;
         let dry = self.coulomb[i] * dq[i] / dq[i].hypot(COULOMB_VELOCITY);
@@ -118,7 +120,7 @@ impl FeedForward {
     }
 }
 
-/// What a study feeds forward at every one of so many samples, over `M̄`: rows of `n`; empty where it feeds nothing.
+/// Feed-forward of a study at each of `samples` samples, over `M̄`: rows of `n`; empty where it has none.
 ///
 /// # Errors
 ///

@@ -7,7 +7,7 @@ use crate::error::SimError;
 use crate::motion::Motion;
 use crate::world::{frictions, loaded_model};
 
-/// What the robot's interface will not bear, one sentence each; empty where it bears the plan.
+/// Violations of the limits of the robot's interface, one sentence each; empty where it accepts the plan.
 ///
 /// # Method
 ///

@@ -1,4 +1,4 @@
-//! What is fed forward where a supervisor stands between the motion and the law.
+//! Feed-forward where a supervisor is between the motion and the law.
 
 use phihat::{JointMemory, Reference};
 use phihat_study::Study;
@@ -8,25 +8,28 @@ use crate::feedforward::FeedForward;
 use crate::motion::Motion;
 use crate::spline::Jet;
 
-/// What a study feeds forward along the reference in force, which is blended, shaped or held by the supervisor.
+/// Feed-forward of a study along the reference in force, which is blended, shaped or held by the supervisor.
 ///
 /// # Method
 ///
-/// The reference in force is known one sample late. While the study's motion is followed it is that motion, and what the two were
-/// apart at the last sample carried on; otherwise, on its way to a position that was told or at rest, it is itself carried on from there:
+/// The reference in force is known one sample late. While the study's motion is followed, the prediction is
+/// that motion plus the difference of the two at the last sample, extrapolated; otherwise, on the way to a
+/// commanded position or at rest, the reference in force itself is extrapolated from there:
 ///
 /// ```text
-/// x(t + h) = (q + h q̇ + h² q̈/2,  q̇ + h q̈,  q̈),    h: from the last sample to the instant that a feed-forward is about
+/// x(t + h) = (q + h q̇ + h² q̈/2,  q̇ + h q̈,  q̈)
+///            (h: from the last sample to the instant of the feed-forward)
 /// ```
 ///
-/// Where nothing is blended or shaped the two are apart by nothing, and what is fed is that of the motion, as without a supervisor.
+/// If nothing is blended or shaped, the difference is zero and the feed-forward is that of the motion, as
+/// without a supervisor.
 #[derive(Debug)]
 pub(crate) struct InForce {
     own: FeedForward,
     inertia: Vec<f64>,
     /// Sample period \[s\].
     period: f64,
-    /// The reference in force at the last sample that was answered, and what was asked for then.
+    /// The reference in force at the last answered sample, and the requested one at that time.
     last: Vec<(Reference<f64>, Reference<f64>)>,
     /// `τ_ff` \[N·m\].
     torque: Vec<f64>,
@@ -51,8 +54,8 @@ impl InForce {
         Ok(FeedForward::of(study)?.map(with))
     }
 
-    /// `τ_ff` of a sample \[N·m\] per joint, so many samples after the last one that was answered; `motion` with the time on its clock
-    /// \[s\], where it is followed.
+    /// `τ_ff` \[N·m\] per joint, `samples` samples after the last answered one; `motion` with the time on its
+    /// clock \[s\], where it is followed.
     pub(crate) fn torque(&mut self, motion: Option<(&Motion, f64)>, samples: u32) -> &[f64] {
         let Self { own, inertia, period, last, torque } = self;
         let ahead = own.ahead();
@@ -80,7 +83,7 @@ impl InForce {
     }
 }
 
-/// Where what moves so is a time later \[s\].
+/// Reference after a time `h` \[s\] at constant acceleration.
 fn carried_on(from: &Reference<f64>, h: f64) -> Jet {
     let Reference { q, dq, ddq } = *from;
     [q + h * (dq + 0.5 * h * ddq), dq + h * ddq, ddq]

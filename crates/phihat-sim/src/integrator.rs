@@ -1,6 +1,6 @@
 //! Integrators of `(q, q̇)`: fixed-step RK4 for runs, adaptive Dormand–Prince as the reference.
 
-/// What is integrated: `q̈ = f(t, q, q̇)`.
+/// Right-hand side of the equation of motion: `q̈ = f(t, q, q̇)`.
 pub trait Acceleration {
     /// Writes `q̈` at a time \[s\] and state.
     fn acceleration(&mut self, t: f64, q: &[f64], dq: &[f64], ddq: &mut [f64]);

@@ -1,8 +1,9 @@
 //! The only closed loop of the project: sense → control → limit → drive → integrate.
 //!
-//! [`Simulation`] takes a study and gains, and leaves a [`Trace`] and [`Metrics`]. It sees neither the
-//! design nor the rivals: whoever judges did not tune. A controller from elsewhere comes in as a [`Driver`], or takes the
-//! loop sample by sample as [`Stepped`], many of them side by side by [`Abreast`]; [`Simulation::apart`] hands out both sides of the loop.
+//! [`Simulation`] takes a study and gains, and returns a [`Trace`] and [`Metrics`]. It depends neither on the
+//! design nor on the rivals: whoever judges did not tune. An external controller comes in as a [`Driver`], or
+//! takes the loop sample by sample as [`Stepped`], many of them in lockstep by [`Abreast`];
+//! [`Simulation::apart`] returns both sides of the loop separately.
 //!
 //! # Example
 //!

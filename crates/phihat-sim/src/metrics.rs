@@ -1,4 +1,4 @@
-//! What a person reads first: one row of figures per joint.
+//! Figures of a run: one row per joint.
 
 use core::convert::Infallible;
 
@@ -16,7 +16,7 @@ use crate::trace::{JointTrace, Supervision, Trace};
 pub struct JointMetrics {
     /// Joint name.
     pub name: String,
-    /// Whether it slides: then rad reads m, and N·m reads N.
+    /// True for a prismatic joint: then rad reads m, and N·m reads N.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub slides: bool,
     /// Root mean square of `e` over the steady part \[rad\].
@@ -93,7 +93,7 @@ impl Stopped {
 pub struct Metrics {
     /// Simulated time \[s\].
     pub duration_s: f64,
-    /// Where the steady part begins \[s\].
+    /// Start of the steady part \[s\].
     pub settle_s: f64,
     /// Number of control samples.
     pub samples: u64,
@@ -101,13 +101,14 @@ pub struct Metrics {
     pub steady_samples: u64,
     /// Share of the commands of all joints in the steady part that met a limit: no claim about gains speaks of these.
     pub limited_steady_share: f64,
-    /// Samples of the steady part in which the arm was to follow its motion and did not: its supervisor had stopped it, or never let it begin.
+    /// Samples of the steady part in which the arm had to follow its motion and did not: its supervisor had
+    /// stopped it, or never let it begin.
     #[serde(default)]
     pub untracked_steady_samples: u64,
     /// The supervisor stopped the arm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stopped: Option<Box<Stopped>>,
-    /// Whether every stated bound holds on every joint, and the arm followed its motion.
+    /// True if every stated bound is satisfied on every joint, and the arm followed its motion.
     pub within_spec: bool,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointMetrics>,
@@ -131,15 +132,15 @@ pub struct Measured {
     metrics: Metrics,
     tip: Option<TipMeasured>,
     sums: Vec<Sums>,
-    /// Where the steady part begins \[ns\].
+    /// Start of the steady part \[ns\].
     settle_ns: f64,
     period_ns: u64,
     wanted: u64,
-    /// What is asked of a supervised arm from when on \[s\]; empty: to track.
+    /// Requests to a supervised arm, each with its start time \[s\]; empty: to track.
     requests: Vec<(f64, RequestedMode)>,
 }
 
-/// What is known of a joint so far.
+/// Sums over the samples of a joint so far.
 #[derive(Debug, Clone, Default)]
 struct Sums {
     /// Of `e²` over the steady part.
@@ -197,14 +198,15 @@ impl Measured {
         }
     }
 
-    /// Whether a supervised arm is asked to follow its motion at a time \[ns\].
+    /// Returns true if a supervised arm is requested to follow its motion at a time \[ns\].
     fn tracks(&self, t_ns: u64) -> bool {
         let asked = requested(&self.requests, t_ns as f64 * 1e-9);
         self.requests.is_empty() || asked == Some(RequestedMode::Track)
     }
 
-    /// The figures of as many samples, and of the steady ones among them, as they were taken elsewhere. `joint` sets a joint's, and
-    /// tells `Σ e²` of the steady part and how many of its commands met a limit; `tip`: error, steady error, steady angle.
+    /// Metrics from figures that were computed elsewhere, over so many samples and so many steady ones among
+    /// them. `joint` sets the figures of a joint, and returns `Σ e²` of the steady part and the number of its
+    /// commands that met a limit; `tip`: error, steady error, steady angle.
     pub(crate) fn taken(
         mut self,
         (samples, steady): (u64, u64),
@@ -301,7 +303,7 @@ impl JointMetrics {
         sums.limited += either.filter(|(torque, rate)| **torque || **rate).count() as u64;
     }
 
-    /// Whether every bound that the study states holds on this joint.
+    /// Returns true if every bound that the study states is satisfied on this joint.
     pub fn within_spec(&self) -> bool {
         // Written so that NaN does not pass.
         let holds = |value: f64, bound: Option<f64>| bound.is_none_or(|bound| value <= bound);

@@ -95,7 +95,8 @@ impl Motion {
         Ok(Self { preview, ..motion })
     }
 
-    /// What the controller of one joint is told at a sample: `q_d`, `q̇_d`, and the acceleration that is fed forward.
+    /// Reference of one joint at a sample as the controller receives it: `q_d`, `q̇_d`, and the feed-forward
+    /// acceleration.
     ///
     /// With preview that is the mean over the interval in which the torque of this sample acts,
     /// `(q̇_d(t + (d+1)T) − q̇_d(t + dT))/T`, else `q̈_d` of now.

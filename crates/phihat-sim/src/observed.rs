@@ -1,4 +1,4 @@
-//! What a run showed of the unknown dynamics `φ`.
+//! The unknown dynamics `φ`, observed in a run.
 
 use crate::demand::PhiAlong;
 use crate::trace::Trace;
@@ -6,7 +6,7 @@ use crate::trace::Trace;
 /// Windows over which the smooth part is averaged \[s\].
 const WINDOWS: [f64; 6] = [0.0, 0.005, 0.01, 0.02, 0.05, 0.1];
 
-/// What a rate of φ counts against a jump \[s\]: about the ratio of a loop's gains from both.
+/// Weight of a rate of φ against a jump \[s\]: about the ratio of a loop's gains from both.
 const RAMP: f64 = 0.02;
 
 /// `φ = τ_applied − M̄ q̈` of a run, in its steady part.

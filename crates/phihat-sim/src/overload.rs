@@ -23,45 +23,48 @@ const DIGIT: f64 = 100.0;
 const HALVINGS: u32 = 14;
 const STEPS: u32 = 100;
 
-/// What a motion needs that a joint's drive does not have: the joint whose need is the largest share of its limit.
+/// Overload of a drive by a motion: the joint whose need is the largest share of its limit.
 ///
 /// # Law
 ///
 /// ```text
-/// τ(t) = M(q_d) q̈_d + C(q_d, q̇_d) q̇_d + g(q_d) + τ_f(q̇_d) − what the robot adds by itself,  |τ| ≤ limit,  |q̇_d| ≤ limit  (1)
+/// τ(t) = M(q_d) q̈_d + C(q_d, q̇_d) q̇_d + g(q_d) + τ_f(q̇_d) − (torque that the robot adds by itself)
+/// |τ| ≤ limit,  |q̇_d| ≤ limit                                                           (1)
 /// ```
 ///
-/// `M` with the rotors and with one payload after the other: that of the world, and the lightest and heaviest point mass of the
-/// design, at every corner of the box of its centres of mass. `τ_f` has the highest level of dry friction of the design. The limit
-/// is that of the command, [`Study::limits`].
+/// `M` with the rotors and with one payload after the other: that of the world, and the lightest and heaviest
+/// point mass of the design, at every corner of the box of its centres of mass. `τ_f` has the highest level
+/// of dry friction of the design. The limit is that of the command, [`Study::limits`].
 ///
 /// # Not claimed
 ///
-/// Nothing is in here of what comes on top: pushes, the way from a start that is not on the reference, encoder noise, an imperfect
-/// drive of `[world.drive]`. Runs of more than 20 000 samples are looked at in 20 000 instants.
+/// Pushes, the way from a start that is not on the reference, encoder noise and an imperfect drive of
+/// `[world.drive]` are not included. Runs of more than 20 000 samples are evaluated at 20 000 instants at
+/// most.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Overload {
     /// The joint.
     pub joint: String,
-    /// What it lets its child do: of its unit.
+    /// Kind of the joint, which sets the unit.
     pub kind: JointKind,
-    /// What there is too little of.
+    /// Quantity that exceeds its limit.
     pub lack: Lack,
     /// When the most of it is needed \[s\].
     pub t: f64,
-    /// How much \[N·m, rad/s; N, m/s of a prismatic joint\].
+    /// Required torque or speed \[N·m, rad/s; N, m/s of a prismatic joint\].
     pub need: f64,
-    /// How much the drive has, in the same unit.
+    /// Limit of the drive, in the same unit.
     pub limit: f64,
     /// Mass of the payload with which so much is needed \[kg\]; 0: none.
     pub payload_kg: f64,
     /// Other joints that need more than they have.
     pub others: Vec<String>,
-    /// Factor on all times of the motion with which every joint has what it needs, tried out; `None`: no slower motion helps.
+    /// Factor on all times of the motion with which every joint has what it needs, found by trials; `None`:
+    /// no slower motion helps.
     pub slower: Option<f64>,
 }
 
-/// What a drive has too little of.
+/// Quantity that a drive lacks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lack {
     /// Torque \[N·m\], force \[N\] of a prismatic joint.
@@ -105,7 +108,8 @@ impl fmt::Display for Overload {
 
 impl std::error::Error for Overload {}
 
-/// Whether the drives have what a study's motion needs; a study that takes more on purpose is not asked.
+/// Compares a study's motion with its drives; `None`: the drives suffice, or the study allows more on
+/// purpose.
 ///
 /// # Errors
 ///
@@ -124,7 +128,7 @@ struct Needs {
     cases: Vec<(f64, Model)>,
     own: Model,
     friction: Vec<Friction>,
-    /// What the robot adds of its own friction.
+    /// Friction that the robot adds by itself.
     helped: Vec<Friction>,
     adds_gravity: bool,
     /// Torque and speed, per joint.

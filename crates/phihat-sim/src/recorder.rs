@@ -1,10 +1,11 @@
-//! What becomes of the samples of a run: a choice of whoever runs it.
+//! Recorders of the samples of a run, chosen by the caller.
 
 use core::convert::Infallible;
 
 use crate::trace::Trace;
 
-/// Samples that are handed over at once where nothing but figures is kept: seven joints of them stay in a core's own memory.
+/// Samples that are handed over at once where only figures are stored: those of seven joints fit in a core's
+/// own cache.
 pub const FIGURES_BLOCK: usize = 64;
 
 /// Takes the samples of a run as they come, for [`Simulation::record`](crate::Simulation::record).
@@ -21,7 +22,8 @@ pub trait Recorder {
     /// Why samples were not taken; the run ends there.
     type Error;
 
-    /// How many samples it is handed at once, of a run of so many; unless it says more, what suits one that keeps figures.
+    /// Number of samples per block, for a run of so many samples; the default suits a recorder that stores
+    /// figures.
     fn room(&self, _samples: usize) -> usize {
         FIGURES_BLOCK
     }
@@ -30,7 +32,7 @@ pub trait Recorder {
     ///
     /// # Errors
     ///
-    /// What keeps it from taking them.
+    /// [`Self::Error`] if it cannot take them.
     fn take(&mut self, block: &mut Trace) -> Result<(), Self::Error>;
 }
 

@@ -4,7 +4,7 @@ use phihat::{Command, Measurement, Reference, Report};
 
 use crate::trace::{Integral, Trace};
 
-/// What a joint did from one sample to the next.
+/// Motion and torque of a joint over one sample interval.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Acted {
     /// Position at the sample \[rad\].
@@ -22,17 +22,18 @@ pub struct Acted {
 /// One joint's part of a sample, of fixed size.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Row {
-    /// What was sensed.
+    /// Measurement of the joint.
     pub measurement: Measurement<f64>,
-    /// What was wanted.
+    /// Reference of the joint.
     pub reference: Reference<f64>,
-    /// What was commanded.
+    /// Torque command.
     pub command: Command<f64>,
-    /// What came of it.
+    /// Resulting motion and torque.
     pub acted: Acted,
 }
 
-/// A [`Trace`] that grows by rows; the same rows make the same trace as a [`Simulation`](crate::Simulation), bit for bit.
+/// A [`Trace`] that grows by rows; the same rows make the same trace as a [`Simulation`](crate::Simulation),
+/// bit for bit.
 #[derive(Debug)]
 pub struct Rows {
     trace: Trace,
@@ -63,7 +64,7 @@ impl Rows {
         }
     }
 
-    /// What was pushed since the last [`clear`](Self::clear).
+    /// Record of the rows pushed since the last [`clear`](Self::clear).
     pub fn trace(&mut self) -> &mut Trace {
         &mut self.trace
     }

@@ -1,4 +1,4 @@
-//! What passes from the world to the controller, once per control sample.
+//! Message from the world to the controller, once per control sample.
 
 use phihat::Measurement;
 

@@ -23,7 +23,7 @@ pub struct Divergence {
     pub joint: String,
 }
 
-/// What a run leaves: its record, and how it ended.
+/// Result of a run: its record and its end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// The record, up to the end or to the divergence.
@@ -46,14 +46,14 @@ impl Outcome {
     }
 }
 
-/// How a run ended, where its record was handed over in blocks.
+/// End of a run whose record was handed over in blocks.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Ended {
     /// Set when the run diverged and was stopped.
     pub divergence: Option<Divergence>,
     /// Set when the robot's interface stopped the run.
     pub abort: Option<Abort>,
-    /// Largest |torque| that each drive was told \[N·m\]: what reached it, after delay and losses.
+    /// Largest |torque| that was delivered to each drive \[N·m\], after delay and losses.
     pub told_max: Vec<f64>,
     /// Largest change of it from one sample to the next \[N·m\].
     pub told_step_max: Vec<f64>,
@@ -179,15 +179,16 @@ impl Simulation {
         self.samples
     }
 
-    /// Runs to the end, or until the arm diverges or the robot stops. `progress` is told how many samples are done, about a
-    /// hundred times.
+    /// Runs to the end, or until the arm diverges or the robot stops. `progress` receives the number of
+    /// samples done, about a hundred times.
     pub fn run(self, progress: impl FnMut(u64)) -> Outcome {
         let mut whole = Trace::default();
         let Ok(ended) = self.record(&mut whole, progress);
         Outcome::of(whole, ended)
     }
 
-    /// Runs to the end as [`run`](Self::run) does, and leaves its samples to a recorder: a whole trace, figures alone, a file.
+    /// Runs to the end as [`run`](Self::run) does, and passes its samples to a recorder: a whole trace,
+    /// figures alone, a file.
     ///
     /// # Errors
     ///
@@ -201,12 +202,12 @@ impl Simulation {
         self.stream(room.max(1), progress, |block| recorder.take(block))
     }
 
-    /// Runs to the end as [`run`](Self::run) does, and hands the record over in blocks of at most so many samples: memory stays what one
-    /// block needs, however long the run is.
+    /// Runs to the end as [`run`](Self::run) does, and hands the record over in blocks of at most so many
+    /// samples: the memory is that of one block, however long the run is.
     ///
     /// # Errors
     ///
-    /// What `each` says of a block; the run ends there.
+    /// The error of `each` on a block; the run ends there.
     pub fn stream<E>(
         mut self,
         block: usize,
@@ -280,12 +281,12 @@ impl Simulation {
         diverged(&self.world, &self.names, t)
     }
 
-    /// How it ended.
+    /// End of the run.
     pub(crate) fn ended(self, divergence: Option<Divergence>) -> Ended {
         ended(*self.world, divergence)
     }
 
-    /// Closes the sample: what was sensed, wanted and asked for, and what came of it.
+    /// Closes the sample: measurement, reference, command and the resulting motion.
     fn close(&self, trace: &mut Trace, integrals: &mut [Integral]) {
         for (i, measurement) in self.world.sample().joints.iter().enumerate() {
             let acted = self.world.acted(i, self.control.inertia(i));
@@ -298,14 +299,14 @@ impl Simulation {
     }
 }
 
-/// How a world ended.
+/// End of a run of a world.
 pub(crate) fn ended(world: World, divergence: Option<Divergence>) -> Ended {
     let path = world.path;
     let (told_max, told_step_max) = (path.told_max, path.step_max);
     Ended { divergence, abort: path.abort, told_max, told_step_max }
 }
 
-/// How the arm diverged in the sample of time `t` \[s\], if it did.
+/// Divergence of the arm in the sample of time `t` \[s\], if any.
 pub(crate) fn diverged(world: &World, names: &[String], t: f64) -> Option<Divergence> {
     let beyond = |x: f64| x.is_nan() || x.abs() > DIVERGED;
     let plant = &world.plant;

@@ -11,11 +11,12 @@ use crate::trace::{Integral, Trace};
 use crate::trace_file::BLOCK;
 use crate::world::World;
 
-/// How many runs were begun.
+/// Number of runs that were begun.
 static BEGUN: AtomicU64 = AtomicU64::new(0);
 
-/// A run that waits for its torques: whoever holds it looks at what was sensed, tells a torque, and the world goes on by one
-/// sample. The study's limits, delay, drives and faults act as they do on any other controller.
+/// A run that waits for its torques: the caller reads the measurements, sends a torque, and the world
+/// advances by one sample. The study's limits, delay, drives and faults act as they do on any other
+/// controller.
 ///
 /// # Example
 ///
@@ -62,9 +63,9 @@ pub struct Stepped {
     trace: Trace,
     integrals: Vec<Integral>,
     divergence: Option<Divergence>,
-    /// Whether the last message of the sensors arrived.
+    /// True if the last message of the sensors arrived.
     fresh: bool,
-    /// Whether every sample is recorded, not the last one alone.
+    /// True if every sample is recorded, not the last one alone.
     recorded: bool,
     /// Its number: no other run of this program has it.
     pub(crate) number: u64,
@@ -80,7 +81,8 @@ impl Stepped {
         Self::with_room(study, inertia, u64::MAX)
     }
 
-    /// The same with room for [`BLOCK`] samples, for whoever takes the record by [`hand_over`](Self::hand_over) while the run goes on.
+    /// The same with room for [`BLOCK`] samples, for callers that take the record by
+    /// [`hand_over`](Self::hand_over) while the run goes on.
     ///
     /// # Errors
     ///
@@ -100,7 +102,8 @@ impl Stepped {
         Ok(new)
     }
 
-    /// Keeps no record from here on but that of the last sample: for runs of which nobody looks at more than what they sense.
+    /// Stores no record from here on but that of the last sample: for runs of which only the measurements are
+    /// used.
     pub fn forget(&mut self) {
         self.recorded = false;
         (self.trace, _) = self.run.record_for(1);
@@ -111,12 +114,12 @@ impl Stepped {
         (self.k * self.run.period_ns) as f64 * 1e-9
     }
 
-    /// What was sensed last, one entry per joint.
+    /// Last measurement, one entry per joint.
     pub fn sensed(&self) -> &[Measurement<f64>] {
         &self.run.world.sample().joints
     }
 
-    /// Whether that message is a new one, and not the one before because it got lost.
+    /// Returns true if that message is new; false if it repeats the one before because a message was lost.
     pub fn is_fresh(&self) -> bool {
         self.fresh
     }
@@ -126,35 +129,37 @@ impl Stepped {
         &self.run.world.path.sent
     }
 
-    /// Whether the torque of this sample will get lost on its way, whatever is told.
+    /// Returns true if the torque of this sample will be lost on its way, whatever its value.
     pub fn loses_torque(&mut self) -> bool {
         let t = self.t();
         !self.run.world.path.arrives(self.k, t)
     }
 
-    /// What the arm shall do at that sample, one entry per joint.
+    /// References of that sample, one entry per joint.
     pub fn wanted(&self) -> &[Reference<f64>] {
         &self.run.control.references
     }
 
-    /// Whether the last sample is done, the arm diverged, or the robot stopped: no torque acts any more.
+    /// Returns true if the last sample is done, the arm diverged, or the robot stopped: no torque acts any
+    /// more.
     pub fn is_over(&self) -> bool {
         let stopped = self.divergence.is_some() || self.run.world.path.abort.is_some();
         stopped || self.k >= self.run.samples()
     }
 
-    /// Whether the arm left every plausible state.
+    /// Returns true if the arm left every plausible state.
     pub fn diverged(&self) -> bool {
         self.divergence.is_some()
     }
 
-    /// Whether the robot's interface stopped the run.
+    /// Returns true if the robot's interface stopped the run.
     pub fn stopped(&self) -> bool {
         self.run.world.path.abort.is_some()
     }
 
-    /// Tells the torque \[N·m\] of every joint for this sample, and goes on to the next. What is not finite is refused and
-    /// the torque before held, as with any [`Driver`](crate::Driver). In a run that is over, nothing happens.
+    /// Sends the torque \[N·m\] of every joint for this sample, and goes on to the next. A value that is not
+    /// finite is refused and the torque before held, as with any [`Driver`](crate::Driver). In a run that is
+    /// over, nothing happens.
     ///
     /// # Errors
     ///
@@ -186,7 +191,7 @@ impl Stepped {
         self.run.control.told(torque);
     }
 
-    /// What happens in a sample before the arm moves; the time of the sample \[s\].
+    /// First part of a sample, before the arm moves; returns the time of the sample \[s\].
     pub(crate) fn begin(&mut self) -> f64 {
         if !self.recorded {
             self.trace.clear();
@@ -199,7 +204,8 @@ impl Stepped {
         &mut self.run.world
     }
 
-    /// What happens after that, in the sample that began at `t`, up to the next one's readings.
+    /// Last part of the sample that began at `t`, after the arm moved, up to the measurements of the next
+    /// one.
     pub(crate) fn finish(&mut self, t: f64) {
         self.divergence = self.run.finish(t, &mut self.trace, &mut self.integrals);
         self.k += 1;
@@ -213,7 +219,8 @@ impl Stepped {
         &self.trace
     }
 
-    /// Hands the record so far over and goes on in another trace of this arm, whose samples go and whose room is used; `∫e` goes on.
+    /// Hands over the record so far and continues in another trace of this arm, which is cleared and whose
+    /// capacity is reused; `∫e` goes on.
     pub fn hand_over(&mut self, mut room: Trace) -> Trace {
         room.clear();
         core::mem::replace(&mut self.trace, room)

@@ -23,13 +23,13 @@ pub(crate) struct Supervised {
     /// Time on the reference's clock \[ns\]: it runs while the arm tracks.
     motion_ns: u64,
     asked: Vec<Reference<f64>>,
-    /// What is fed forward beside it.
+    /// Feed-forward along the reference in force.
     fed: Option<InForce>,
-    /// Whether `asked` is somebody else's, in place of the study's motion.
+    /// True if `asked` was set by [`refer_to`](Self::refer_to), in place of the study's motion.
     given: bool,
-    /// Whether what is asked is shaped to the study's limits.
+    /// True if the requested motion is shaped to the study's limits.
     shapes: bool,
-    /// Whether a safe stop is asked for, whatever the study asks.
+    /// True if a safe stop is requested, whatever the study requests.
     pub(crate) stopping: bool,
     pub(crate) report: Report,
 }
@@ -128,8 +128,8 @@ impl Supervised {
         }
     }
 
-    /// From here on asks for these positions at rest, in place of the study's motion; `false`: nobody shapes them, or they are not as many as
-    /// the joints, or not finite.
+    /// From here on requests these positions at rest, in place of the study's motion; `false`: the motion is
+    /// not shaped, or the positions are not as many as the joints, or not finite.
     pub(crate) fn refer_to(&mut self, q: &[f64]) -> bool {
         let fits = q.len() == self.asked.len() && q.iter().all(|q| q.is_finite());
         if !self.shapes || !fits {
@@ -142,7 +142,7 @@ impl Supervised {
         true
     }
 
-    /// What is asked for at time `t`: by default to arm, to hold and to track, one sample each.
+    /// Mode requested at time `t`: by default to arm, to hold and to track, one sample each.
     fn wanted(&self, t: f64) -> ModeRequest {
         if self.stopping {
             return ModeRequest::Stop;
@@ -164,7 +164,8 @@ impl Supervised {
     }
 }
 
-/// Share of the torque limit that a torque has to vary by for a joint to be judged at first motion, where the study states none.
+/// Share of the torque limit by which a torque has to vary for a joint to be judged at first motion, where
+/// the study states none.
 const FIRST_MOTION_SHARE: f64 = 0.05;
 
 /// The error that stops a joint where the study states none \[rad\].
@@ -173,7 +174,8 @@ fn error_stop(study: &Study, joint: usize) -> f64 {
     bound.map_or(0.2, |bound| (50.0 * bound).max(0.2))
 }
 
-/// The most dry friction that the robot's description states \[N·m\]: within it a joint that stands still is no dead drive.
+/// Highest dry friction that the robot's description states \[N·m\]: within it a joint that stands still is
+/// no dead drive.
 fn dry_friction(study: &Study, joint: usize) -> f64 {
     let friction = &study.robot.joints[joint].friction;
     let coulomb = friction.coulomb_range.map_or(friction.coulomb, |(_, most)| most);

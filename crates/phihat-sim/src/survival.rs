@@ -1,4 +1,4 @@
-//! What a run under faults came to: the figures of one cell of a fault matrix.
+//! Result of a run under faults: the figures of one cell of a fault matrix.
 
 use core::convert::Infallible;
 use std::collections::VecDeque;
@@ -14,7 +14,7 @@ use crate::trace::Trace;
 /// Figures of a run in which something went wrong.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Survival {
-    /// Whether the arm stayed finite and within every plausible bound to the end.
+    /// True if the arm stayed finite and within every plausible bound to the end.
     pub finite: bool,
     /// Why the robot's interface stopped the run, if it did.
     pub stopped: Option<String>,
@@ -24,9 +24,9 @@ pub struct Survival {
     pub error_end_rad: f64,
     /// Largest |q̇| of any joint from the first fault on \[rad/s\].
     pub velocity_max_rad_s: f64,
-    /// Whether no drive was told more than the torque limit.
+    /// True if no drive was commanded more than the torque limit.
     pub torque_kept: bool,
-    /// Whether no drive was told to change its torque faster than the rate limit.
+    /// True if no drive was commanded to change its torque faster than the rate limit.
     pub torque_rate_kept: bool,
 }
 
@@ -49,7 +49,8 @@ pub struct Surviving {
     samples: usize,
     error_max: f64,
     velocity_max: f64,
-    /// Samples that may yet have the largest error of the last tenth, wherever the run ends: in order, their errors falling.
+    /// Candidates for the largest error of the last tenth, wherever the run ends: in order, their errors
+    /// falling.
     last: VecDeque<(usize, f64)>,
 }
 

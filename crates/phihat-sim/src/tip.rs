@@ -24,7 +24,7 @@ pub struct TipMetrics {
 }
 
 impl TipMetrics {
-    /// Whether the bound that the study states holds.
+    /// Returns true if the bound that the study states, if any, is satisfied.
     pub fn within_spec(&self) -> bool {
         // Written so that NaN does not pass.
         self.error_spec_m.is_none_or(|bound| self.error_steady_max_m <= bound)
@@ -81,8 +81,8 @@ impl TipMeasured {
         }
     }
 
-    /// Distance \[m\] between the tips of both postures of so many samples, and the sine of half the angle between their axes; what
-    /// lies beyond the last sample repeats it.
+    /// Distance \[m\] between the tips of both postures of so many samples, and the sine of half the angle
+    /// between their axes; entries beyond the last sample repeat it.
     fn apart(&mut self, trace: &Trace, from: usize) -> ([f64; Lanes::COUNT], [f64; Lanes::COUNT]) {
         let last = trace.len() - 1;
         let side = |values: &[f64]| match values.get(from..).and_then(<[f64]>::first_chunk) {
@@ -127,14 +127,16 @@ fn raise(most: &mut f64, value: f64) {
     }
 }
 
-/// The error of every joint \[rad; m\] that keeps the study's bound on its tip, along its whole motion; `None`: it states none.
+/// Error of every joint \[rad; m\] that satisfies the study's bound on its tip, along its whole motion;
+/// `None`: it states none.
 ///
 /// ```text
-/// ε = bound / max_t Σ_i ℓ_i(q_d(t))                                                                                       (1)
+/// ε = bound / max_t Σ_i ℓ_i(q_d(t))                                                       (1)
 /// ```
 ///
 /// With `|e_i| ≤ ε` on all joints the tip is at most `Σ ℓ_i |e_i| ≤ bound` away, see
-/// `phihat_certificate::TubeTip`; `ℓ_i` are the distances of the tip from the joints' axes at the samples of the motion.
+/// `phihat_certificate::TubeTip`; `ℓ_i` are the distances of the tip from the joints' axes at the samples of
+/// the motion.
 ///
 /// # Errors
 ///

@@ -42,9 +42,9 @@ pub struct JointTrace {
     pub phi: Vec<f64>,
     /// Estimate of φ, `φ̂`, which is *added* to the torque \[N·m\].
     pub phi_hat: Vec<f64>,
-    /// Whether the torque limit acted on this command.
+    /// True if the torque limit acted on this command.
     pub saturated: Vec<bool>,
-    /// Whether the torque-rate limit acted on this command.
+    /// True if the torque-rate limit acted on this command.
     pub rate_limited: Vec<bool>,
 }
 
@@ -103,20 +103,20 @@ pub struct Trace {
     pub t_ns: Vec<u64>,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointTrace>,
-    /// What the supervisor did, where the study has one.
+    /// Record of the supervisor, where the study has one.
     pub supervision: Option<Supervision>,
 }
 
-/// What the supervisor of an arm did; one entry per sample.
+/// Record of an arm's supervisor; one entry per sample.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Supervision {
     /// The mode.
     pub mode: Vec<Mode>,
-    /// What happened.
+    /// Events of the sample.
     pub events: Vec<Events>,
-    /// What stopped the arm, until it is armed again.
+    /// Fault that stopped the arm, until it is armed again.
     pub fault: Vec<Option<Fault>>,
-    /// Whether the brakes are asked for.
+    /// True if the brakes are requested.
     pub brake: Vec<bool>,
 }
 
@@ -166,7 +166,7 @@ impl Trace {
         self.t_ns.len()
     }
 
-    /// Whether there is no sample.
+    /// Returns true if there is no sample.
     pub fn is_empty(&self) -> bool {
         self.t_ns.is_empty()
     }

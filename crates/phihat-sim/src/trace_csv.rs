@@ -102,7 +102,8 @@ impl Trace {
         file.finish().map(drop)
     }
 
-    /// Reads what [`Self::write_csv`] wrote of a study's arm: its joints, in their order, at its period, one sample at least.
+    /// Reads the trace of a study's arm that [`Self::write_csv`] wrote: its joints, in their order, at its
+    /// period, one sample at least.
     ///
     /// # Errors
     ///
@@ -159,7 +160,7 @@ fn header(supervised: bool) -> impl Iterator<Item = &'static str> {
     ["t_s", "joint"].into_iter().chain(signals(supervised))
 }
 
-/// Whether the trace is that of a supervised run.
+/// Checks the header; returns true if the trace is that of a supervised run.
 fn check_header(found: &csv::StringRecord) -> Result<bool, TraceError> {
     let supervised = found.get(COLUMNS.len() + 4) == Some(SUPERVISION[0]);
     for (column, expected) in header(supervised).enumerate() {

@@ -1,4 +1,4 @@
-//! What files of a trace have in common, whichever kind they are of: columns, the order of rows, and why one is refused.
+//! Common parts of the files of a trace, of either kind: columns, the order of rows, and reasons of refusal.
 
 use core::fmt;
 use std::io;
@@ -13,7 +13,7 @@ use crate::trace::{COLUMNS, JointTrace, Supervision, Trace};
 /// Samples that are written or read at once where a run may be long.
 pub const BLOCK: usize = 4096;
 
-/// Where in a trace file something is.
+/// Position in a trace file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
     /// A line of a text, from 1.
@@ -46,11 +46,11 @@ pub enum TraceError {
     /// The header is not that of a trace.
     #[error("line 1: column {column} is {found:?}; a trace has {expected:?} there")]
     Header {
-        /// Which column, from 1.
+        /// Number of the column, from 1.
         column: usize,
-        /// What is there.
+        /// Name in the file.
         found: String,
-        /// What belongs there.
+        /// Expected name.
         expected: &'static str,
     },
     /// A column is not there, or holds something else.
@@ -58,34 +58,34 @@ pub enum TraceError {
     Column {
         /// Its name.
         column: &'static str,
-        /// What it holds.
+        /// Expected type of its values.
         expected: &'static str,
     },
     /// A field does not read.
     #[error("{place}: {column} is {value:?}; {expected}")]
     Field {
-        /// Where.
+        /// Position in the file.
         place: Place,
         /// Column name.
         column: &'static str,
-        /// What is there.
+        /// Value in the file.
         value: String,
-        /// What would be valid.
+        /// Valid values.
         expected: &'static str,
     },
     /// The rows do not form whole samples.
     #[error("{place}: {reason}")]
     Rows {
-        /// Where.
+        /// Position in the file.
         place: Place,
-        /// What is wrong.
+        /// Description of the error.
         reason: String,
     },
 }
 
 impl Trace {
-    /// Reads the trace of a study's arm from a file of either kind, [Parquet](Self::read_parquet_in) or [CSV](Self::read_csv_in): its joints,
-    /// in their order, at its period, one sample at least.
+    /// Reads the trace of a study's arm from a file of either kind, [Parquet](Self::read_parquet_in) or
+    /// [CSV](Self::read_csv_in): its joints, in their order, at its period, one sample at least.
     ///
     /// # Errors
     ///
@@ -125,7 +125,8 @@ impl Trace {
     }
 }
 
-/// Whether a file begins as Parquet does. It is not at its beginning after that: what reads on asks it for a reader.
+/// Returns true if a file begins as Parquet does. Afterwards the file is not at its beginning: request a new
+/// reader from it to read on.
 ///
 /// # Errors
 ///

@@ -9,8 +9,8 @@ use mcap::{Attachment, McapError, WriteOptions, Writer};
 
 use crate::trace::{JointTrace, Trace};
 
-/// A trace that is written as MCAP as it comes: ROS 2 messages (`ros2msg`, CDR), one per sample and topic, at the sample's time
-/// since the start of the run.
+/// A trace that is written as MCAP as it comes: ROS 2 messages (`ros2msg`, CDR), one per sample and topic, at
+/// the sample's time since the start of the run.
 ///
 /// | topic | message | position | velocity | effort |
 /// |---|---|---|---|---|

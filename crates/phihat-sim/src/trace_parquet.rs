@@ -14,8 +14,9 @@ use crate::trace_file::{BLOCK, FLAGS, Place, SUPERVISION, TraceError, Turn, sign
 /// Rows that are looked at together.
 const ROWS: usize = 1024;
 
-/// A trace that is written as Parquet as it comes: `t_ns, joint, q_rad, …, saturated, rate_limited`, one row per sample and joint, and
-/// `mode, events, fault, brake` where there is a supervisor. A row group has 4096 samples, in whatever blocks they come.
+/// A trace that is written as Parquet as it comes: `t_ns, joint, q_rad, …, saturated, rate_limited`, one row
+/// per sample and joint, and `mode, events, fault, brake` where there is a supervisor. A row group has 4096
+/// samples, in whatever blocks they come.
 #[expect(missing_debug_implementations, reason = "the package's writer has none")]
 pub struct ParquetTrace<W: Write + Send> {
     file: Begun<W>,
@@ -166,8 +167,9 @@ impl Trace {
         file.finish().map(drop)
     }
 
-    /// Reads what [`Self::write_parquet`] wrote of a study's arm, in blocks of at most so many samples, in their order: its joints, in their
-    /// order, at its period, one sample at least. The columns may stand in any order, and beside others; who wrote them does not matter.
+    /// Reads the trace of a study's arm that [`Self::write_parquet`] wrote, in blocks of at most so many
+    /// samples, in their order: its joints, in their order, at its period, one sample at least. The columns
+    /// may stand in any order, and among others; any program may have written them.
     ///
     /// # Errors
     ///

@@ -1,4 +1,5 @@
-//! Wrong if runs that go on side by side were not each what it is alone, in any bit but the sign of a zero; whenever each began.
+//! Wrong if runs in lockstep were not each what it is alone, in any bit but the sign of a zero; whenever each
+//! began.
 
 use phihat_sim::{Abreast, SimError, Stepped};
 use phihat_study::Study;

@@ -1,5 +1,5 @@
-//! Wrong if an arm in a batch had another record, end or figure than its own simulation, in any bit but the sign of a zero; or if
-//! what is told to run alone went in lanes.
+//! Wrong if an arm in a batch had another record, end or figure than its own simulation, in any bit but the
+//! sign of a zero; or if an arm that is reported to run alone went in lanes.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -42,7 +42,7 @@ pub(crate) const ARMS: [(&str, &str, &str); 4] = [
     ("iiwa14", "lbr_iiwa_link_7", "[2.0, 3.0, 1.0, 1.5, 0.3, 0.3, 0.2]"),
 ];
 
-/// What a drive makes of the torque that it means to give, drawn.
+/// Imperfections of a drive, drawn at random.
 fn drive(random: &mut Random) -> String {
     random.of(&[
         "",

@@ -1,5 +1,5 @@
-//! A long run is handed over in blocks. Wrong if that changed a bit of its record or its figures, or if memory grew with
-//! the length of the run.
+//! A long run is handed over in blocks. Wrong if that changed a bit of its record or its figures, or if
+//! memory grew with the length of the run.
 
 use std::convert::Infallible;
 
@@ -91,7 +91,8 @@ fn peak<W: FnMut(&Trace)>((seconds, block): (u32, usize), writer: impl Fn() -> W
     used.bytes_max
 }
 
-/// Parquet has its directory at the end, of which a row group takes some fifteen kilobytes; 4096 samples of a joint are 500.
+/// Parquet has its directory at the end, of which a row group takes some fifteen kilobytes; 4096 samples of a
+/// joint are 500.
 #[test]
 fn memory_of_parquet_grows_by_its_directory_alone() {
     let parquet = |seconds, block| {

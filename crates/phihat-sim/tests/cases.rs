@@ -1,5 +1,6 @@
-//! Stops that went wrong once, each with its whole kind. Wrong if a push is held against the arm, if a drive that is wired the wrong way round drives on, if an arm
-//! without brakes sinks once it is stopped, if a joint that turns without end runs away where its encoder starts over, or if an arm that never moved is within
+//! Stops that went wrong once, each with its whole kind. Wrong if a push is held against the arm, if a drive
+//! that is wired the wrong way round drives on, if an arm without brakes sinks once it is stopped, if a joint
+//! that turns without end runs away where its encoder starts over, or if an arm that never moved is within
 //! its specification.
 
 use std::fs;

@@ -95,7 +95,8 @@ fn a_loop_that_is_taken_by_the_hand_goes_where_a_driver_goes() {
     assert_eq!((ended.divergence, ended.told_max), (whole.divergence, whole.told_max));
 }
 
-/// Wrong if a sample or an integral were lost where the record is taken in parts, or if room were kept for the whole run.
+/// Wrong if a sample or an integral were lost where the record is taken in parts, or if room were reserved
+/// for the whole run.
 #[test]
 fn a_record_that_is_taken_in_parts_is_that_of_the_whole() {
     let mut study = study("");

@@ -1,6 +1,8 @@
-//! What `[supervisor]` watches by default, on arms with which nothing is wrong. Wrong if it stops one.
+//! Default monitors of `[supervisor]`, on arms with which nothing is wrong. Wrong if one of them stops an
+//! arm.
 //!
-//! A million samples with `PHIHAT_ALL=1`: encoders, filters, loads, friction, lost samples and jitter as laboratories have them.
+//! A million samples with `PHIHAT_ALL=1`: encoders, filters, loads, friction, lost samples and jitter as
+//! laboratories have them.
 
 use std::fs;
 use std::path::Path;
@@ -27,7 +29,7 @@ fn gains(
     inertia.iter().map(joint).collect()
 }
 
-/// Whether it followed its motion from when it began to the end.
+/// Asserts that no stop occurred and that the arm tracks at the end; returns the number of samples.
 fn followed(outcome: &Outcome, told: &str) -> usize {
     let supervision = outcome.trace.supervision.as_ref().unwrap();
     let stop = supervision.mode.iter().position(|mode| *mode == Mode::SafeStop);
@@ -72,7 +74,7 @@ fn f34_nothing_stops_an_arm_with_which_nothing_is_wrong() {
     println!("{samples} samples of {round} runs, no stop");
 }
 
-/// What holds the arm before the law does, as a person who arms it would say it.
+/// Sets the torque that holds the arm before the law does, as a user who arms it would state it.
 fn hold_at_the_start(study: &mut Study) {
     let motion = Motion::of(study).unwrap();
     let n = study.robot.joints.len();

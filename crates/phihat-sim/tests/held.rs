@@ -1,6 +1,7 @@
-//! A start that is held, and torque that is fed forward, against physics: an arm that is held by its own gravity stays where it is, and
-//! one whose dynamics are known leaves nothing to estimate.
-//! Wrong if a law took over another torque than the one that acts, or was told what it is fed at another instant.
+//! A start that is held, and torque that is fed forward, against physics: an arm that is held by its own
+//! gravity stays where it is, and one whose dynamics are known leaves nothing to estimate.
+//! Wrong if a law took over another torque than the one that acts, or received its feed-forward at another
+//! instant.
 
 use std::path::Path;
 
@@ -157,7 +158,8 @@ fn behind_a_supervisor_it_is_as_without() {
 
 #[test]
 fn what_is_fed_is_of_the_reference_in_force() {
-    // Shaped to a third of the motion's speed, the arm is elsewhere than what is asked for; and it is told to stop and go on.
+    // Shaped to a third of the motion's speed, the arm is away from the requested reference; and it is
+    // commanded to stop and go on.
     let shaped = "reference_velocity_max_rad_s = 0.6\nreference_acceleration_max_rad_s2 = 4.0\n\
                   reference_jerk_max_rad_s3 = 80.0\n";
     let request =
@@ -217,7 +219,7 @@ fn on_the_way_to_a_position_that_is_told_what_is_known_is_fed_too() {
     assert!(whole.0 < 0.2 * alone.0 && whole.1 < 2.0 * alone.1 + 0.1, "{whole:?} {alone:?}");
 }
 
-/// Where a robot adds gravity by itself, nobody else feeds it.
+/// Gravity that a robot adds by itself is in no other feed-forward.
 #[test]
 fn what_the_robot_adds_is_not_fed() {
     let text = |fed: &str| {

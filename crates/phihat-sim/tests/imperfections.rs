@@ -1,4 +1,4 @@
-//! What hurts in a laboratory: drives, sensors and messages, each against its closed form. Wrong if an
+//! Imperfections of a laboratory: drives, sensors and messages, each against its closed form. Wrong if an
 //! effect had another size, sign or timing than its key says, or left a mark where it is absent.
 
 use crate::support::{ROD_INERTIA, rod_study, run};

@@ -1,5 +1,5 @@
-//! A log for ROS tools. Wrong if a message of it, read by its layout on the wire and not by what wrote it, held another number than the
-//! trace, or if one were missing. Other people's readers look at one in the Python step.
+//! A log for ROS tools. Wrong if a message of it, read by its layout on the wire and not by its writer, held
+//! another number than the trace, or if one were missing. Other readers read one in the Python step.
 #![cfg(feature = "mcap")]
 
 use std::collections::BTreeMap;

@@ -1,5 +1,5 @@
-//! What a joint meets on its way: stiction, springs, stops, walls, loads, each against its closed form.
-//! Wrong if one had another size, sign or place than its key says, or left a mark where it is absent.
+//! Mechanics of a joint: stiction, springs, stops, walls, loads, each against its closed form. Wrong if one
+//! had another size, sign or place than its key says, or left a mark where it is absent.
 
 use crate::support::{ROD_INERTIA, gains, read, rod_study, run};
 use phihat_sim::{Outcome, Simulation};

@@ -1,5 +1,6 @@
-//! What a motion needs of the drives, against a pendulum's closed form and the torque of a run. Wrong if a need, an instant, a limit or
-//! the factor to a slower motion were another, or if a shipped study needed more than its drives have.
+//! Torque and speed that a motion needs of the drives, against a pendulum's closed form and the torque of a
+//! run. Wrong if a need, an instant, a limit or the factor to a slower motion were another, or if a shipped
+//! study needed more than its drives have.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -27,7 +28,8 @@ fn swing(limit: f64, slower: f64, rest: &str) -> Study {
     )
 }
 
-/// Torque \[N·m\] of the rod of 2 kg at 0.5 m with a point mass at 1 m, by hand, and its largest and when, on a fine grid.
+/// Torque \[N·m\] of the rod of 2 kg at 0.5 m with a point mass at 1 m, by hand: its largest value, and when,
+/// on a fine grid.
 fn by_hand(mass: f64, slower: f64) -> (f64, f64) {
     let (w, inertia) = (TAU * F / slower, ROD_INERTIA + mass);
     let at = |t: f64| {

@@ -1,5 +1,6 @@
-//! A trace is the same whichever kind its file is of, and others read what we write and are read. Wrong if a column were mixed up, a row
-//! misplaced or a bit lost, or if a broken file were taken, believed, or a panic.
+//! A trace is the same whichever kind its file is of; other programs read our files, and we read theirs.
+//! Wrong if a column were mixed up, a row misplaced or a bit lost, or if a broken file were accepted,
+//! believed, or a panic.
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -349,7 +350,7 @@ fn broken_files_are_refused_with_row_and_column() {
     }
 }
 
-/// What the words of a panic that is caught take where `RUST_BACKTRACE` asks for its stack \[byte\].
+/// Size of the text of a caught panic where `RUST_BACKTRACE` requests its stack \[byte\].
 const TRACED: u64 = 1 << 27;
 
 /// Whatever a file says of its sizes, reading it takes little more memory than it has bytes.

@@ -1,6 +1,8 @@
-//! What a stop does to the arms of the repository, in the simulator. Wrong if the drives give energy to an arm that they should stop, or leave it in motion.
+//! Effect of a stop on the arms of the repository, in the simulator. Wrong if the drives give energy to an
+//! arm that they should stop, or leave it in motion.
 //!
-//! Energy is counted here from positions, from the torque that acted, and from the gravity of the arm with what it carries at the time.
+//! Energy is counted here from positions, from the torque that acted, and from the gravity of the arm with
+//! what it carries at the time.
 
 use crate::support::{ARMS, read};
 use phihat::{Events, Fault, Form, JointDesign, JointGains, Mode};
@@ -8,13 +10,13 @@ use phihat_model::{Body, Robot, Workspace};
 use phihat_sim::{Outcome, Simulation, Trace};
 use phihat_study::Study;
 
-/// What causes the stop.
+/// Cause of the stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Event {
     Asked,
     /// A share of the joint's torque, for so long.
     Push(usize, f64, f64),
-    /// What is carried falls off.
+    /// The load falls off.
     Drop,
     Lost(f64),
     NotANumber(f64),
@@ -121,7 +123,7 @@ impl Case {
         )
     }
 
-    /// What goes wrong, and what a person asks for.
+    /// Text of the fault, and of the supervisor's requests.
     fn event(&self, robot: &Robot) -> (String, String) {
         let event = |kind: &str, more: &str| {
             format!("[[fault]]\nkind = \"{kind}\"\nstart_s = {EVENT_S}\n{more}\n")
@@ -178,7 +180,7 @@ impl Case {
     }
 }
 
-/// What came of a case.
+/// Result of a case.
 #[derive(Debug, Default)]
 struct Stop {
     stopped: bool,
@@ -186,7 +188,7 @@ struct Stop {
     given: f64,
     /// Largest such work from the stop on \[J\].
     given_in_all: f64,
-    /// What the joints may give back \[J\].
+    /// Energy that the joints may give back \[J\].
     reserves: f64,
     /// When, and why.
     at: usize,
@@ -195,7 +197,8 @@ struct Stop {
     last: Option<Fault>,
     fastest_before: f64,
     fastest_after: f64,
-    /// By how much a reversed drive made the arm faster before its torque went \[rad/s\], and whether it is without torque at the end.
+    /// Speed that a reversed drive added to the arm before its torque was removed \[rad/s\], and whether it
+    /// is without torque at the end.
     driven: f64,
     released: bool,
     at_end: f64,
@@ -236,7 +239,8 @@ fn judged(case: &Case) -> Stop {
     stop
 }
 
-/// Work of the drives less what holds gravity, per sample from the stop on \[J\], and the sample from which on it counts.
+/// Work of the drives less that against gravity, per sample from the stop on \[J\], and the sample from which
+/// on it counts.
 fn works(case: &Case, study: &Study, trace: &Trace, at: usize) -> (Vec<f64>, usize) {
     let bare = study.robot.plant_model();
     let body = Body { mass: case.load, com: [0.0; 3], inertia: [0.0; 6] };
@@ -263,8 +267,8 @@ fn works(case: &Case, study: &Study, trace: &Trace, at: usize) -> (Vec<f64>, usi
             (joint.tau_applied[k] - g[i]) * (joint.q[k + 1] - joint.q[k])
         };
         works.push((0..n).map(work).sum::<f64>());
-        // What a rate limit leaves of a torque, at the stop and where a push ends, is taken back as fast as it goes; what is not measured
-        // is not stopped.
+        // The rest of a torque that a rate limit leaves, at the stop and where a push ends, is removed as
+        // fast as it permits; motion that is not measured is not stopped.
         let t = k as f64 * period - EVENT_S;
         let blind = match case.event {
             Event::Lost(s) | Event::NotANumber(s) => t < s + 2.0 * period,

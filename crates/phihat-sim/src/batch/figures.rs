@@ -57,7 +57,7 @@ struct TipFigures {
     angle: [f64; Lanes::COUNT],
 }
 
-/// What a sample does to a joint of every arm.
+/// Motion and torque of a joint of every arm over one sample.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Acted {
     /// True acceleration at its start, the torque then, and the mean torque.

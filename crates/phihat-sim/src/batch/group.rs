@@ -85,7 +85,7 @@ impl Group {
 }
 
 impl Run {
-    /// Whether nothing comes after `k` samples.
+    /// Returns true if no sample follows after `k` samples.
     fn is_over(&self, k: u64) -> bool {
         self.divergence.is_some()
             || self.simulation.world.path.abort.is_some()

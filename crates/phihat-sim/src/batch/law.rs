@@ -7,14 +7,14 @@ use phihat_model::{Choice, Lanes};
 
 use crate::control::LawAlone;
 
-/// What is asked of a joint of every arm.
+/// Command to a joint of every arm.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Answer {
     /// Torque \[N·m\].
     pub(super) tau: Lanes,
     /// `φ̂` \[N·m\].
     pub(super) phi_hat: Lanes,
-    /// Where the limit of torque, and that of its rate, acted.
+    /// Arms on which the limit of torque, and that of its rate, acted.
     pub(super) over_torque: Choice,
     pub(super) over_rate: Choice,
 }

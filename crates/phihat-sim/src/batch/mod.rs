@@ -21,19 +21,21 @@ const BLOCK: usize = 64;
 
 /// Many simulations, run so that arms of one structure move in lockstep, eight at a time.
 ///
-/// Every arm has a study of its own: payload, friction, gains, reference, seed, delay, encoders, limits, faults, supervisor,
-/// duration. What decides who shares lanes is structure alone: the joints, the sample period and the integration steps.
+/// Every arm has a study of its own: payload, friction, gains, reference, seed, delay, encoders, limits,
+/// faults, supervisor, duration. Structure alone decides which arms share lanes: the joints, the sample
+/// period and the integration steps.
 ///
 /// # Law
 ///
 /// The batch is the single run, eight at a time: every arm's record, figures and end equal those of its own
-/// [`Simulation`] to the last bit. Sensing, control and drives are the very code of the single run; what is in lanes is the
-/// integration, with the operations of the single one in their order. The one difference is the sign of a zero, in the record.
+/// [`Simulation`] to the last bit. Sensing, control and drives are the code of the single run; only the
+/// integration is in lanes, with the operations of the single one in their order. The one difference is the
+/// sign of a zero, in the record.
 ///
 /// # Alone
 ///
-/// Elastic transmissions, stiction, contacts, end stops, and trees run one by one; [`alone`](Self::alone) tells
-/// which and why. So does the rest of a group in which only one arm is left.
+/// Elastic transmissions, stiction, contacts, end stops, and trees run one by one; [`alone`](Self::alone)
+/// reports which and why. So does the rest of a group in which only one arm is left.
 ///
 /// # Example
 ///
@@ -128,7 +130,7 @@ impl Batch {
     ///
     /// # Errors
     ///
-    /// What `each` says of a block; all runs end there.
+    /// The error of `each` on a block; all runs end there.
     pub fn stream<E>(
         self,
         block: usize,
@@ -157,11 +159,11 @@ impl Batch {
         Ok(ends)
     }
 
-    /// Runs all to their ends and leaves the figures that [`Metrics::of`] makes of each one's record, and how it ended. `studies` are
-    /// those of the simulations, in their order; an arm without one has no figures.
+    /// Runs all to their ends and returns the figures that [`Metrics::of`] makes of each one's record, and
+    /// its end. `studies` are those of the simulations, in their order; an arm without one has no figures.
     ///
-    /// No record is made: where neither faults, losses, a supervisor nor a robot's interface meddle, sensing, law, delays, drives and
-    /// figures are in lanes too.
+    /// No record is made: where there are no faults, no losses, no supervisor and no robot's interface,
+    /// sensing, law, delays, drives and figures are in lanes too.
     pub fn measure(mut self, studies: &[&Study]) -> Vec<(Metrics, Ended)> {
         let (mut done, mut kept) = (Vec::new(), Vec::new());
         self.groups.retain(|group| {

@@ -17,9 +17,9 @@ const PLAUSIBLE: f64 = 4e9;
 ///
 /// # Method
 ///
-/// As `Simulation::record` into `Measured`, operation by operation, but side by side and without a record. The simulations are
-/// only looked at: where an arm leaves what is plain (it diverges, its law refuses a sample), the whole group is run again by the
-/// way that is for all.
+/// As `Simulation::record` into `Measured`, operation by operation, but in lockstep and without a record. The
+/// simulations are not changed: where an arm leaves the plain case (it diverges, its law refuses a sample),
+/// the whole group is run again by the general method.
 pub(super) struct Plain<'a> {
     worlds: Vec<&'a World>,
     studies: Vec<&'a Study>,
@@ -90,7 +90,8 @@ impl<'a> Plain<'a> {
         })
     }
 
-    /// Runs all to their ends. `None`: some arm left what is plain. Motions that arms share are kept for others in `kept`.
+    /// Runs all to their ends. `None`: some arm left the plain case. Motions that arms share are stored for
+    /// others in `kept`.
     pub(super) fn run(
         mut self,
         group: &[(usize, Simulation)],
@@ -166,7 +167,7 @@ impl<'a> Plain<'a> {
         Some(())
     }
 
-    /// What is wanted at sample `k` goes into `wanted` and `wanted_pose`.
+    /// Writes the references of sample `k` into `wanted` and `wanted_pose`.
     fn refer(&mut self, k: u64, told: &mut [Told]) -> Option<()> {
         if let [shared] = told {
             let (row, tip) = shared.at(k, self.samples)?;

@@ -1,10 +1,10 @@
-//! What all arms are told: references, worked out once for arms that share one, and where the tip belongs.
+//! References of all arms, computed once for arms that share one, and the poses of the tip along them.
 
 use phihat_model::{FrameId, Lanes, Model, Pose, Workspace};
 
 use crate::motion::Motion;
 
-/// Samples that are worked out at once.
+/// Samples that are computed at once.
 const AHEAD: u64 = 1 << 15;
 
 /// The same for an arm whose motion is its own.
@@ -26,7 +26,7 @@ impl Tip {
         Self { workspace: Workspace::new(model), model: model.clone(), frame }
     }
 
-    /// Where it is.
+    /// Pose of the tip at `q`.
     pub(super) fn pose(&mut self, q: &[Lanes]) -> Pose<Lanes> {
         self.model.forward_kinematics(&mut self.workspace, q);
         self.model.pose(&self.workspace, self.frame)
@@ -77,7 +77,7 @@ impl Told {
         }
     }
 
-    /// Whether it tells this motion.
+    /// Returns true if these are the references of this motion.
     pub(super) fn is(&self, motion: &Motion, period_ns: u64, tip: Option<&Tip>) -> bool {
         let tips = match (&self.tip, tip) {
             (None, None) => true,
@@ -87,7 +87,8 @@ impl Told {
         tips && self.period_ns == period_ns && self.motion == *motion
     }
 
-    /// Sample `k` of a run of so many: `q_d`, `q̇_d`, `q̈_d` of every joint, and the tip's pose; `None`: numbers that no law takes.
+    /// Sample `k` of a run of so many: `q_d`, `q̇_d`, `q̈_d` of every joint, and the tip's pose; `None`:
+    /// numbers that no law accepts.
     pub(super) fn at(&mut self, k: u64, samples: u64) -> Option<Row<'_>> {
         let here = self.rows.len() / self.joints.max(1);
         let mut at = k.checked_sub(self.from).and_then(|at| usize::try_from(at).ok());

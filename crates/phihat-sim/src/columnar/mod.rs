@@ -1,4 +1,4 @@
-//! What a trace needs of Parquet, by the format's own package: flat tables of numbers, whole numbers, flags and texts.
+//! Parquet files of a trace, by the format's own package: flat tables of numbers, integers, flags and texts.
 
 mod read;
 mod values;
@@ -16,7 +16,7 @@ pub(crate) use read::begins_as_parquet;
 pub use values::{Kind, Texts, Values};
 pub(crate) use write::TableWriter;
 
-/// How a Parquet file begins and ends.
+/// First and last bytes of a Parquet file.
 const MAGIC: [u8; 4] = *b"PAR1";
 
 /// Why a Parquet file cannot be read.
@@ -30,7 +30,7 @@ pub enum ParquetError {
     Column {
         /// Its name.
         column: String,
-        /// What is wrong, and what is read.
+        /// Description of the error, and of what can be read.
         reason: String,
     },
 }
@@ -38,7 +38,7 @@ pub enum ParquetError {
 /// Characters of what the package says that are told.
 const CLIP: usize = 200;
 
-/// What is wrong, in the package's words.
+/// Description of an error, in the package's words.
 struct Reason(String);
 
 /// Does something with bytes from a file: of some damaged ones the package panics, which is a reason as others are.
@@ -53,7 +53,7 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, Package>) -> Result<T, Reason> {
     Err(Reason(told.take(CLIP).collect()))
 }
 
-/// What a panic said.
+/// Message of a panic.
 fn words(panic: &(dyn Any + Send)) -> &str {
     let words = panic.downcast_ref::<&str>().copied();
     words.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or_default()

@@ -14,7 +14,8 @@ use parquet::schema::types::ColumnDescriptor;
 use super::values::{Kind, Values};
 use super::{MAGIC, ParquetError, Reason, guarded};
 
-/// A Parquet file that is read some rows at a time, column by column. Whatever bytes it has, reading ends with rows or an error.
+/// A Parquet file that is read some rows at a time, column by column. Whatever its bytes are, reading ends
+/// with rows or an error.
 #[expect(missing_debug_implementations, reason = "the package's reader has none")]
 pub struct ParquetTable {
     file: Box<dyn FileReader>,
@@ -59,7 +60,7 @@ impl ParquetTable {
         self.columns.iter().map(|column| (column.name(), kind(column)))
     }
 
-    /// Where a column is.
+    /// Index of the flat column of this name.
     pub fn place(&self, name: &str) -> Option<usize> {
         self.columns.iter().position(|column| column.name() == name && is_flat(column))
     }
@@ -134,7 +135,7 @@ impl ParquetTable {
     }
 }
 
-/// Whether a file begins as Parquet does.
+/// Returns true if a file begins as Parquet does.
 pub(crate) fn begins_as_parquet(source: &impl ChunkReader) -> Result<bool, Package> {
     let long = source.len() >= MAGIC.len() as u64;
     Ok(long && source.get_bytes(0, MAGIC.len())? == MAGIC[..])
@@ -164,7 +165,7 @@ impl<R: ChunkReader> ChunkReader for Inside<R> {
     }
 }
 
-/// Whether the columns of a row group are somewhere.
+/// Returns true if the offsets and sizes of a row group's columns are not negative.
 fn are_placed(group: &RowGroupMetaData) -> bool {
     let placed = |column: &ColumnChunkMetaData| {
         let dictionary = column.dictionary_page_offset().unwrap_or(0);

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-/// What a column holds.
+/// Type of the values of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Floating-point numbers.
@@ -104,7 +104,8 @@ impl Values {
         }
     }
 
-    /// Adds rows of the same column, as [`ParquetTable::read`](crate::ParquetTable::read) hands them over one after the other.
+    /// Adds rows of the same column, as [`ParquetTable::read`](crate::ParquetTable::read) hands them over one
+    /// after the other.
     pub fn append(&mut self, more: &Self) {
         match (self, more) {
             (Self::Numbers(values), Self::Numbers(more)) => values.extend_from_slice(more),

@@ -13,10 +13,10 @@ use parquet::schema::types::{Type, TypePtr};
 
 use super::values::Kind;
 
-/// Who wrote a file.
+/// Program that wrote a file.
 const WRITER: &str = concat!("phihat version ", env!("CARGO_PKG_VERSION"));
 
-/// How the format stores what a column holds.
+/// Physical and logical type that the format stores for a kind of column.
 fn physical(kind: Kind) -> (Physical, Option<LogicalType>) {
     match kind {
         Kind::Integers => (Physical::INT64, None),
@@ -108,8 +108,9 @@ fn schema(columns: &[(&str, Kind)]) -> Result<TypePtr, Package> {
     Ok(Arc::new(Type::group_type_builder("trace").with_fields(fields).build()?))
 }
 
-/// Numbers have their bytes apart, so that those which hardly change stand together; texts are few, and in a dictionary. There are no
-/// statistics: nobody looks for rows of a trace by their values.
+/// Numbers are encoded by `BYTE_STREAM_SPLIT`: the k-th bytes of all numbers are adjacent, and those that
+/// hardly change compress well; texts are few, and in a dictionary. There are no statistics: no reader looks
+/// for rows of a trace by their values.
 fn properties(columns: &[(&str, Kind)]) -> WriterProperties {
     let mut properties = WriterProperties::builder()
         .set_created_by(WRITER.to_owned())

@@ -104,7 +104,7 @@ fn pushes(study: &Study) -> Vec<Push> {
     pushes
 }
 
-/// Where the study says, else on the reference.
+/// Start state of the study, else the state on the reference.
 fn start_state(study: &Study, motion: &Motion) -> (Vec<f64>, Vec<f64>) {
     if let Some(start) = &study.world.start {
         return (start.q.clone(), start.dq.clone());

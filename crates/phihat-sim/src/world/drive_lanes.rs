@@ -16,7 +16,7 @@ pub(crate) struct DriveLanes {
     pub(super) gap: Lanes,
 }
 
-/// What a lag makes of a sample period `T`, at a rate `ω`; a drive without one follows at once.
+/// Factors of a lag over a sample period `T`, at a rate `ω`; a drive without one follows at once.
 #[derive(Debug, Clone, Copy)]
 struct Lag {
     /// 1 where there is one.

@@ -1,12 +1,12 @@
-//! Where in the world each kind of fault acts.
+//! Place in the world at which each kind of fault acts.
 
 use phihat_study::FaultKind;
 
-/// The place that a fault acts at. What acts at a place is matched there to the last kind, so that a new kind
-/// of fault does not compile before something happens.
+/// Place of action of a fault. Faults at a place are matched there to the last kind, so that a new kind of
+/// fault does not compile before its effect is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Acts {
-    /// On what a drive makes of its torque.
+    /// On the torque of a drive.
     Drive(DriveFault),
     /// On a joint's friction.
     Friction(FrictionFault),
@@ -26,21 +26,21 @@ pub(super) enum Acts {
     Controller,
 }
 
-/// What is wrong with a drive.
+/// Fault of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum DriveFault {
     Gain,
     Limit,
 }
 
-/// What is wrong with a joint's friction.
+/// Fault of a joint's friction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FrictionFault {
     Times,
     Brake,
 }
 
-/// What is wrong with what a sensor reads.
+/// Fault of a sensor's reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ReadingFault {
     Bias,
@@ -48,7 +48,7 @@ pub(super) enum ReadingFault {
     Torque,
 }
 
-/// What is wrong with a message of measurements.
+/// Fault of a message of measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum MessageFault {
     Freeze,

@@ -48,12 +48,13 @@ pub enum StopReason {
     /// Too many samples in a row without a command.
     #[error("{losses} commands in a row were lost, {most} stop it")]
     Lost {
-        /// How many.
+        /// Number of lost commands in a row.
         losses: u32,
-        /// How many stop the robot.
+        /// Number of lost commands that stops the robot.
         most: u32,
     },
-    /// What a robot stopped for that is driven, or served to somebody: the name that its interface has for it.
+    /// Stop of a real robot, or of one served to a client: the reason, by the name that its interface has for
+    /// it.
     #[error("{0}")]
     Robot(&'static str),
 }
@@ -75,7 +76,7 @@ pub(super) struct Firmware {
     rest: Vec<f64>,
     gravity: Option<(Model, Workspace<f64>)>,
     friction: Vec<Friction>,
-    /// What it adds over the current interval \[N·m\].
+    /// Torque that the robot adds over the current interval \[N·m\].
     pub(super) added: Vec<f64>,
 }
 

@@ -46,8 +46,8 @@ pub(super) struct Forces {
     pub(super) interval: f64,
     pub(super) step: f64,
     pub(super) tau: Vec<f64>,
-    /// What shaped drives gave beyond what they meant to, summed with the integrator's weights, and how
-    /// often.
+    /// Torque of shaped drives beyond the demanded one, summed with the integrator's weights \[N·m\], and the
+    /// number of evaluations.
     pub(super) excess: Vec<f64>,
     pub(super) stage: usize,
 }

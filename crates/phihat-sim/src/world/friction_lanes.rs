@@ -20,7 +20,7 @@ struct SigmoidLanes {
     /// `−s`.
     falling: Lanes,
     offset: Lanes,
-    /// What it is at rest.
+    /// Value at rest.
     rest: Lanes,
 }
 

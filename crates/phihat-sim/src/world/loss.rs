@@ -4,7 +4,7 @@ use phihat_study::{Fault, FaultKind, Loss as Share};
 
 use super::noise::{Effect, Noise};
 
-/// Which messages of a stream get through.
+/// Loss of messages in a stream.
 ///
 /// # Law
 ///
@@ -50,7 +50,7 @@ impl Loss {
         Self { bad: before.is_some_and(|before| before.bad), ..self }
     }
 
-    /// Whether message `k`, at time `t` \[s\], is lost.
+    /// Returns true if message `k`, at time `t` \[s\], is lost.
     pub(super) fn lost(&mut self, k: u64, t: f64) -> bool {
         let probability = if self.bad { self.after_bad } else { self.after_good };
         self.bad = self.noise.uniform(k) < probability;

@@ -50,9 +50,9 @@ pub(crate) struct World {
     sensing: Sensing,
     pub(crate) path: CommandPath,
     pub(crate) plant: Plant,
-    /// What held the arm before the first command \[N·m\]; `None`: nothing.
+    /// Torque that held the arm before the first command \[N·m\]; `None`: none.
     pub(crate) held: Option<Vec<f64>>,
-    /// What the robot adds by itself, and the whole that its drives shall give \[N·m\].
+    /// Torque that the robot adds by itself, and the total that is demanded of its drives \[N·m\].
     added: Vec<f64>,
     demand: Vec<f64>,
     adds: bool,
@@ -76,7 +76,7 @@ impl Brakes {
         Some(Self { closing, since: None })
     }
 
-    /// Whether they hold the arm.
+    /// Returns true if the brakes hold the arm.
     fn hold(&self) -> bool {
         self.since.is_some_and(|since| since >= self.closing)
     }
@@ -131,7 +131,7 @@ impl World {
         Ok(())
     }
 
-    /// Whether nothing happens in it but what every sample brings: no fault, no loss, nothing that a robot adds or refuses.
+    /// Returns true if its samples are uneventful: no fault, no loss, nothing that a robot adds or refuses.
     pub(crate) fn uneventful(&self) -> bool {
         self.sensing.uneventful() && self.path.uneventful() && self.plant.lasting()
     }
@@ -146,25 +146,25 @@ impl World {
         self.substeps
     }
 
-    /// What the controller gets at sample `k`, time `t_ns`.
+    /// Measures at sample `k`, time `t_ns`; returns the message that the controller receives.
     pub(crate) fn sense(&mut self, k: u64, t_ns: u64) -> &Sample {
         self.sensing.sense(k, t_ns, &self.plant, &self.path)
     }
 
-    /// What the controller last got.
+    /// Last message that the controller received.
     pub(crate) fn sample(&self) -> &Sample {
         &self.sensing.sample
     }
 
-    /// Acceleration of a joint at the start of the last interval \[rad/s²\], mean torque over it, and `φ` about a nominal
-    /// inertia \[N·m\].
+    /// Acceleration of a joint at the start of the last interval \[rad/s²\], mean torque over it \[N·m\], and
+    /// `φ` about a nominal inertia \[N·m\].
     pub(crate) fn acted(&self, joint: usize, inertia: f64) -> (f64, f64, f64) {
         let plant = &self.plant;
         let phi = plant.tau_start[joint] - inertia * plant.ddq[joint];
         (plant.ddq[joint], plant.tau_mean[joint], phi)
     }
 
-    /// Takes the torque asked for at sample `k`, time `t` \[s\], and goes on to the next sample.
+    /// Takes the torque command of sample `k`, time `t` \[s\], and goes on to the next sample.
     pub(crate) fn advance(&mut self, k: u64, t: f64, torque: impl Iterator<Item = f64>) {
         self.begin(k, t, torque);
         self.integrate(t);
@@ -215,9 +215,9 @@ impl World {
 /// Most steps that a study may ask for.
 const STEPS_MAX: u32 = 1000;
 
-/// Sets the integration steps that a study's world needs, where the study states none. What is needed is told at the start
-/// of the run; a posture on the way may need half as many more. No change where the world cannot be made, which whoever
-/// makes it is told.
+/// Sets the integration steps that a study's world needs, where the study states none. The number is that of
+/// the posture at the start of the run; a posture on the way may need half as many more. No change where the
+/// world cannot be built; whoever builds it gets the error.
 pub fn derive_substeps(study: &mut Study) {
     if study.world.substeps_stated {
         return;

@@ -11,7 +11,7 @@ pub(super) struct Noise {
     key: u64,
 }
 
-/// Which effect a stream belongs to.
+/// Effect that a stream belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Effect {
     Position,

@@ -15,15 +15,15 @@ pub(crate) struct CommandPath {
     late: usize,
     loss: Option<Loss>,
     stops: Vec<Fault>,
-    /// Whether the command of this sample gets through, once that was asked.
+    /// Last sample whose loss was drawn, and true if its command gets through.
     drawn: Option<(u64, bool)>,
     firmware: Option<Firmware>,
     /// Set once the robot has stopped.
     pub(crate) abort: Option<Abort>,
     arrived: Vec<f64>,
-    /// What was last sent and got through.
+    /// Last command that got through.
     pub(crate) sent: Vec<f64>,
-    /// What the drives are told over the current interval \[N·m\].
+    /// Torque delivered to the drives over the current interval \[N·m\].
     pub(crate) told: Vec<f64>,
     /// Largest of it so far, and largest change from one sample to the next \[N·m\].
     pub(crate) told_max: Vec<f64>,
@@ -73,7 +73,8 @@ impl CommandPath {
         }
     }
 
-    /// Whether commands are late at most: neither lost, nor stopped, nor looked at by a robot's interface.
+    /// Returns true if commands are late at most: neither lost, nor stopped, nor checked by a robot's
+    /// interface.
     pub(super) fn uneventful(&self) -> bool {
         self.loss.is_none() && self.stops.is_empty() && self.firmware.is_none()
     }
@@ -83,13 +84,13 @@ impl CommandPath {
         self.late
     }
 
-    /// Whether the controller runs at time `t` \[s\].
+    /// Returns true if the controller runs at time `t` \[s\].
     pub(crate) fn controller_runs(&self, t: f64) -> bool {
         !self.stops.iter().any(|stop| stop.active(t))
     }
 
-    /// Whether the command of sample `k`, at time `t` \[s\], gets through. The first one opens the session: it is sent until it
-    /// arrives.
+    /// Returns true if the command of sample `k`, at time `t` \[s\], gets through. The first one opens the
+    /// session: it is sent until it arrives.
     pub(crate) fn arrives(&mut self, k: u64, t: f64) -> bool {
         if let Some((_, arrives)) = self.drawn.filter(|(at, _)| *at == k) {
             return arrives;
@@ -130,7 +131,7 @@ impl CommandPath {
 }
 
 impl CommandPath {
-    /// What the robot adds to `told` at a state of the arm, if it adds anything.
+    /// Torque that the robot adds to `told` at a state of the arm \[N·m\], if it adds anything.
     pub(super) fn added(&mut self, q: &[f64], dq: &[f64]) -> Option<&[f64]> {
         let firmware = self.firmware.as_mut()?;
         firmware.add(q, dq);

@@ -14,7 +14,7 @@ pub(crate) struct PathLanes {
     /// By how many samples each lane's commands are late, and all of them, if equally.
     late: [usize; Lanes::COUNT],
     all_late: Option<usize>,
-    /// Where the newest command is.
+    /// Index of the newest command.
     at: usize,
 }
 
@@ -44,7 +44,7 @@ impl PathLanes {
         Self { joints: (0..joints).map(way).collect(), late, all_late, at: 0 }
     }
 
-    /// What the drive of a joint was last told \[N·m\].
+    /// Torque last delivered to the drive of a joint \[N·m\].
     #[inline]
     pub(crate) fn told(&self, joint: usize) -> Lanes {
         self.joints[joint].told

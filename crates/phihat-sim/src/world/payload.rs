@@ -51,7 +51,7 @@ impl Carried {
         }
     }
 
-    /// Whether it is the same from the start to the end.
+    /// Returns true if it is the same from the start to the end.
     pub(super) fn lasts(&self) -> bool {
         self.stages.len() == 1
     }

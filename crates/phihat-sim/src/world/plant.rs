@@ -14,7 +14,7 @@ use super::shape::Shape;
 use super::spring::{EndStop, Transmission};
 use crate::integrator::Rk4;
 
-/// What a plant is made of.
+/// Parts of a plant.
 #[derive(Debug)]
 pub(super) struct Parts {
     pub(super) carried: Carried,
@@ -32,7 +32,7 @@ pub(super) struct Parts {
     pub(super) warm_up: Option<(f64, f64)>,
 }
 
-/// What faults make of a plant.
+/// Parts of a plant that faults change.
 #[derive(Debug)]
 pub(super) struct Met {
     pub(super) carried: Carried,
@@ -64,7 +64,7 @@ pub(crate) struct Plant {
 }
 
 impl Plant {
-    /// Whether it stays what it was made of: neither load nor friction changes with time.
+    /// Returns true if the plant does not change: neither load nor friction changes with time.
     pub(super) fn lasting(&self) -> bool {
         self.faults.is_empty() && self.warm_up.is_none() && self.forces.carried.lasts()
     }

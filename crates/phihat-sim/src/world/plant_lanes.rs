@@ -16,22 +16,24 @@ const TAME: f64 = 1e6;
 ///
 /// # Method
 ///
-/// The state is taken from the worlds at the start of an interval and given back at its end; in between are the steps of
-/// `Rk4`, operation by operation. A lane that leaves every plausible state in an interval is not given back: its world
-/// goes through it by itself, so infinities and what comes of them are those of the single run.
+/// The state is taken from the worlds at the start of an interval and given back at its end; in between are
+/// the steps of `Rk4`, operation by operation. A lane that leaves every plausible state in an interval is not
+/// given back: its world goes through it by itself, so infinities and their consequences are those of the
+/// single run.
 #[derive(Debug)]
 pub(crate) struct PlantLanes {
     arms: Lockstep,
-    /// How many lanes are taken, and which of its models each one carries.
+    /// Index of the model in force of each taken lane.
     stages: Vec<usize>,
     joints: Vec<Joint>,
-    /// Whether any drive takes time.
+    /// True if any drive has a lag.
     drives_lag: bool,
-    /// Whether friction or what drives make of a torque changes from interval to interval.
+    /// True if friction or the shape of a drive's torque changes from interval to interval.
     varies: bool,
-    /// What the drives make of a torque, joint by joint; `None`: all are perfect.
+    /// Shape of the drives' torques, joint by joint; `None`: all are perfect.
     shapes: Option<Vec<ShapeLanes>>,
-    /// What they gave beyond what they meant to, summed over the interval with the integrator's weights.
+    /// Torque of the drives beyond the demanded one, summed over the interval with the integrator's weights
+    /// \[N·m\].
     excess: Vec<Lanes>,
     /// State at the start, then at the end of an interval, and `q̈` at its start.
     q: Vec<Lanes>,
@@ -75,7 +77,7 @@ impl PlantLanes {
         }
     }
 
-    /// Whether two worlds can share lanes.
+    /// Returns true if two worlds can share lanes.
     pub(crate) fn alike(a: &World, b: &World) -> bool {
         let models = [a, b].map(|world| world.plant.forces.carried.stage().1);
         a.substeps == b.substeps
@@ -179,13 +181,13 @@ impl PlantLanes {
         }
     }
 
-    /// What the state of each lane adds up to: an infinity or NaN on the way to it has left one here.
+    /// Sum of `|q| + |q̇|` of each lane: an infinity or NaN on the way to the state has left one here.
     fn size(&self) -> Lanes {
         let sizes = self.q.iter().zip(&self.dq).map(|(q, dq)| q.abs() + dq.abs());
         sizes.fold(Lanes::splat(0.0), |sum, size| sum + size)
     }
 
-    /// Whether every position and velocity is less than `bound`; NaN is not.
+    /// Returns true if every position and velocity is less than `bound`; NaN is not.
     pub(crate) fn within(&self, bound: f64) -> bool {
         self.q.iter().chain(&self.dq).all(|x| x.all_below(bound))
     }
@@ -203,19 +205,20 @@ impl PlantLanes {
         }
     }
 
-    /// What the drive of a joint shall give, and what it still lacks of it, at the start of an interval.
+    /// Sets the torque demanded of a joint's drive, and its remaining gap, at the start of an interval.
     pub(crate) fn demand(&mut self, joint: usize, drive: &DriveLanes) {
         let own = &mut self.joints[joint];
         (own.demand, own.gap) = (drive.demand, drive.gap);
     }
 
-    /// What the drive of a joint makes of a torque \[N·m\] at the start of the interval that begins at `t` \[s\].
+    /// Torque of a joint's drive for a demanded torque \[N·m\], at the start of the interval that begins at
+    /// `t` \[s\].
     pub(crate) fn shaped(&self, joint: usize, torque: Lanes, t: f64) -> Lanes {
         let Some(shapes) = &self.shapes else { return torque };
         shapes[joint].torque(torque, t, self.q[joint], self.dq[joint])
     }
 
-    /// What the drive of a joint gave on average over the last interval beyond what it meant to \[N·m\].
+    /// Mean torque of a joint's drive beyond the demanded one over the last interval \[N·m\].
     pub(crate) fn excess(&self, joint: usize, substeps: u32) -> Option<Lanes> {
         self.shapes.as_ref()?;
         Some(self.excess[joint] / Lanes::splat(f64::from(substeps)))
@@ -293,7 +296,8 @@ impl PlantLanes {
         }
     }
 
-    /// `q̈` of the stage at a time, in the step and the interval that began at the others \[s\]; `share` is the stage's in the interval.
+    /// `q̈` of the stage at a time, in the step and the interval that began at the others \[s\]; `share` is
+    /// the stage's in the interval.
     fn accelerate(&mut self, [t, begin, interval]: [f64; 3], share: f64) {
         let Stage { q, dq, tau, ddq, .. } = &mut self.stage;
         for (i, joint) in self.joints.iter().enumerate() {
@@ -324,7 +328,7 @@ fn give(lanes: &[Lanes], k: usize, out: &mut [f64]) {
     }
 }
 
-/// What the drives of all joints make of a torque; `None`: all are perfect.
+/// Shape of the drives' torques of all joints; `None`: all are perfect.
 fn shapes(plants: &[Option<&Plant>; Lanes::COUNT]) -> Option<Vec<ShapeLanes>> {
     let own = plants.map(|plant| plant.and_then(|plant| plant.forces.shapes.as_deref()));
     let joints = own.iter().flatten().map(|shapes| shapes.len()).next()?;

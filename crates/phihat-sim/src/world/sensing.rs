@@ -22,7 +22,8 @@ pub(super) struct Sensing {
     errors: Option<Errors>,
     faults: Vec<Fault>,
     torque: TorqueSource,
-    /// Where the measured coordinates begin in the plant's state: its links, or its rotors.
+    /// Index in the plant's state at which the measured coordinates begin: those of its links, or of its
+    /// rotors.
     side: usize,
     wrapped: Vec<usize>,
     /// Messages on their way, where they take time.
@@ -99,7 +100,7 @@ impl Sensing {
         self
     }
 
-    /// What the controller gets at sample `k`, time `t_ns`.
+    /// Measures at sample `k`, time `t_ns`; returns the message that the controller receives.
     pub(super) fn sense(
         &mut self,
         k: u64,
@@ -174,7 +175,7 @@ impl Sensing {
         (q, dq, tau_applied)
     }
 
-    /// Whether every message arrives, and none is spoiled or wrapped.
+    /// Returns true if every message arrives, and none is perturbed or wrapped.
     pub(super) fn uneventful(&self) -> bool {
         self.faults.is_empty() && self.loss.is_none() && self.wrapped.is_empty()
     }
@@ -184,7 +185,7 @@ impl Sensing {
         self.way.as_ref().map_or(0, VecDeque::len)
     }
 
-    /// Whether the torque that is told is the one that was asked for, not the one that acted.
+    /// Returns true if the reported torque is the demanded one, not the one that acted.
     pub(super) fn tells_demand(&self) -> bool {
         self.torque == TorqueSource::Demanded
     }
@@ -194,7 +195,8 @@ impl Sensing {
         &self.sensors[i]
     }
 
-    /// What errors make of a joint's true state `[q, q̇, q̈]` and torque at sample `k`; `None`: there are none.
+    /// Measurement of a joint's true state `[q, q̇, q̈]` and torque at sample `k`, with errors; `None`: there
+    /// are none.
     pub(super) fn errors(
         &self,
         i: usize,
@@ -206,7 +208,7 @@ impl Sensing {
         Some(self.spoiled(i, (k, 0.0, age), x, tau))
     }
 
-    /// Whether there are any.
+    /// Returns true if there are errors.
     pub(super) fn errs(&self) -> bool {
         self.errors.is_some()
     }
@@ -232,7 +234,7 @@ impl Sensing {
         Measurement { q, dq, tau_applied }
     }
 
-    /// What the faults do to a whole message.
+    /// Applies the faults of a whole message.
     fn spoil(&mut self, k: u64, t: f64) {
         for fault in self.faults.iter().filter(|fault| fault.active(t)) {
             let concerned = self.fresh.joints.iter_mut().zip(&self.sample.joints).enumerate();
@@ -298,7 +300,7 @@ impl Errors {
         })
     }
 
-    /// How much earlier sample `k` is taken \[s\].
+    /// Time by which sample `k` is taken early \[s\].
     fn age(&self, k: u64) -> f64 {
         if k == 0 { 0.0 } else { self.jitter * self.age.uniform(k) }
     }

@@ -8,7 +8,7 @@ use super::World;
 #[derive(Debug)]
 pub(crate) struct SensingLanes {
     sensors: Vec<SensorLanes>,
-    /// Whether the torque that is told is the one asked for.
+    /// Arms whose reported torque is the demanded one.
     told: Choice,
     period: Lanes,
     /// Messages on their way, a row of all joints each, the oldest at `at`.

@@ -1,4 +1,4 @@
-//! What the controller sees: quantised position, measured or differenced velocity.
+//! Measurements of a joint: quantised position, measured or differenced velocity.
 
 use core::f64::consts::TAU;
 use phihat::VelocitySource;

@@ -1,4 +1,4 @@
-//! What a drive makes of the torque it means to give.
+//! Torque of an imperfect drive for a demanded torque.
 
 use phihat_study::{Fault, Study};
 
@@ -78,7 +78,7 @@ impl Shape {
         }
     }
 
-    /// Whether the torque varies with the rotor's angle.
+    /// Returns true if the torque varies with the rotor's angle.
     pub(super) fn waves(&self) -> bool {
         self.ripple > 0.0 || self.cogging > 0.0
     }

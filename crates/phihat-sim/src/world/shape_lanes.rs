@@ -1,4 +1,4 @@
-//! What the drives of one joint of many arms make of the torque that they mean to give, one arm per lane.
+//! Torques of the imperfect drives of one joint of many arms for demanded torques, one arm per lane.
 
 use phihat_model::{Lanes, Scalar};
 
@@ -18,7 +18,7 @@ pub(super) struct ShapeLanes {
     no_load_speed: Lanes,
 }
 
-/// What varies with the rotor's angle.
+/// Part of the torque that varies with the rotor's angle.
 #[derive(Debug, Clone, Copy)]
 struct Wave {
     per_turn: Lanes,

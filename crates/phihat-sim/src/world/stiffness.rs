@@ -1,4 +1,4 @@
-//! How fine the integration must be for what is stiff in a world.
+//! Integration steps that the stiff parts of a world require.
 
 use super::friction::Friction;
 use super::plant::Plant;
