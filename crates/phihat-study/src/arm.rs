@@ -35,7 +35,7 @@ fn part(node: &Node<'_>) -> Result<Part, StudyError> {
 pub(crate) struct StudyArm {
     pub(crate) robot: Robot,
     pub(crate) joints: Joints,
-    /// What `[[joint]]` states for a design.
+    /// Values that `[[joint]]` states for a design.
     pub(crate) stated: Option<Stated>,
 }
 

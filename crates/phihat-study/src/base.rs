@@ -1,24 +1,24 @@
-//! Where the files are that a study names.
+//! Location of the files that a study names.
 
 use std::path::{Path, PathBuf};
 
-/// What files are relative to.
+/// Folder that files are relative to.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Base<'a> {
     pub(crate) folder: &'a Path,
-    /// Whether the files are in that folder, whatever folder a study names.
+    /// True if the files are in that folder, whatever folder a study names.
     pub(crate) flat: bool,
 }
 
 impl Base<'_> {
-    /// Where a file is.
+    /// Path of a file.
     pub(crate) fn join(&self, named: &str) -> PathBuf {
         let name = Path::new(named).file_name().filter(|_| self.flat);
         self.folder.join(name.map_or(Path::new(named), Path::new))
     }
 }
 
-/// Where a file was looked for that is not there; nothing where there is something.
+/// Path at which a missing file was expected, as a sentence; empty if something is there.
 pub(crate) fn beside(path: &Path) -> String {
     if path.exists() {
         return String::new();

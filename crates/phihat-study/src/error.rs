@@ -6,7 +6,7 @@ use std::ops::Range;
 /// Characters of a source line that [`StudyError::render`] shows at most.
 const WINDOW: usize = 96;
 
-/// What kind of thing is wrong; the message has the particulars.
+/// Kind of an error; the message has the particulars.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum StudyErrorKind {
     /// A file could not be opened or read.
@@ -98,7 +98,7 @@ impl StudyError {
         self
     }
 
-    /// What kind of thing is wrong.
+    /// Kind of the error.
     pub fn kind(&self) -> StudyErrorKind {
         self.inner.kind
     }
@@ -133,7 +133,7 @@ impl StudyError {
         &self.inner.message
     }
 
-    /// What would be right, if that can be said.
+    /// Correction, if one can be suggested.
     pub fn help(&self) -> Option<&str> {
         self.inner.help.as_deref()
     }

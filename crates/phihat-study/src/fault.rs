@@ -8,25 +8,25 @@ use crate::node::Node;
 /// Something that goes wrong for a while. Plain data: a list of these can be built by a program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fault {
-    /// What goes wrong.
+    /// Kind of the fault.
     pub kind: FaultKind,
     /// When it begins \[s\].
     pub start: f64,
-    /// How long it lasts \[s\]; infinite: to the end of the run.
+    /// Duration \[s\]; infinite: to the end of the run.
     pub duration: f64,
     /// The joint it is about; `None`: every joint.
     pub joint: Option<usize>,
-    /// How badly, in the unit of its kind; 1 where the kind has no size.
+    /// Size, in the unit of its kind; 1 where the kind has no size.
     pub size: f64,
 }
 
 impl Fault {
-    /// Whether it acts at time `t` \[s\].
+    /// Returns true if it acts at time `t` \[s\].
     pub fn active(&self, t: f64) -> bool {
         self.start <= t && t < self.start + self.duration
     }
 
-    /// Whether it is about this joint.
+    /// Returns true if it acts on this joint.
     pub fn concerns(&self, joint: usize) -> bool {
         self.joint.is_none_or(|j| j == joint)
     }
@@ -34,7 +34,7 @@ impl Fault {
 
 macro_rules! kinds {
     ($($kind:ident $word:literal, $joint:literal, $unit:literal, $bounds:expr, $default:expr, $doc:literal;)*) => {
-        /// What can go wrong: the kinds of fault that a study can ask for.
+        /// Kinds of fault that a study can request.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum FaultKind {
             $(#[doc = $doc] $kind,)*
@@ -54,12 +54,12 @@ macro_rules! kinds {
                 match self { $(Self::$kind => $unit),* }
             }
 
-            /// Whether it can be about a single joint.
+            /// Returns true if it can act on a single joint.
             pub fn per_joint(self) -> bool {
                 match self { $(Self::$kind => $joint),* }
             }
 
-            /// Which sizes it can have; `None`: it has no size.
+            /// Bounds on its size; `None`: it has no size.
             fn bounds(self) -> Option<Bounds> {
                 match self { $(Self::$kind => $bounds),* }
             }

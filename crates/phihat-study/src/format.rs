@@ -1,4 +1,4 @@
-//! How the format of a study is described: sections of keys, each with shape, unit, range, default.
+//! Description of the format of a study: sections of keys, each with shape, unit, range, default.
 //!
 //! The tables written in these terms (`keys.rs`, `reference_keys.rs`) are the only place that
 //! knows the format; the checks, the manual and the JSON Schema are all made from them.
@@ -10,7 +10,7 @@ use std::fmt;
 pub(crate) struct Section {
     /// Path as in the file: `world.payload`; empty for the top of the file.
     pub(crate) path: &'static str,
-    /// What it is about, for the manual.
+    /// Subject of the section, for the manual.
     pub(crate) doc: &'static str,
     pub(crate) keys: &'static [Key],
 }
@@ -28,7 +28,7 @@ pub(crate) struct Key {
     pub(crate) doc: &'static str,
 }
 
-/// What a value looks like.
+/// Shape of a value.
 #[derive(Debug)]
 pub(crate) enum Shape {
     /// A string of at most 200 characters.
@@ -75,7 +75,7 @@ pub(crate) struct Kind {
     pub(crate) section: &'static Section,
 }
 
-/// Whether a key must be there, and what its absence means.
+/// Need of a key, and the meaning of its absence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Need {
     Required,
@@ -93,9 +93,9 @@ pub(crate) enum Need {
 pub(crate) struct Bounds {
     pub(crate) low: f64,
     pub(crate) high: f64,
-    /// Whether `low` itself is outside.
+    /// True if `low` itself is outside.
     pub(crate) open: bool,
-    /// Whether only integers will do.
+    /// True if only integers are valid.
     pub(crate) integer: bool,
 }
 
@@ -120,7 +120,7 @@ impl Bounds {
         Self { low, high, open: false, integer: true }
     }
 
-    /// Whether `x` is a number inside; NaN never is.
+    /// Returns true if `x` is a number inside; NaN never is.
     pub(crate) fn admit(self, x: f64) -> bool {
         let above = if self.open { x > self.low } else { x >= self.low };
         above && x <= self.high

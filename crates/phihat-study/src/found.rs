@@ -1,17 +1,17 @@
-//! What is wrong with a study, gathered while it is read: the first error, or as many as are asked for.
+//! Errors of a study, gathered while it is read: the first error, or as many as are requested.
 
 use std::cell::RefCell;
 use std::ops::Range;
 
 use crate::error::{Place, StudyError, StudyErrorKind as Kind};
 
-/// Errors that a study is told of at most.
+/// Largest number of errors that are reported of a study.
 const ERRORS_MAX: usize = 100;
 
 /// The errors found so far.
 ///
-/// A reader that can go on after an error hands it to [`note`](Self::note) with `?`. Where the first error is all that is
-/// asked for, it comes back and ends the reading.
+/// A reader that can go on after an error passes it to [`note`](Self::note) with `?`. Where only the first
+/// error is requested, it comes back and ends the reading.
 #[derive(Debug)]
 pub(crate) struct Found {
     /// Errors beyond which the reading ends.
@@ -39,12 +39,12 @@ impl Found {
         Self { room: ERRORS_MAX - 1, noted: RefCell::default() }
     }
 
-    /// Whether reading goes on after an error.
+    /// Returns true if reading goes on after an error.
     pub(crate) fn goes_on(&self) -> bool {
         self.room > 0
     }
 
-    /// Keeps an error; one that only follows from an earlier one is dropped.
+    /// Stores an error; one that only follows from an earlier one is dropped.
     ///
     /// # Errors
     ///
@@ -89,7 +89,7 @@ impl Found {
         noted.first_pass = Some(noted.errors.len());
     }
 
-    /// Whether the first pass refused something inside these bytes.
+    /// Returns true if the first pass refused something inside these bytes.
     pub(crate) fn refuses(&self, span: &Range<usize>) -> bool {
         let noted = self.noted.borrow();
         let count = noted.first_pass.unwrap_or_default();
@@ -99,12 +99,12 @@ impl Found {
             .any(|bad| span.start <= bad.start && bad.end <= span.end)
     }
 
-    /// Whether nothing was found at `path` or inside of it.
+    /// Returns true if no error was noted at `path` or inside of it.
     pub(crate) fn is_clean(&self, path: &str) -> bool {
         !self.noted.borrow().errors.iter().any(|error| inside(error.key(), path))
     }
 
-    /// What ends a reading that cannot go on after what was noted.
+    /// Last noted error, which ends a reading that cannot go on.
     pub(crate) fn last(&self) -> StudyError {
         self.noted.borrow().errors.last().cloned().unwrap_or_else(|| {
             let why = "cannot be read";
@@ -112,7 +112,7 @@ impl Found {
         })
     }
 
-    /// Everything that was found, and the error that ended the reading.
+    /// All errors that were noted, and the error that ended the reading.
     pub(crate) fn into_errors(self, last: Option<StudyError>, origin: &str) -> Vec<StudyError> {
         let last = last.filter(|last| !self.follows(last));
         let mut errors = self.noted.into_inner().errors;
@@ -137,7 +137,7 @@ impl Found {
     }
 }
 
-/// Whether `path` is `of` or inside of it.
+/// Returns true if `path` is `of` or inside of it.
 fn inside(path: &str, of: &str) -> bool {
     let rest = path.strip_prefix(of);
     of.is_empty() || rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))

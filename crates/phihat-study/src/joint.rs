@@ -6,15 +6,15 @@ use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::format::{Bounds, Key, Need, Section, Shape};
 use crate::node::Node;
 
-/// How the warning begins that says what is simulated of an arm without a description.
+/// Beginning of the warning that describes the simulation of an arm without a description.
 pub const JOINT_BY_JOINT: &str = "the arm is known joint by joint";
 
-/// What is stated of each joint for a design.
+/// Values that are stated of each joint for a design.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Stated {
     /// Inertia from and to \[kg·m²\].
     pub(crate) inertia: (Vec<f64>, Vec<f64>),
-    /// How fast φ changes \[N·m/s\], and how far it jumps \[N·m\].
+    /// Largest rate of φ \[N·m/s\], and largest jump of φ \[N·m\].
     pub(crate) phi: (Vec<f64>, Vec<f64>),
 }
 

@@ -1,4 +1,4 @@
-//! What the lists of keys have in common.
+//! Common parts of the lists of keys.
 
 use crate::format::{Bounds, Key, Need, Section, Shape};
 

@@ -31,19 +31,19 @@ impl<'a> Node<'a> {
         Self { source, section, path: String::new(), span: 0..0, table: Some(table) }
     }
 
-    /// Whether the file has this table.
+    /// Returns true if the file has this table.
     pub(crate) fn exists(&self) -> bool {
         self.table.is_some()
     }
 
-    /// Whether the file has this key.
+    /// Returns true if the file has this key.
     pub(crate) fn has(&self, key: &str) -> bool {
         self.value(key).is_some()
     }
 
     /// The value as the file has it.
     ///
-    /// What the first pass refused is not there; of tables, only the keys that it refused are not.
+    /// Values that the first pass refused are absent; of tables, only the refused keys are absent.
     pub(crate) fn value(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
         let value = self.table?.get(key)?;
         let found = self.source.found;
@@ -64,7 +64,7 @@ impl<'a> Node<'a> {
         self.source.found.note(error)
     }
 
-    /// Whether nothing is wrong in this table so far.
+    /// Returns true if no error was noted in this table so far.
     pub(crate) fn is_clean(&self) -> bool {
         self.source.found.is_clean(&self.path)
     }
@@ -250,7 +250,7 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// What holds if the file does not say `key`.
+    /// Need of `key`: the meaning of its absence from the file.
     pub(crate) fn need(&self, key: &str) -> Option<Need> {
         self.section.key(key).map(|key: &'static Key| key.need)
     }

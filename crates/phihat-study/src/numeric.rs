@@ -11,7 +11,8 @@ use crate::suggest::{nearest, sections, with_right_unit};
 /// A number of a study, by its path: `world.payload.mass_kg`, `fault[0].size`, `gains.inertia_kg_m2[2]`,
 /// `world.coulomb_extra_nm.joint2`, `reference.sine[0].frequency_hz`.
 ///
-/// A key that has a value per joint stands for all joints, or for one that is named by its place, from 0, or by its name.
+/// A key that has a value per joint stands for all joints, or for one that is named by its place, from 0, or
+/// by its name.
 ///
 /// # Example
 ///
@@ -116,22 +117,22 @@ impl NumericKey {
         self.key.unit
     }
 
-    /// Whether only integers will do.
+    /// Returns true if only integers are valid.
     pub fn is_integer(&self) -> bool {
         self.bounds.integer
     }
 
-    /// Whether a study may have this number there.
+    /// Returns true if a study may have this number there.
     pub fn admits(&self, value: f64) -> bool {
         self.bounds.admit(value) && (!self.bounds.integer || value.fract() == 0.0)
     }
 
-    /// Whether a study may have every number above this one, and not this one.
+    /// Returns true if a study may have every number above this one, and not this one.
     pub fn begins_above(&self, value: f64) -> bool {
         self.bounds.open && value.total_cmp(&self.bounds.low).is_eq()
     }
 
-    /// Which numbers a study may have there, in words.
+    /// Range of the numbers that a study may have there, in words.
     pub fn range(&self) -> String {
         let integers = if self.bounds.integer { "integers, " } else { "" };
         format!("{integers}{}", self.bounds)

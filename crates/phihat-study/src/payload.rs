@@ -59,7 +59,7 @@ pub(crate) fn read(node: &Node<'_>, arm: &StudyArm) -> Result<Option<Payload>, S
     }))
 }
 
-/// Whether `Σ = ½ tr(I)·1 − I`, the second moment of the mass, is positive semidefinite.
+/// Returns true if `Σ = ½ tr(I)·1 − I`, the second moment of the mass, is positive semidefinite.
 ///
 /// Its eigenvalues are half of what the triangle inequality of the principal moments asks to be
 /// non-negative. A symmetric matrix is semidefinite iff all its principal minors are non-negative;

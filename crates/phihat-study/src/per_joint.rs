@@ -17,7 +17,7 @@ pub(crate) struct Joints {
     pub(crate) locked: Vec<String>,
 }
 
-/// What a key that also admits words was given.
+/// Value of a key that also admits words.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum PerJoint<'a, T> {
     Values(Vec<T>),

@@ -39,13 +39,14 @@ impl Study {
         Self::from_text(&text, &origin, path.parent().unwrap_or(Path::new("")))
     }
 
-    /// Reads a study, and goes on after what is wrong: that all of it can be mended at once.
+    /// Reads a study, and goes on after an error, so that all errors can be corrected at once.
     ///
-    /// What only follows from another error is left out: where a robot cannot be read, nothing is said of values per joint.
+    /// Errors that only follow from another one are left out: where a robot cannot be read, no errors of
+    /// values per joint are reported.
     ///
     /// # Errors
     ///
-    /// Everything that is wrong, up to 100 errors, in the order of the file.
+    /// All errors, up to 100, in the order of the file.
     pub fn check(path: &Path) -> Result<Self, Vec<StudyError>> {
         let (text, origin) = text_of(path).map_err(|error| vec![error])?;
         Self::check_text(&text, &origin, path.parent().unwrap_or(Path::new("")))
@@ -78,7 +79,8 @@ impl Study {
         first_error(text, origin, Base { folder: base, flat: false })
     }
 
-    /// Reads the study of a record, whose [`inputs`](Self::inputs) are in a folder under the names that they have there.
+    /// Reads the study of a record, whose [`inputs`](Self::inputs) are in a folder under the names that they
+    /// have there.
     ///
     /// # Errors
     ///
@@ -126,7 +128,7 @@ fn text_of(path: &Path) -> Result<(String, String), StudyError> {
     }
 }
 
-/// Whether a file begins as UTF-16 text does.
+/// Returns true if a file begins as UTF-16 text does.
 fn is_utf16(path: &Path) -> bool {
     let mut mark = [0; 2];
     let read = input::open(path).and_then(|mut file| file.read_exact(&mut mark));

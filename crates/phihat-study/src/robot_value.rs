@@ -15,7 +15,7 @@ pub(crate) fn limits(
     choose(node, arm, key, arm.joints.numbers_or_word(node, key)?, robot)
 }
 
-/// What is given for `key`, the robot's own, or none.
+/// Value given for `key`, the robot's own, or none.
 pub(crate) fn choose<T: Copy>(
     node: &Node<'_>,
     arm: &StudyArm,

@@ -44,7 +44,7 @@ pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Refe
 /// Times, and one row of positions for each.
 type Samples = (Vec<f64>, Vec<Vec<f64>>);
 
-/// What a column holds.
+/// Content of a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Column {
     Time,
@@ -264,7 +264,7 @@ impl<'f, R: BufRead> Table<'f, R> {
     }
 }
 
-/// How far a reading that starts over goes at least \[rad\].
+/// Smallest jump of a reading that starts over \[rad\].
 const WHOLE_TURN: f64 = 0.9 * TAU;
 
 /// Positions of joints without ends become those nearest to the row before: a file may start over at ±π.

@@ -13,7 +13,7 @@ const LINE_MAX: usize = 4096;
 pub(crate) struct Source<'a> {
     pub(crate) text: &'a str,
     pub(crate) origin: &'a str,
-    /// What is wrong with it so far.
+    /// Errors of the text so far.
     pub(crate) found: &'a Found,
 }
 

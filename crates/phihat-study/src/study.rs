@@ -43,7 +43,8 @@ use crate::payload::Payload;
 /// # Ok::<(), phihat_study::StudyError>(())
 /// ```
 ///
-/// A file is read by [`Study::read`]; what is wrong with it is said with its place, see [`StudyError`](crate::StudyError).
+/// A file is read by [`Study::read`]; its errors are reported with their place, see
+/// [`StudyError`](crate::StudyError).
 #[derive(Debug, Clone)]
 pub struct Study {
     /// Name: the file's stem, `[a-z0-9_-]{1,64}`.
@@ -66,7 +67,7 @@ pub struct Study {
     pub spec: Spec,
     /// The gains asked for; `None`: they are to be designed.
     pub gains: Option<GainsRequest>,
-    /// What gains shall be found from.
+    /// Request for a design of the gains.
     pub design: DesignRequest,
     /// The control loop.
     pub control: Control,
@@ -78,11 +79,11 @@ pub struct Study {
     pub interface: Box<Interface>,
     /// Guard, limits and modes around the law; `None`: the law runs bare.
     pub supervisor: Option<Box<crate::SupervisorRequest>>,
-    /// What goes wrong for a while.
+    /// Faults, each with its start and duration.
     pub faults: Vec<Fault>,
-    /// What the arm shall do.
+    /// Reference motion of the arm.
     pub reference: Reference,
-    /// Torque that is fed forward beside `M̄ q̈_d`.
+    /// Feed-forward torque on top of `M̄ q̈_d`.
     pub feedforward: Option<FeedForward>,
 }
 
@@ -91,7 +92,7 @@ pub struct Study {
 pub struct Spec {
     /// When the steady part begins \[s\].
     pub settle: f64,
-    /// Whether the study states `settle`; else it is a default that a certificate's tube replaces.
+    /// True if the study states `settle`; else it is a default that a certificate's tube replaces.
     pub settle_stated: bool,
     /// Largest |e| \[rad\] per joint.
     pub error_bound: Option<Vec<f64>>,
@@ -103,20 +104,20 @@ pub struct Spec {
     pub tip_error_max: Option<f64>,
 }
 
-/// `[design]`: what gains shall be found from.
+/// `[design]`: input of a design of the gains.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignRequest {
-    /// How they are found.
+    /// Design method.
     pub method: DesignMethod,
     /// Estimator orders to try, ascending.
     pub orders: Vec<usize>,
-    /// Whether laws from positions may filter their innovation.
+    /// True if laws from positions may filter their innovation.
     pub innovation_filter: bool,
     /// Payloads that the gains must bear.
     pub payload: crate::PayloadSet,
     /// Lowest and highest level of dry friction \[N·m\] per joint.
     pub coulomb: (Vec<f64>, Vec<f64>),
-    /// What is known of the arm's inertia.
+    /// Source of the range of the arm's inertia.
     pub inertia: InertiaSource,
     /// Factor by which the arm's inertia must stay inside the window, at both ends.
     pub window_margin: f64,
@@ -124,7 +125,7 @@ pub struct DesignRequest {
     pub modulus_min: f64,
     /// Largest change of torque per sample that encoder steps may cause \[N·m\] per joint.
     pub torque_step_max: Option<Vec<f64>>,
-    /// What is known of φ.
+    /// Source of the bounds on φ.
     pub phi: PhiSource,
     /// Factor on bounds on φ that a simulation or a trace showed.
     pub phi_margin: f64,
@@ -132,11 +133,11 @@ pub struct DesignRequest {
     pub settling_time: Option<f64>,
     /// Largest rise time of the outer loop, 10 % to 90 % \[s\].
     pub rise_time: Option<f64>,
-    /// What the paper's recipe needs besides.
+    /// Further input of the paper's recipe.
     pub paper: PaperRequest,
 }
 
-/// How gains are found.
+/// Design method of the gains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DesignMethod {
     /// Proved to keep the specification, with the least torque noise.
@@ -145,7 +146,7 @@ pub enum DesignMethod {
     Paper,
 }
 
-/// Where the range of the arm's inertia comes from.
+/// Source of the range of the arm's inertia.
 #[derive(Debug, Clone, PartialEq)]
 pub enum InertiaSource {
     /// Postures of the robot's description.
@@ -161,7 +162,7 @@ pub enum InertiaSource {
     Trace(PathBuf),
 }
 
-/// Where the bounds on φ come from.
+/// Source of the bounds on φ.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PhiSource {
     /// Inverse dynamics along the reference.
@@ -184,17 +185,17 @@ pub enum PhiSource {
 pub struct PaperRequest {
     /// `φ_max` for unit inertia \[rad/s²\] per joint; `None`: from what is known of φ.
     pub phi_max: Option<Vec<f64>>,
-    /// Whether each joint has a law of its own.
+    /// True if each joint has a law of its own.
     pub per_joint: bool,
-    /// Whether step 1 is by (40); else by (44).
+    /// True if step 1 is by (40); else by (44).
     pub by_40: bool,
     /// Largest repeated integrals of the error beyond `∫e`: `∬e, ∭e, …`.
     pub integrals_max: Vec<f64>,
-    /// Whether `xᵀSBBᵀSx` counts.
+    /// True if `xᵀSBBᵀSx` counts in (44).
     pub feedback: bool,
     /// `ζ` of the outer loop.
     pub damping: f64,
-    /// How much faster than the outer loop the estimator is at least.
+    /// Smallest ratio of the estimator's speed to that of the outer loop.
     pub estimator_factor: f64,
     /// `M̄` \[kg·m²\] per joint.
     pub inertia: Vec<f64>,
@@ -209,7 +210,7 @@ pub struct GainsRequest {
     pub law: LawRequest,
 }
 
-/// How a study states a law: by bandwidths or by coefficients.
+/// Statement of a law in a study: by bandwidths or by coefficients.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LawRequest {
     /// By bandwidth and damping: `K_p = ω²`, `K_d = 2ζω`, estimator poles at `estimator_bandwidth`.
@@ -245,25 +246,26 @@ pub struct Control {
     pub period_ns: u64,
     /// Transport delay from sample to acting torque \[samples\], 0 … 8.
     pub delay_samples: u32,
-    /// Which form of the law runs.
+    /// Form of the law.
     pub form: Form,
-    /// Whether that is left to the design: [`Self::takes`].
+    /// True if the form is left to the design: [`Self::takes`].
     pub form_designed: bool,
-    /// Whether the study says whether there is a preview.
+    /// True if the study states `preview`.
     pub preview_stated: bool,
-    /// Whether the acceleration fed forward is that of the interval in which the torque will act.
+    /// True if the feed-forward acceleration is that of the interval in which the torque will act.
     pub preview: bool,
     /// Torque limit \[N·m\] per joint; the robot's unless the study overrides it.
     pub torque_max: Option<Vec<f64>>,
     /// Torque-rate limit \[N·m/s\] per joint; `None`: no limit.
     pub torque_rate_max: Option<Vec<f64>>,
-    /// The most energy that all drives together may give the arm \[J\], and the time in which they may \[s\]; `None`: no limit.
+    /// Largest energy that all drives together may give the arm \[J\], and the time in which they may \[s\];
+    /// `None`: no limit.
     pub energy: Option<(f64, f64)>,
-    /// What becomes of a motion that needs more than the drives have.
+    /// Treatment of a motion that needs more than the drives have.
     pub beyond_drives: DrivesBeyond,
 }
 
-/// What becomes of a motion that needs more torque or speed than the drives have.
+/// Treatment of a motion that needs more torque or speed than the drives have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DrivesBeyond {
     /// It is refused before anything is designed or run.
@@ -281,9 +283,9 @@ pub struct Sensor {
     pub velocity: VelocitySource,
     /// First-order low-pass on the velocity \[Hz\]; `None`: none, or left to the design.
     pub velocity_filter_hz: Option<f64>,
-    /// Whether the low-pass is left to the design: its cut-off then comes with the gains.
+    /// True if the low-pass is left to the design: its cut-off then comes with the gains.
     pub velocity_filter_designed: bool,
-    /// Which torque the law is fed.
+    /// Source of the torque that is passed to the law.
     pub torque: TorqueSource,
     /// White noise on the position \[rad\] per joint, standard deviation.
     pub position_noise: Vec<f64>,
@@ -291,28 +293,28 @@ pub struct Sensor {
     pub position_bias: Vec<f64>,
     /// White noise on a measured velocity \[rad/s\] per joint, standard deviation.
     pub velocity_noise: Vec<f64>,
-    /// White noise on the torque that the law is fed \[N·m\] per joint, standard deviation.
+    /// White noise on the torque that is passed to the law \[N·m\] per joint, standard deviation.
     pub torque_noise: Vec<f64>,
     /// Most that a sample is taken early \[s\].
     pub jitter: f64,
-    /// How late measurements arrive \[samples\], 0 … 8.
+    /// Delay of the measurements \[samples\], 0 … 8.
     pub delay_samples: u32,
-    /// Whether the motor's side of an elastic transmission is measured, not the link's.
+    /// True if the motor's side of an elastic transmission is measured, not the link's.
     pub at_motor: bool,
-    /// Whether the position starts over at ±π.
+    /// True if the position starts over at ±π.
     pub wrap: bool,
 }
 
 /// `[profile]`: the robot's torque interface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interface {
-    /// What it adds, and on what it stops.
+    /// Torque that it adds, and limits on which it stops.
     pub profile: Profile,
-    /// Whether the controller keeps its limits and its start rule.
+    /// True if the controller respects its limits and its start rule.
     pub kept: bool,
 }
 
-/// `[world.drive]`: what a drive makes of the torque it is told.
+/// `[world.drive]`: torque of a drive for a commanded torque.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
     /// Torque that acts per torque told, per joint.
@@ -344,7 +346,7 @@ pub struct Network {
     pub sample: Loss,
 }
 
-/// How messages get lost.
+/// Loss of messages.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Loss {
     /// Share of messages lost, 0 … 0.9.
@@ -358,7 +360,7 @@ pub struct Loss {
 pub struct World {
     /// Gravity \[m/s²\] in the base frame.
     pub gravity: [f64; 3],
-    /// Whether the robot's identified friction acts.
+    /// True if the robot's identified friction acts.
     pub robot_friction: bool,
     /// Coulomb friction on top \[N·m\] per joint.
     pub extra_coulomb: Vec<f64>,
@@ -388,11 +390,11 @@ pub struct World {
     pub pushes: Vec<Push>,
     /// RK4 steps per control sample, ≥ 1.
     pub substeps: u32,
-    /// Whether the study states them; else as many are taken as the world needs.
+    /// True if the study states them; else as many are taken as the world needs.
     pub substeps_stated: bool,
     /// Start position and velocity; `None`: on the reference.
     pub start: Option<Start>,
-    /// What holds the arm before the law takes over; `None`: nothing.
+    /// Torque that holds the arm before the law takes over; `None`: none.
     pub held: Option<Held>,
 }
 
@@ -479,10 +481,10 @@ pub struct Start {
     pub dq: Vec<f64>,
 }
 
-/// `[feedforward]`: torque along the reference that the law is told with it.
+/// `[feedforward]`: torque along the reference that is passed to the law with it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeedForward {
-    /// What of the robot's description.
+    /// Part of the robot's description that is fed forward.
     pub known: Known,
     /// Masses and inertias of that description over those of the robot's own.
     pub mass_scale: f64,
@@ -490,7 +492,7 @@ pub struct FeedForward {
     pub coulomb: Vec<f64>,
 }
 
-/// What of a description is fed forward.
+/// Part of a description that is fed forward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Known {
     /// Nothing.
@@ -516,12 +518,12 @@ impl Control {
 pub enum Held {
     /// Typed \[N·m\], per joint.
     By(Vec<f64>),
-    /// What holds the robot's description against gravity where the run begins, without payload.
+    /// Torque that holds the robot's description against gravity where the run begins, without payload.
     ByGravity,
 }
 
 impl Study {
-    /// Whether it is known where the arm's tip is: not of an arm that is stated by `[[joint]]`.
+    /// Returns true if the position of the arm's tip is known: not of an arm that is stated by `[[joint]]`.
     pub fn has_tip(&self) -> bool {
         let stated = |line: &String| line.starts_with(crate::joint::JOINT_BY_JOINT);
         !self.robot.warnings.iter().any(stated)
@@ -572,9 +574,9 @@ pub enum Reference {
         period: f64,
         /// Duration of the quintic start-up of the speed along the curve \[s\]; 0: full speed at once.
         fade_in: f64,
-        /// Whether the frame's orientation is held as at the start (needs ≥ 6 joints).
+        /// True if the frame's orientation stays as at the start (needs ≥ 6 joints).
         hold_orientation: bool,
-        /// Where inverse kinematics starts looking \[rad\].
+        /// Start posture of inverse kinematics \[rad\].
         seed: Vec<f64>,
     },
     /// Samples from a file, joined by a natural cubic spline per joint.

@@ -1,4 +1,4 @@
-//! What a person may have meant: the nearest name, the right unit, the right section.
+//! Suggestions for a wrong name: the nearest name, the right unit, the right section.
 
 use crate::format::{Section, Shape};
 

@@ -34,21 +34,22 @@ pub struct SupervisorRequest {
     pub funnel_decay: f64,
     /// Torque when armed \[N·m\].
     pub preset: Option<Vec<f64>>,
-    /// Whether to start at first order.
+    /// True if the law starts at first order.
     pub start_first_order: bool,
-    /// How many times as fast the estimator is at the start, where it is slower.
+    /// Factor on the estimator's poles at the start, ≤ 1; `None`: as fast as the gains.
     pub start_factor: Option<f64>,
     /// Mismatch that counts as settled, and as disturbed \[N·m\].
     pub settled: f64,
     /// See `settled`; infinite: never.
     pub disturbed: f64,
-    /// How long either must last \[s\].
+    /// Time for which either must last \[s\].
     pub dwell: f64,
-    /// How long a torque may stay at its limit \[s\].
+    /// Longest time that a torque may stay at its limit \[s\].
     pub saturation: f64,
-    /// How long the brakes take to close \[s\]; `None`: there are none.
+    /// Closing time of the brakes \[s\]; `None`: there are none.
     pub brake_closing: Option<f64>,
-    /// Where an arm without brakes is taken before its torque goes \[rad\]; only with `motion`.
+    /// Posture to which an arm without brakes is taken before its torque is removed \[rad\]; only with
+    /// `motion`.
     pub park: Option<Vec<f64>>,
     /// Missed samples that are bridged.
     pub hold_samples: u32,
@@ -58,16 +59,17 @@ pub struct SupervisorRequest {
     pub start_mismatch_max: f64,
     /// Length of blends \[s\].
     pub blend: f64,
-    /// What is asked for from when on \[s\], ascending; empty: arm, hold, track at once.
+    /// Requested modes, each with its start time \[s\], ascending; empty: arm, hold, track at once.
     pub requests: Vec<(f64, RequestedMode)>,
 }
 
-/// What a list of requests, ascending in time \[s\], asks at a time: its latest one until then.
+/// Mode that a list of requests, ascending in time \[s\], requests at a time: that of the latest one until
+/// then.
 pub fn requested(requests: &[(f64, RequestedMode)], t: f64) -> Option<RequestedMode> {
     requests.iter().rev().find(|(from, _)| *from <= t + 1e-12).map(|(_, mode)| *mode)
 }
 
-/// What can be asked of the arm.
+/// Modes that can be requested of the arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RequestedMode {
     /// No torque.

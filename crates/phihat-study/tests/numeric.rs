@@ -1,5 +1,5 @@
-//! Numbers of a study by their path. Wrong if a value lands anywhere but at its key, if another one changes, or if a name that is
-//! no number's is taken or not told with the right one.
+//! Numbers of a study by their path. Wrong if a value lands anywhere but at its key, if another one changes,
+//! or if a name that is no number's is accepted, or refused without the right one.
 
 use phihat_study::{NumericKey, Study};
 use toml::Table;

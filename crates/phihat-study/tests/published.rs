@@ -66,7 +66,7 @@ const OF_ONE_TYPE: &[&str] = &[
     "additionalProperties",
 ];
 
-/// Whether `value` satisfies `schema`, for the few words of JSON Schema that ours uses.
+/// Returns true if `value` satisfies `schema`, for the few words of JSON Schema that ours uses.
 fn valid(schema: &Value, value: &Value) -> bool {
     let Value::Object(rules) = schema else { return schema.as_bool().unwrap_or(false) };
     rules.iter().all(|(rule, argument)| match (rule.as_str(), value) {

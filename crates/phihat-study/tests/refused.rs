@@ -227,8 +227,8 @@ const WORLD: &[Case] = &[
     (35, "duration_s = 0.0", "world.push[0].duration_s", OutOfRange, "above 0"),
 ];
 
-/// What stands at line 26 of the good study, before `[world]`, whose payload is 0.3 kg at the tip and whose
-/// dry friction is 0.2 N·m + 0.1 N·m.
+/// Mistakes in a `[design]` at line 26 of the good study, before `[world]`, whose payload is 0.3 kg at the
+/// tip and whose dry friction is 0.2 N·m + 0.1 N·m.
 const DESIGN: &[Case] = &[
     (27, "payload_kg = [0.1, 0.2]", "design.payload_kg", Conflict, "valid: at least 0.3 kg"),
     (27, "payload_kg = [0.4, 0.5]", "design.payload_kg", Conflict, "valid: at most 0.3 kg"),

@@ -65,7 +65,7 @@ fn a_slower_start_is_read_and_refused_where_there_is_no_estimator_to_slow() {
     );
 }
 
-/// How fast an arm goes to where it parks.
+/// Limits of the motion to the park posture.
 const SHAPED: &str = "reference_velocity_max_rad_s = 0.5\nreference_acceleration_max_rad_s2 = 2.0\nreference_jerk_max_rad_s3 = 20.0\n";
 
 #[test]
