@@ -1,7 +1,8 @@
-//! Descriptions as they are in the world: which load, whole or as the chain that is proposed, and their torque and mass matrix at
-//! some states, for somebody else to compute again.
+//! Published descriptions: which of them load, whole or as the chain that is proposed, and their torque and
+//! mass matrix at some states, for an independent computation.
 //!
-//! `cargo xtask zoo`, or `cargo run -p phihat-model --example zoo < LIST`: a file's path per line in, a JSON document per line out.
+//! `cargo xtask zoo`, or `cargo run -p phihat-model --example zoo < LIST`: one path of a file per line in,
+//! one JSON document per line out.
 #![forbid(unsafe_code)]
 
 use std::error::Error;
@@ -21,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What becomes of one file.
+/// Result of one file.
 fn examined(path: &Path) -> Value {
     let chains = Robot::chains(path).unwrap_or_default();
     let chain = |c: &Chain| json!({ "base": c.base, "tip": c.tip, "joints": c.joints });

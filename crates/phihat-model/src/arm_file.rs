@@ -11,7 +11,7 @@ const BITS: (u32, u32) = (18, 12);
 /// Arms of which no joint has more torque than this have small servos \[N·m\].
 const SMALL_NM: f64 = 10.0;
 
-/// Where a section's figures come from, where they are estimated.
+/// Source of a section's figures, where they are estimated.
 const ROTOR: &str = "estimate: J = t * torque limit / speed limit, t = 0.011 to 0.07 s (geared drives; 0.0035 to 0.02 s above 12 rad/s), which holds published drives of Franka, KUKA and Unitree; `rotor_inertia` in phihat-model";
 const FRICTION: &str = "estimate: dry friction is 0.6 to 7 % of the torque limit, which holds the Panda's identified friction; `dry_friction` in phihat-model";
 const ENCODER: &str =
@@ -24,8 +24,9 @@ impl Robot {
         without.map(|joint| joint.name.as_str()).collect()
     }
 
-    /// This robot with estimates of what its description leaves out: rotor inertia and dry friction as intervals, and an
-    /// encoder. What is described stays; so do joints [without a torque limit](Self::without_torque_limit).
+    /// This robot with estimates of the values that its description omits: rotor inertia and dry friction as
+    /// intervals, and an encoder. Described values stay; so do joints
+    /// [without a torque limit](Self::without_torque_limit).
     #[must_use]
     pub fn estimated(mut self) -> Self {
         let torques = self.joints.iter().filter_map(|joint| joint.torque_max);

@@ -18,7 +18,7 @@ pub struct Body {
 const CUT_DIGITS: f64 = 1e-3;
 const NOTHING: f64 = 1e-12;
 
-/// How far a physical inertia may miss a condition through rounding, relative to its trace.
+/// Largest violation of a condition by a physical inertia through rounding, relative to its trace.
 const ROUNDING: f64 = 1e-9;
 
 impl Body {
@@ -41,8 +41,8 @@ impl Body {
         if definite { Ok(()) } else { Err(NotRigid::Inertia(*inertia)) }
     }
 
-    /// The same with all principal moments raised so far that none is negative, where one is by no more than digits that were
-    /// cut; `None`: nothing is to be raised, or it is more than that.
+    /// The same with all principal moments raised so far that none is negative, where one is by no more than
+    /// digits that were cut; `None`: nothing is to be raised, or it is more than that.
     pub(crate) fn raised_if_rounded(&self) -> Option<Self> {
         let [xx, _, _, yy, _, zz] = self.inertia;
         let finite = self.inertia.iter().all(|x| x.is_finite());
@@ -69,7 +69,7 @@ impl Body {
         c + 2.0 * p * libm::cos(angle + 2.0 * core::f64::consts::FRAC_PI_3)
     }
 
-    /// Whether some mass distribution has this inertia: no principal moment above the sum of the
+    /// Returns true if some mass distribution has this inertia: no principal moment above the sum of the
     /// other two, that is, `½ tr(I) 1 − I` positive semidefinite.
     pub(crate) fn obeys_triangle_inequality(&self) -> bool {
         let [xx, xy, xz, yy, yz, zz] = self.inertia;

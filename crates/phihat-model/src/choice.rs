@@ -28,7 +28,7 @@ impl Choice {
         Lanes(self.0.bitselect(yes.0, no.0))
     }
 
-    /// What one or the other has chosen.
+    /// Lanes that are chosen by one or the other.
     #[must_use]
     #[inline(always)]
     pub fn or(self, other: Self) -> Self {
@@ -42,7 +42,7 @@ impl Choice {
         Lanes(self.0 & f64x8::splat(1.0))
     }
 
-    /// Whether any lane is chosen.
+    /// Returns true if any lane is chosen.
     #[inline(always)]
     pub fn any(self) -> bool {
         self.0.any()
@@ -57,7 +57,7 @@ impl From<[bool; Lanes::COUNT]> for Choice {
 }
 
 impl Lanes {
-    /// Where this is greater; a NaN is not.
+    /// Lanes in which `self` is greater than `other`; a NaN is not.
     #[must_use]
     #[inline(always)]
     pub fn exceeds(self, other: Self) -> Choice {

@@ -96,7 +96,7 @@ impl<S: Scalar> Columns<S> {
         Self { fx, fy, fz, nx, ny: ny - a * fz, nz: nz + a * fy }
     }
 
-    /// What each column does along the joint of `segment`.
+    /// Force or moment of each column along the joint of `segment`.
     #[inline(always)]
     pub(crate) fn along(&self, segment: &Segment) -> S::Four {
         match segment.motion {

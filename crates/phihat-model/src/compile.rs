@@ -33,7 +33,7 @@ use crate::vector::Turn;
 /// Axes this close to parallel (sine of the angle) do not use their common normal.
 const NEARLY_PARALLEL: f64 = 0.05;
 
-/// Where a link sits in the compiled form.
+/// Position of a link in the compiled form.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Seat {
     /// Segment that carries the link; `None`: the base, and then `at` is the pose in the world.
@@ -48,7 +48,7 @@ pub(crate) struct Compiled {
     pub(crate) segments: Vec<Segment>,
     /// `θ₀` \[rad\] of each segment; zeros at the end fill up whole vectors.
     pub(crate) theta: Vec<f64>,
-    /// Whether segments and coordinates are one to one, and all revolute.
+    /// True if segments and coordinates are one to one, and all revolute.
     pub(crate) plain: bool,
     /// Code written out for this structure.
     pub(crate) kernel: Option<Kernel>,
@@ -222,7 +222,7 @@ fn link_up(segments: &mut [Segment]) {
 }
 
 impl Segment {
-    /// Whether this is the first segment on its parent, given its own index.
+    /// Returns true if this is the first segment on its parent, given its own index.
     #[inline(always)]
     pub(crate) fn follows_parent(&self, index: usize) -> bool {
         self.parent.is_some_and(|parent| parent + 1 == index)

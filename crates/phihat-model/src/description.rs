@@ -3,7 +3,7 @@
 use crate::body::Lumped;
 use crate::placement::{Placement, about};
 
-/// What a joint lets its child do.
+/// Motion of a joint's child.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Motion {
     Fixed,
@@ -65,7 +65,7 @@ impl JointOf {
         self.motion = Motion::Fixed;
     }
 
-    /// What the joint adds to its placement at `position`.
+    /// Displacement of the joint at `position`, relative to its placement.
     fn displacement(&self, position: f64) -> Placement {
         match self.motion {
             Motion::Fixed => Placement::IDENTITY,

@@ -1,4 +1,4 @@
-//! What can be wrong with a robot, and where.
+//! Errors of a robot, with their places.
 
 use thiserror::Error;
 
@@ -23,7 +23,7 @@ pub enum ModelError {
     Payload {
         /// Frame the body was to be welded to.
         frame: String,
-        /// What is wrong with it.
+        /// Reason of the refusal.
         why: NotRigid,
     },
     /// A payload on a frame that the robot has not.
@@ -63,9 +63,9 @@ pub enum RobotError {
     TooMuch {
         /// File.
         origin: String,
-        /// What there is too much of.
+        /// Kind of the items of which there are too many.
         what: &'static str,
-        /// How much there is, at least.
+        /// Amount found, at least.
         found: usize,
         /// Largest amount that is read.
         limit: usize,
@@ -77,7 +77,7 @@ pub enum RobotError {
         origin: String,
         /// Line, from 1.
         line: u32,
-        /// What is wrong.
+        /// Description of the error.
         why: String,
     },
     /// A link that is not one.
@@ -89,7 +89,7 @@ pub enum RobotError {
         line: u32,
         /// Link's name.
         link: String,
-        /// What is wrong, and what would be valid.
+        /// Description of the error, and what would be valid.
         why: String,
     },
     /// A joint that is not one.
@@ -101,7 +101,7 @@ pub enum RobotError {
         line: u32,
         /// Joint's name.
         joint: String,
-        /// What is wrong, and what would be valid.
+        /// Description of the error, and what would be valid.
         why: String,
     },
     /// The links and joints do not form one tree.
@@ -109,7 +109,7 @@ pub enum RobotError {
     Tree {
         /// File.
         origin: String,
-        /// What is wrong, and with which links.
+        /// Description of the error, with the links concerned.
         why: String,
     },
     /// The robot's TOML file is not one.
@@ -117,7 +117,7 @@ pub enum RobotError {
     Toml {
         /// File.
         origin: String,
-        /// What is wrong, with line and column where known.
+        /// Description of the error, with line and column where known.
         why: String,
     },
     /// A key of the robot's TOML file has a value that cannot be.
@@ -127,7 +127,7 @@ pub enum RobotError {
         origin: String,
         /// Key, with its table.
         key: String,
-        /// What is wrong, and what would be valid.
+        /// Description of the error, and what would be valid.
         why: String,
     },
     /// No arm of that name is built in.
@@ -147,7 +147,7 @@ pub enum RobotError {
         robot: String,
         /// Joint's name.
         joint: String,
-        /// What is wrong, and what would be valid.
+        /// Description of the error, and what would be valid.
         why: String,
     },
 }

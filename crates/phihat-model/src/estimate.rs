@@ -1,4 +1,5 @@
-//! What a URDF leaves out, estimated from what it has: rotor inertia and dry friction, as intervals.
+//! Estimates of values that a URDF omits, from those that it has: rotor inertia and dry friction, as
+//! intervals.
 //!
 //! # Law
 //!
@@ -31,8 +32,8 @@
 //!
 //! # Not claimed
 //!
-//! That a drive's own figure lies inside: a limit in a URDF may be a placeholder, or chosen for safety. A data sheet, or
-//! a measurement, replaces the estimate.
+//! That a drive's own figure lies inside: a limit in a URDF may be a placeholder, or chosen for safety. A
+//! data sheet, or a measurement, replaces the estimate.
 
 /// An interval with the value in it that is simulated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,8 +67,8 @@ impl Estimate {
     }
 }
 
-/// Reflected rotor inertia \[kg·m²\], (E1), from the largest torque \[N·m\] and the largest speed \[rad/s\] of a joint; of
-/// a sliding joint \[kg\], from N and m/s. Without a speed, [`SPEED_ASSUMED`].
+/// Reflected rotor inertia \[kg·m²\], (E1), from the largest torque \[N·m\] and the largest speed \[rad/s\]
+/// of a joint; of a sliding joint \[kg\], from N and m/s. Without a speed, [`SPEED_ASSUMED`].
 ///
 /// # Example
 ///
@@ -85,9 +86,9 @@ pub fn rotor_inertia(torque_max: f64, velocity_max: Option<f64>) -> Estimate {
 
 /// Dry friction \[N·m\] from the largest torque \[N·m\] of a joint: 0.6 to 7 % of it.
 ///
-/// Of the Panda's identified friction (`robots/panda.toml`) the amplitudes are 0.6 to 7 % of the torque limits. Of the PUMA
-/// 560 (P. I. Corke, B. Armstrong-Hélouvry, A meta-study of PUMA 560 dynamics, Robotica 13, 1995) joints 2 to 6 have 1 to
-/// 8 %; its first one a quarter, which is far outside.
+/// Of the Panda's identified friction (`robots/panda.toml`) the amplitudes are 0.6 to 7 % of the torque
+/// limits. Of the PUMA 560 (P. I. Corke, B. Armstrong-Hélouvry, A meta-study of PUMA 560 dynamics, Robotica
+/// 13, 1995) joints 2 to 6 have 1 to 8 %; its first one a quarter, which is far outside.
 pub fn dry_friction(torque_max: f64) -> Estimate {
     Estimate::over(torque_max, FRICTION)
 }

@@ -1,6 +1,7 @@
 //! Points that cover a box evenly, the same every time.
 
-/// So many points of a box: the additive recurrence `x_k = low + frac(k √p_i) (high − low)`, with `p_i` the `i`-th prime.
+/// Points of a box, `count` of them: the additive recurrence `x_k = low + frac(k √p_i) (high − low)`, with
+/// `p_i` the `i`-th prime.
 ///
 /// `ends` are the box's \[rad, m\], one pair per coordinate; `k` goes from 1 to `count`.
 pub fn evenly(ends: &[(f64, f64)], count: u32) -> impl Iterator<Item = Vec<f64>> {

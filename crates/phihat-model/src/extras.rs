@@ -26,7 +26,7 @@ struct File {
     description: String,
     urdf: String,
     tip: Option<String>,
-    /// Where the arm stands in a larger robot: its joints are those from here to the tip.
+    /// Link from which the arm starts in a larger robot: its joints are those from here to the tip.
     base: Option<String>,
     /// Joints held fixed, each with its position.
     #[serde(default)]
@@ -404,7 +404,7 @@ impl Lists<'_> {
     }
 }
 
-/// What a value may be.
+/// Range of a value.
 #[derive(Debug, Clone, Copy)]
 enum Range {
     Any,

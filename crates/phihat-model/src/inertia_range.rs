@@ -1,4 +1,4 @@
-//! How a robot's inertia varies over its postures: what a constant nominal inertia must cover.
+//! Range of a robot's inertia over its postures, which a constant nominal inertia must cover.
 
 use crate::{Joint, Robot, Workspace};
 

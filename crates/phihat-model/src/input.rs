@@ -11,7 +11,7 @@ pub const DOCUMENT_MAX: u64 = 1 << 28;
 ///
 /// # Errors
 ///
-/// What the system says, or that there is something else than a file.
+/// The system's error, or that the path is no regular file.
 pub fn open(path: &Path) -> Result<File> {
     let about = std::fs::metadata(path)?;
     if about.is_file() {

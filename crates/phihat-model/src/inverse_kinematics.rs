@@ -6,7 +6,7 @@ use crate::model::FrameId;
 use crate::placement::{IDENTITY, Matrix3, add, dot, mul, normalised, transpose};
 use crate::{Model, Workspace};
 
-/// Where a frame shall be, in the world.
+/// Target of a frame, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
     /// Origin \[m\] only; orientation as it comes.
@@ -15,7 +15,7 @@ pub enum Target {
     Pose(crate::Pose),
 }
 
-/// What inverse kinematics may use.
+/// Options of inverse kinematics.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IkOptions {
     /// Lower and upper limit \[rad, m\] per joint; empty: none.
@@ -42,9 +42,9 @@ pub enum IkError {
         "target not reached: the nearest posture found misses it by {position} m and {rotation} rad"
     )]
     NotReached {
-        /// What is left of the position \[m\].
+        /// Remaining error of the position \[m\].
         position: f64,
-        /// What is left of the orientation \[rad\]; 0 if only a position was asked.
+        /// Remaining error of the orientation \[rad\]; 0 if only a position was requested.
         rotation: f64,
         /// The posture that comes nearest.
         nearest: Vec<f64>,

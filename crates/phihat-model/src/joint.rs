@@ -5,7 +5,7 @@
 pub struct Joint {
     /// Name.
     pub name: String,
-    /// What it lets its child do.
+    /// Kind of the joint.
     pub kind: JointKind,
     /// Lower and upper end of travel \[rad, m\]; `None`: endless.
     pub position: Option<(f64, f64)>,
@@ -28,7 +28,7 @@ pub struct Joint {
 }
 
 impl Joint {
-    /// Whether it turns, and does not slide.
+    /// Returns true if the joint turns; false if it slides.
     pub fn turns(&self) -> bool {
         self.kind != JointKind::Prismatic
     }
@@ -44,7 +44,7 @@ impl Joint {
     }
 }
 
-/// Where in its interval every rotor inertia of an arm is.
+/// Position of every rotor inertia of an arm in its interval.
 ///
 /// `M(q) + diag(J)` grows with each `J` in the Loewner order: what holds at both ends about the largest and the
 /// smallest eigenvalue holds for every rotor between them.
@@ -58,7 +58,7 @@ pub enum Rotor {
     Most,
 }
 
-/// What a joint lets its child do.
+/// Kind of a joint: the motion of its child.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointKind {
     /// Turns between two ends.

@@ -2,8 +2,9 @@
 //!
 //! # Method
 //!
-//! Every operation is that of `f64` in each lane. Sines are those of [`trig`], the exponential is that of the `libm` crate
-//! (fdlibm's), step by step; lanes outside the range of the vector code get theirs from the code for one number.
+//! Every operation is that of `f64` in each lane. Sines are those of [`trig`], the exponential is that of the
+//! `libm` crate (fdlibm's), step by step; lanes outside the range of the vector code get theirs from the code
+//! for one number.
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -32,7 +33,7 @@ use crate::{Quad, Scalar};
 pub struct Lanes(pub(crate) f64x8);
 
 impl Lanes {
-    /// How many there are.
+    /// Number of lanes.
     pub const COUNT: usize = 8;
 
     /// `√x`, lane by lane.
@@ -60,7 +61,7 @@ impl Lanes {
         }
     }
 
-    /// Whether `|x| < bound` in every lane; a NaN is not.
+    /// Returns true if `|x| < bound` in every lane; a NaN is not.
     #[inline(always)]
     pub fn all_below(self, bound: f64) -> bool {
         self.0.abs().simd_lt(f64x8::splat(bound)).all()
@@ -196,7 +197,7 @@ const EXP: [f64; 5] = [
     4.138_136_797_057_238_5e-8,
 ];
 
-/// Where fdlibm's exponential changes its way, by the high word of `|x|`: 2⁻²⁸, ½ ln 2 and 1½ ln 2.
+/// Limits between the branches of fdlibm's exponential, by the high word of `|x|`: 2⁻²⁸, ½ ln 2 and 1½ ln 2.
 const TINY: f64 = f64::from_bits(0x3e30_0001 << 32);
 const REDUCED: f64 = f64::from_bits(0x3fd6_2e43 << 32);
 const ROUNDED: f64 = f64::from_bits(0x3ff0_a2b2 << 32);

@@ -110,7 +110,7 @@ impl Model {
         self.compiled.link_of_joint.get(joint).copied().map(FrameId)
     }
 
-    /// Whether any joint moves the frame; none moves those that are fixed to the base.
+    /// Returns true if any joint moves the frame; false if the frame is fixed to the base.
     pub fn moves(&self, frame: FrameId) -> bool {
         self.compiled.seats[frame.0].segment.is_some()
     }

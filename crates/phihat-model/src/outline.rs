@@ -1,4 +1,4 @@
-//! What a description looks like: every link, how it hangs on its parent, and the body that it has.
+//! Outline of a description: every link, its attachment to its parent, and its body.
 
 use crate::Model;
 use crate::body::Body;
@@ -15,7 +15,7 @@ pub struct Outline {
     pub parent: Option<usize>,
     /// The coordinate that moves it against its parent; `None`: it is fixed to it.
     pub joint: Option<usize>,
-    /// Whether that coordinate slides \[m\]; else it turns \[rad\].
+    /// True if that coordinate slides \[m\]; else it turns \[rad\].
     pub slides: bool,
     /// Its pose in its parent at position 0.
     pub pose: Pose,

@@ -1,10 +1,10 @@
-//! Which part of a description is the arm.
+//! Part of a description that is the arm.
 
 use std::collections::BTreeMap;
 
-/// Which part of a description is the arm; all of it by default.
+/// Part of a description that is the arm; all of it by default.
 ///
-/// What is not part of it stands still: at the position stated for it, else as near to 0 as its limits let it.
+/// The rest stands still: at the position stated for it, else as near to 0 as its limits permit.
 ///
 /// # Example
 ///
@@ -46,7 +46,7 @@ pub struct Part {
 }
 
 impl Part {
-    /// Whether it says which part.
+    /// Returns true if a part is stated.
     pub fn is_stated(&self) -> bool {
         self.base.is_some() || self.tip.is_some() || self.joints.is_some()
     }

@@ -1,4 +1,4 @@
-//! What a robot's torque interface makes of a torque command, and on what it stops.
+//! Torque interface of a robot: its effect on a torque command, and the limits at which it stops.
 
 use serde::Deserialize;
 
@@ -20,7 +20,7 @@ pub struct Profile {
     pub name: String,
     /// One line for people.
     pub description: String,
-    /// Where the figures come from, and what is uncertain about them.
+    /// Source of the figures, and their uncertainty.
     pub source: String,
     /// Slowest rate of commands \[Hz\]; `None`: any.
     #[serde(rename = "rate_min_hz")]
@@ -28,13 +28,13 @@ pub struct Profile {
     /// Fastest rate of commands \[Hz\]; `None`: any.
     #[serde(rename = "rate_max_hz")]
     pub rate_max: Option<f64>,
-    /// Whether the robot adds the torque that holds it against gravity.
+    /// True if the robot adds the torque that holds it against gravity.
     #[serde(default)]
     pub adds_gravity: bool,
     /// Share of its own friction that the robot adds, 0 … 1.
     #[serde(default)]
     pub adds_friction: f64,
-    /// Whether the robot clamps torques beyond its joints' limits.
+    /// True if the robot clamps torques beyond its joints' limits.
     #[serde(default)]
     pub clamps_torque: bool,
     /// Torque rate \[N·m/s\] beyond which the robot stops.

@@ -91,7 +91,7 @@ impl<S: Scalar> Spin<S> {
     }
 }
 
-/// What a link's motion contributes to its rows of `Y`.
+/// Factors of a link's motion in its rows of `Y`.
 struct Factors<S> {
     acc: Vec3<S>,
     gamma: Gamma<S>,

@@ -45,7 +45,7 @@ pub struct Robot {
     pub description: String,
     /// Licence of the description.
     pub licence: String,
-    /// Where the figures come from, in words.
+    /// Source of the figures, in words.
     pub provenance: String,
     /// Source of each section of the TOML file, by the section's name.
     pub sources: BTreeMap<String, String>,
@@ -61,7 +61,7 @@ pub struct Robot {
     pub poses: BTreeMap<String, Vec<f64>>,
     /// Joints of the description that move but are none of the arm's, and where they are held \[rad, m\].
     pub held: BTreeMap<String, f64>,
-    /// What is odd about the description but does not prevent its use.
+    /// Oddities of the description that do not prevent its use.
     pub warnings: Vec<String>,
     /// Files that it was read from, the one that was named first; none of an arm that comes with the crate.
     pub files: Vec<PathBuf>,
@@ -127,12 +127,12 @@ impl Robot {
         }
     }
 
-    /// Whether a joint moves the frame of this name.
+    /// Returns true if a joint moves the frame of this name.
     pub(crate) fn moves(&self, frame: &str) -> bool {
         self.model.frame(frame).is_some_and(|frame| self.model.moves(frame))
     }
 
-    /// Whether a rotor inertia is known by an interval alone.
+    /// Returns true if a rotor inertia is known by an interval alone.
     pub fn has_rotor_interval(&self) -> bool {
         self.joints.iter().any(|joint| joint.armature_range.is_some_and(|(low, high)| low < high))
     }

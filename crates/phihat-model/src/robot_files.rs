@@ -85,7 +85,8 @@ impl Robot {
     ///
     /// # Errors
     ///
-    /// [`RobotError`]: the file is no URDF. That an arm cannot be made of a chain is told by [`read_part`](Self::read_part).
+    /// [`RobotError`]: the file is no URDF. A chain of which no arm can be made is refused by
+    /// [`read_part`](Self::read_part).
     pub fn chains(path: &Path) -> Result<Vec<Chain>, RobotError> {
         let (text, origin) = (read_text(path)?, path.display().to_string());
         if path.extension().is_none_or(|extension| extension != "toml") {
@@ -190,7 +191,7 @@ impl Robot {
         }
     }
 
-    /// What no joint moves does no work.
+    /// Checks that a joint moves the tip: a link that no joint moves does no work.
     fn with_a_tip_that_moves(self, origin: &str) -> Result<Self, RobotError> {
         if self.moves(&self.tip) {
             return Ok(self);

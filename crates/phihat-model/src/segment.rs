@@ -10,9 +10,9 @@ pub(crate) struct Segment {
     pub(crate) joint: usize,
     /// Index of the parent segment; `None`: the base.
     pub(crate) parent: Option<usize>,
-    /// Whether some segment hangs on this one; the first that does is the next in order.
+    /// True if some segment hangs on this one; the first that does is the next in order.
     pub(crate) bears: bool,
-    /// Whether more than one does.
+    /// True if more than one segment does.
     pub(crate) forks: bool,
     /// Coordinates of this segment and all that hangs on it.
     pub(crate) coordinates: (usize, usize),

@@ -1,9 +1,9 @@
-//! What of a segment is structure: a branch that arms share, or a product that need not be computed.
+//! Structure of a segment: a branch that arms share, or a product that need not be computed.
 
 use crate::description::Motion;
 use crate::segment::Segment;
 
-/// How the first screw turns.
+/// Rotation of the first screw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Tilt {
     /// Not at all.
@@ -16,18 +16,18 @@ pub(crate) enum Tilt {
     Any,
 }
 
-/// What of a segment is structure.
+/// Structure of a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Shape {
     pub(crate) tilt: Tilt,
-    /// Whether there is an `a`.
+    /// True if there is an `a`.
     pub(crate) reaches: bool,
-    /// Whether there is a `d`, constant or not.
+    /// True if there is a `d`, constant or not.
     pub(crate) slides: bool,
 }
 
 impl Shape {
-    /// What is the same for the same segment of several arms.
+    /// Common structure of the same segment of several arms.
     pub(crate) fn shared(segments: &[&Segment]) -> Self {
         let turned = |cos: f64, sin: f64| {
             segments.iter().all(|s| {

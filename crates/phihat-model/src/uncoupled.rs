@@ -12,7 +12,7 @@ use crate::robot::Robot;
 impl Robot {
     /// Joints that do not push each other: of each, all inertia is its rotor's, and gravity does nothing.
     ///
-    /// For arms of which no description is at hand: a stand-in that joints can be simulated on, and no model of the arm.
+    /// For arms without a description: a stand-in that joints can be simulated on, and no model of the arm.
     ///
     /// # Example
     ///

@@ -48,14 +48,14 @@ pub(crate) struct Screws<S> {
     shifts: Vec<S>,
 }
 
-/// What the recursions keep per segment.
+/// Intermediate results of the recursions per segment.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Node<S> {
     pub(crate) motion: Spin<S>,
     pub(crate) force: Vec3<S>,
     pub(crate) moment: Vec3<S>,
     pub(crate) pose: Pose3<S>,
-    /// Composite inertia of later branches, kept until their parent's turn comes.
+    /// Composite inertia of later branches, stored until their parent's turn comes.
     pub(crate) inertia: Inertia<S>,
 }
 
@@ -103,7 +103,7 @@ impl<S: Scalar> Screws<S> {
         (Turn { c: self.cosines[i], s: self.sines[i] }, d)
     }
 
-    /// Whether this is scratch of `model`.
+    /// Returns true if this is scratch of `model`.
     #[inline(always)]
     pub(crate) fn fits(&self, model: &Model) -> bool {
         self.angles.len() == model.compiled().theta.len()

@@ -17,7 +17,7 @@ const GOOD: &str = r#"<robot name="good">
 <joint name="weld" type="fixed"><parent link="arm"/><child link="tip"/></joint>
 </robot>"#;
 
-/// What to replace in the good one, with what, and what the message must say.
+/// Mistakes: text of the good one, its replacement, and words of the message.
 const MISTAKES: &[(&str, &str, &[&str])] = &[
     ("<mass value=\"1\"/>", "<mass value=\"-1\"/>", &[":3:", "\"arm\"", "-1"]),
     ("<mass value=\"1\"/>", "<mass value=\"NaN\"/>", &[":3:", "\"arm\"", "NaN"]),
@@ -132,7 +132,7 @@ fn odd_but_usable_figures_are_warned_about() {
 /// A hostile file of a size that is given in parts.
 type Hostile = fn(usize) -> String;
 
-/// What is refused, and by which word; from how many parts on.
+/// Hostile files: word of the refusal, number of parts from which on they are refused, and the text.
 const HOSTILE: [(&str, usize, Hostile); 8] = [
     ("elements inside each other", 200_000, |n| {
         format!("<robot>{}{}</robot>", "<a>".repeat(n), "</a>".repeat(n))
@@ -165,8 +165,8 @@ fn hostile_files_are_refused() {
 
 /// Four times the file may take four times the work, and not sixteen times: wrong if a refusal took quadratic time.
 ///
-/// Both are counted in one run, in processor time of this thread, the least of five each, so that neither the machine nor what else it
-/// does decides. Below 2 ms nothing counts.
+/// Both are counted in one run, in processor time of this thread, the least of five each, so that neither the
+/// machine nor its other work decides. Below 2 ms nothing counts.
 #[cfg(unix)]
 #[test]
 fn a_refusal_takes_no_more_than_linear_time() {
@@ -185,7 +185,7 @@ fn a_refusal_takes_no_more_than_linear_time() {
     }
 }
 
-/// How long this thread had a processor.
+/// Processor time of this thread.
 #[cfg(unix)]
 fn processor_time() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);

@@ -1,6 +1,6 @@
-//! Five hundred broken arms: each real robot's description, with one figure or name of one link or joint made
-//! what no arm has. Wrong if one of them were read in silence, or refused without saying where; or if what a joint moves were
-//! passed over.
+//! Five hundred broken arms: each real robot's description, with one figure or name of one link or joint
+//! changed to one that no arm has. Wrong if one of them were read in silence, or refused without its place;
+//! or if the links that a joint moves were passed over.
 
 use std::path::Path;
 

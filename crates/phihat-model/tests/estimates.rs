@@ -1,6 +1,6 @@
-//! What a URDF leaves out, estimated and written. Wrong if a published drive lay outside its interval, if a written file did not
-//! read back as what was written, if an interval were read that is none, or if a rotor between two ends made an eigenvalue of
-//! the arm's inertia lie outside of those at the ends.
+//! Estimates of values that a URDF omits, and their files. Wrong if a published drive lay outside its
+//! interval, if a written file did not read back as it was written, if an interval were read that is none, or
+//! if a rotor between two ends made an eigenvalue of the arm's inertia lie outside of those at the ends.
 
 use phihat_model::{Part, Robot, Rotor, Workspace, dry_friction, rotor_inertia};
 

@@ -1,4 +1,5 @@
-//! Wrong if an arm in a lane did not move as it does alone, or a lane's sine or exponential had other bits than one number's.
+//! Wrong if an arm in a lane did not move as it does alone, or a lane's sine or exponential had other bits
+//! than one number's.
 
 use phihat_model::{Body, Lanes, Lockstep, LockstepError, Model, Robot, Scalar, Workspace};
 

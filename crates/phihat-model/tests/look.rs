@@ -1,5 +1,6 @@
-//! What an arm looks like, from its files. Wrong if a cube in four formats were not the same cube, where its URDF puts it; if fewer triangles
-//! enclosed another volume; if a file outside of the folder were read; or if bytes that are no mesh did more than get told of.
+//! Shapes of an arm, from its files. Wrong if a cube in four formats were not the same cube, where its URDF
+//! puts it; if fewer triangles enclosed another volume; if a file outside of the folder were read; or if
+//! bytes that are no mesh did more than cause a report.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,6 @@
-//! What descriptions of other people get wrong, each as a small arm of ours: read as the arm that is written right, bit for bit, with
-//! a line that names the element; or refused with what to do. Fails where a quirk is read in another way, or in silence.
+//! Quirks of published descriptions, each as a small arm of ours: read as the correctly written arm, bit for
+//! bit, with a line that names the element; or refused with a remedy. Fails where a quirk is read in another
+//! way, or in silence.
 
 use phihat_model::{Part, Robot, Workspace};
 
@@ -20,7 +21,8 @@ fn tower(kinds: &[&str]) -> String {
     format!("<robot name=\"tower\">\n<link name=\"l0\"/>\n{parts}</robot>\n")
 }
 
-/// What is right, in the first joint that has it, and what stands in its place; the element that the warning names, and its word.
+/// Correct text, in the first joint that has it, and its replacement; the element that the warning names, and
+/// its word.
 const QUIRKS: &[(&str, &str, &[&str])] = &[
     // Bullet's bicycle.
     ("0.07 0 -0.69", "0.07, 0, -0.69", &["joint \"j1\" (line 5)", "not commas"]),

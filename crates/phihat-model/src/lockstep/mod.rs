@@ -15,15 +15,15 @@ use part::{Part, in_lanes};
 /// Most segments of a chain: joints, and what stands between two nearly parallel axes.
 const MOST: usize = 12;
 
-/// Up to [`Lanes::COUNT`] arms of one structure: chains of the same joints, each with numbers of its own (lengths, masses, a
-/// payload, rotors, gravity).
+/// Up to [`Lanes::COUNT`] arms of one structure: chains of the same joints, each with numbers of its own
+/// (lengths, masses, a payload, rotors, gravity).
 ///
 /// # Law
 ///
-/// That of [`Model::forward_dynamics`], arm by arm, in the same order of operations: every lane equals what its own model
-/// gives to the last bit. Two things are not that: a zero may have the other sign, and where the model's answer holds an
-/// infinity or NaN, the lane's may hold another one. What is structure (a tilt of 0 or a quarter turn, a screw without length)
-/// is a branch that all lanes share, and costs no product.
+/// That of [`Model::forward_dynamics`], arm by arm, in the same order of operations: every lane equals the
+/// result of its own model to the last bit. There are two exceptions: a zero may have the other sign, and
+/// where the model's result has an infinity or NaN, the lane's may have another one. Structure (a tilt of 0
+/// or a quarter turn, a screw without length) is a branch that all lanes share, and costs no product.
 ///
 /// # Real time
 ///

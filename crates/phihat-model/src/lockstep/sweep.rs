@@ -10,7 +10,7 @@ use crate::vector::{Turn, Vec3};
 /// Force and moment.
 type Wrench<S> = (Vec3<S>, Vec3<S>);
 
-/// What the recursions leave: the upper triangle of `M`, and `bias − τ`.
+/// Result of the recursions: the upper triangle of `M`, and `bias − τ`.
 struct System<S, const N: usize> {
     m: [[S; N]; N],
     rhs: [S; N],
@@ -34,7 +34,7 @@ pub(super) fn forward<S: Scalar, const N: usize>(
     placed((parts, lift), &screws, [dq, tau], ddq);
 }
 
-/// What is left of [`forward`] once sines and shifts are known.
+/// Rest of [`forward`] once sines and shifts are known.
 #[inline(always)]
 pub(crate) fn placed<S: Scalar, const N: usize>(
     (parts, lift): (&[Part<S>], Vec3<S>),

@@ -1,5 +1,5 @@
-//! COLLADA: meshes, and the nodes of the scene that place them. Axes are taken as they are, whatever `<up_axis>` says, as viewers
-//! of ROS do.
+//! COLLADA: meshes, and the nodes of the scene that place them. Axes are read as they are, whatever
+//! `<up_axis>` states, as viewers of ROS do.
 
 use std::collections::BTreeMap;
 
@@ -197,7 +197,7 @@ impl<'a, 'x> Walk<'a, 'x> {
     }
 }
 
-/// What one element of a node does.
+/// Transform of one element of a node.
 fn step(node: Node<'_, '_>) -> Result<Affine> {
     const ONE: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let n = numbers(node)?;

@@ -9,10 +9,10 @@ use crate::input;
 
 /// Largest mesh that is read \[bytes\].
 const BYTES_MAX: u64 = 128 << 20;
-/// How a package is named in a URDF.
+/// Schemes by which a URDF names a package.
 const SCHEMES: [&str; 2] = ["package://", "model://"];
 
-/// Where meshes are looked for.
+/// Folders in which meshes are searched.
 pub(super) struct Files<'a> {
     pub(super) urdf: &'a Path,
     /// The folder that nothing is read outside of.
@@ -20,7 +20,7 @@ pub(super) struct Files<'a> {
 }
 
 impl Files<'_> {
-    /// What is in the file that a URDF names, if it has no more triangles than there is room for.
+    /// Mesh of the file that a URDF names, if it has no more triangles than there is room for.
     pub(super) fn mesh(&self, name: &str, room: usize) -> Result<Soup> {
         let told = |why: &dyn core::fmt::Display| Unread::from(format!("{}: {why}", plain(name)));
         let path = self.path(name).ok_or_else(|| told(&"there is no such file"))?;
@@ -47,8 +47,8 @@ impl Files<'_> {
         Ok(soup)
     }
 
-    /// The file, which is there and is where files may be read: beside the URDF; a package's folder is the nearest of its name
-    /// at or beside a folder that the URDF is in.
+    /// Path of an existing file in a place where files may be read: next to the URDF; a package's folder is
+    /// the nearest of its name at or next to a folder that the URDF is in.
     fn path(&self, name: &str) -> Option<PathBuf> {
         let folder = self.urdf.canonicalize().ok()?.parent()?.to_owned();
         let found = match SCHEMES.iter().find_map(|scheme| name.strip_prefix(scheme)) {

@@ -1,11 +1,12 @@
-//! What an arm looks like: the shapes that its URDF gives its links, where their files can be read.
+//! Shapes of an arm for drawing, as its URDF gives them to its links, where their files can be read.
 //!
 //! # Method
 //!
-//! A `<visual>` is a box, a cylinder, a ball, or a mesh in a file (STL, OBJ, COLLADA). All are triangles here, in metres and in the axes of
-//! their link. Where they are more than asked for, points that share a cell of a grid become one, their mean, and triangles
-//! that lose a corner go; the cell is the smallest, to a few per cent, that leaves no more triangles than asked for. So no
-//! point moves by more than the diagonal of a cell.
+//! A `<visual>` is a box, a cylinder, a ball, or a mesh in a file (STL, OBJ, COLLADA). All are triangles
+//! here, in metres and in the axes of their link. Where they are more than requested, points that share a
+//! cell of a grid become one, their mean, and triangles that lose a corner go; the cell is the smallest, to a
+//! few per cent, that leaves no more triangles than requested. So no point moves by more than the diagonal of
+//! a cell.
 //!
 //! # Not claimed
 //!
@@ -31,7 +32,7 @@ mod stl;
 pub use soup::Shape;
 use soup::{Result, Soup, TRIANGLES_MAX, Unread, plain};
 
-/// What a robot looks like, as far as its files tell.
+/// Shapes of a robot, as far as its files describe them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Look {
     /// One for each link that has one.
@@ -43,8 +44,9 @@ pub struct Look {
 }
 
 impl Robot {
-    /// What its URDF says that it looks like, in at most `triangles` triangles; files outside of the folder `within` are not
-    /// read, if one is given. What cannot be read is told in [`Look::missing`], and is no error: an arm can be drawn without.
+    /// Shapes of the robot in its URDF, in at most `triangles` triangles; files outside of the folder
+    /// `within` are not read, if one is given. Links that cannot be read are listed in [`Look::missing`],
+    /// which is no error: an arm can be drawn without them.
     ///
     /// # Example
     ///

@@ -32,7 +32,7 @@ pub(super) struct Soup {
 /// Most triangles that are read of one robot.
 pub(super) const TRIANGLES_MAX: usize = 3_000_000;
 
-/// What one link looks like.
+/// Shape of one link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {
     /// The link.
@@ -64,7 +64,7 @@ impl Soup {
         self
     }
 
-    /// Whether every corner is a point, and every point a number that a robot can have.
+    /// Returns true if every corner is a point, and every coordinate is finite and at most 1e6 in magnitude.
     pub(super) fn sound(&self) -> bool {
         let far = |x: &f64| !x.is_finite() || x.abs() > 1e6;
         !self.points.iter().flatten().any(far)

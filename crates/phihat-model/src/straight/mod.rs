@@ -1,10 +1,12 @@
-//! Forward dynamics written out for chains of few joints: no loop, no product with 0 or 1, nothing that no result needs.
+//! Forward dynamics written out for chains of few joints: no loop, no product with 0 or 1, nothing that no
+//! result needs.
 //!
 //! # Method
 //!
-//! The recursions of [`lockstep`](crate::Lockstep) run once on a number type that writes down what is done with it (`written`), for
-//! a structure and any numbers; what is left after folding is a file of this folder. The same operations in the same order give
-//! the same bits; a zero may have the other sign, and where there is an infinity or NaN, another one may come out.
+//! The recursions of [`lockstep`](crate::Lockstep) run once on a number type that records its operations
+//! (`written`), for a structure and any numbers; the operations that remain after folding are a file of this
+//! folder. The same operations in the same order give the same bits; a zero may have the other sign, and
+//! where there is an infinity or NaN, another one may come out.
 #![allow(clippy::too_many_lines, reason = "written by a program, held to the recursions by a test")]
 
 #[rustfmt::skip]
@@ -47,7 +49,7 @@ pub(crate) trait Numbers<S> {
 
 /// Forward dynamics of chains of `N` joints, written out.
 trait Code<const N: usize> {
-    /// What a chain may have, joint by joint.
+    /// Structures that a chain may have, joint by joint.
     const SHAPES: [Shape; N];
 
     /// Accelerations.
@@ -212,7 +214,7 @@ impl<const N: usize> Numbers<Lanes> for Beside<'_, N> {
 
 macro_rules! kernels {
     ($($(#[$what:meta])* $kernel:ident: $file:ident, $joints:literal;)*) => {
-        /// What is written out: a structure.
+        /// Structure whose code is written out.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub(crate) enum Kernel {
             $($(#[$what])* $kernel,)*
@@ -262,7 +264,8 @@ kernels! {
     ChainOf7: chain_of_7, 7;
 }
 
-/// Whether code for one structure gives what an arm of the other does: what it leaves out, the arm lacks.
+/// Returns true if the code for one structure serves an arm of the other: the arm has no part that the code
+/// leaves out.
 fn serves(code: &[Shape], arm: &[Shape]) -> bool {
     let part = |(i, (code, arm)): (usize, (&Shape, &Shape))| {
         let tilt = code.tilt == Tilt::Any || code.tilt == arm.tilt;

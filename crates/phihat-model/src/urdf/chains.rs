@@ -21,7 +21,8 @@ const FINGER_MAX: usize = 5;
 const ARM_MIN: usize = 3;
 
 impl Whole<'_, '_, '_> {
-    /// Chains from the root to a link that nothing but fingers goes on from; the longest first, else as the file has them.
+    /// Chains from the root to a link that only fingers continue; the longest first, else in the order of the
+    /// file.
     pub(super) fn chains(&self) -> Vec<Chain> {
         let counts = self.moving_below();
         let mut found: Vec<(Vec<usize>, usize)> = Vec::new();
@@ -77,7 +78,7 @@ impl Whole<'_, '_, '_> {
         counts
     }
 
-    /// Whether what goes on from a link grasps.
+    /// Returns true if the joints `on` from a link are those of a hand.
     fn is_hand(&self, on: &[usize], counts: &[usize], path: &[usize]) -> bool {
         let child = |at: usize| self.tree.child_of_joint[at];
         let has = |name: &str, words: &[&str]| {

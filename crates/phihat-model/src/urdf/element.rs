@@ -11,7 +11,7 @@ use crate::placement::{Placement, from_rpy};
 /// Longest name \[bytes\].
 const NAME_MAX: usize = 1024;
 
-/// What stands for the file in errors, and what was read in one way although it is not written as the format has it.
+/// Name of the file in errors, and notes on its deviations from the format and how they were read.
 pub(super) struct Source<'s> {
     pub(super) origin: &'s str,
     notes: RefCell<Vec<String>>,

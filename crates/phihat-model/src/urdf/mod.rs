@@ -19,12 +19,12 @@ pub(crate) use read::{chains, read, readable};
 /// Largest description that is read \[bytes\].
 pub(crate) const BYTES_MAX: usize = 4 << 20;
 
-/// What a URDF says.
+/// Content of a URDF.
 pub(crate) struct Urdf {
     pub(crate) name: String,
     pub(crate) model: Model,
     pub(crate) joints: Vec<Joint>,
-    /// Where what moves but is none of the arm's stands \[rad, m\].
+    /// Positions of joints that move but are none of the arm's \[rad, m\].
     pub(crate) held: BTreeMap<String, f64>,
     pub(crate) warnings: Vec<String>,
 }

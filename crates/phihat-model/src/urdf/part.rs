@@ -11,15 +11,15 @@ use crate::part::Part;
 /// So many names are shown of a longer list.
 const SHOWN: usize = 4;
 
-/// What each joint of a tree does.
+/// Role of each joint of a tree.
 pub(super) struct Cut {
-    /// Whether the joint is one of the arm's.
+    /// True if the joint is one of the arm's.
     pub(super) driven: Vec<bool>,
-    /// Where a joint stands that moves but is none of the arm's \[rad, m\].
+    /// Position of a joint that moves but is none of the arm's \[rad, m\].
     pub(super) at: Vec<f64>,
 }
 
-/// What a part is cut out of.
+/// Description that a part is cut out of.
 pub(super) struct Whole<'e, 'a, 'x> {
     pub(super) links: &'e [LinkElement<'a, 'x>],
     pub(super) joints: &'e [JointElement<'a, 'x>],
@@ -113,7 +113,8 @@ impl Whole<'_, '_, '_> {
         Err(joint.element.error(why))
     }
 
-    /// What floats can be fixed before the arm's first joint and after its last, but not between.
+    /// Refuses a joint that floats between the arm's first joint and its last; before and after them it can
+    /// be fixed.
     fn nothing_floats(&self, driven: &[bool]) -> Result<()> {
         // For each link, whether a driven joint is before it, and the joint that floats since.
         let mut before = vec![false; self.links.len()];
@@ -136,8 +137,8 @@ impl Whole<'_, '_, '_> {
         Ok(())
     }
 
-    /// Where every joint that moves stands when it is not driven: as asked for, else as near to 0 as it comes; a joint that
-    /// follows another, where that one puts it.
+    /// Position of every joint that moves, when it is not driven: as requested, else as near to 0 as its
+    /// limits permit; of a joint that follows another, the position that the other one gives it.
     fn stand(&self, part: &Part) -> Vec<f64> {
         let places: BTreeMap<&str, usize> =
             self.joints.iter().enumerate().map(|(at, j)| (j.element.name, at)).collect();

@@ -25,7 +25,7 @@ const MOVING_MAX: usize = 32;
 /// Most prefixes that are declared for a file that forgot to.
 const PREFIXES_MAX: usize = 8;
 
-/// What is read of a description before it is known which part of it is the arm.
+/// Elements of a description before it is known which part of it is the arm.
 type Elements<'a, 'x> = (Vec<LinkElement<'a, 'x>>, Vec<JointElement<'a, 'x>>);
 
 /// Reads and checks a part of a URDF; `origin` stands for the file in errors.
@@ -236,7 +236,7 @@ fn read_links<'a, 'x>(
     Ok(links)
 }
 
-/// What a link's `<inertial>` says, and what is odd about it.
+/// Mass properties in a link's `<inertial>`, and its oddities.
 fn read_matter(link: &Element<'_, '_>) -> Result<(Lumped, Vec<String>)> {
     let mut all = link.node.children().filter(|child| child.has_tag_name("inertial"));
     let Some(inertial) = all.next() else { return Ok((Lumped::default(), Vec::new())) };

@@ -1,4 +1,4 @@
-//! How a joint may move, and how far.
+//! Motion of a joint, and its limits.
 
 use roxmltree::Node;
 
@@ -9,11 +9,11 @@ use crate::joint::{Friction, Joint, JointKind};
 /// A limit beyond this is what some exporters write for none \[rad, m, rad/s, N·m\].
 const BOUNDLESS: f64 = 1e9;
 
-/// Limits the wrong way round are read where 0, at which a description is drawn, lies between them, and they are no further
-/// apart than this: what else they could be, nobody can tell \[rad, m\].
+/// Swapped limits are read where 0, at which a description is drawn, lies between them, and they are no
+/// further apart than this; otherwise their meaning is unknown \[rad, m\].
 const SWAPPED_MAX: f64 = 8.0 * std::f64::consts::PI;
 
-/// What a joint's element says of its motion.
+/// Motion of a joint in its element.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Moves<'a> {
     /// Fixed.
@@ -26,7 +26,7 @@ pub(super) enum Moves<'a> {
     Free(&'a str),
 }
 
-/// What the type and a `<mimic>` say.
+/// Motion by the type and a `<mimic>`.
 pub(super) fn read_moves<'a>(element: &Element<'a, '_>) -> Result<Moves<'a>> {
     let kind = match element.text(element.node, "type")? {
         "fixed" => return Ok(Moves::Not),
@@ -49,7 +49,8 @@ pub(super) fn read_moves<'a>(element: &Element<'a, '_>) -> Result<Moves<'a>> {
     Ok(Moves::Follows { kind, leader, factor, offset })
 }
 
-/// Where a joint that nobody moves stands, as near to `wanted` as its limits let it: they are not checked here.
+/// Position of a joint that is not driven, as near to `wanted` as its limits permit: the limits are not
+/// checked here.
 pub(super) fn nearest(joint: &Element<'_, '_>, kind: JointKind, wanted: f64) -> f64 {
     let limit = joint.child(joint.node, "limit").ok().flatten();
     let end = |key| limit.and_then(|node| joint.number_if_any(node, key).ok().flatten());

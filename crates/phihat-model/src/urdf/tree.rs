@@ -23,7 +23,7 @@ pub(super) struct JointElement<'a, 'x> {
     pub(super) moves: Moves<'a>,
 }
 
-/// Who hangs on whom, by index into the lists of links and joints.
+/// Parents and children, by index into the lists of links and joints.
 pub(super) struct Tree {
     /// Joint that each link hangs on; `None`: the root.
     pub(super) hangs: Vec<Option<usize>>,

@@ -1,10 +1,11 @@
-//! How many operations the dynamics take, counted exactly. Fails if a change makes the dynamics do more (or less: then the
-//! table is to be told), whatever the machine is busy with; or if the operations that were written down, done again one by
-//! one, give other bits than the dynamics themselves.
+//! Number of operations of the dynamics, counted exactly. Fails if a change makes the dynamics do more (or
+//! less: then the table is to be updated), whatever the load of the machine; or if the recorded operations,
+//! done again one by one, give other bits than the dynamics themselves.
 //!
-//! *Performed* is what the one-arm code for any arm does, four lanes counted as four. *Live* is what is left of it once products
-//! with 0 and 1 are folded, what is computed twice is computed once, and what no result needs is left out: what code written
-//! out for this one arm would do. Signs and sines are not counted.
+//! *Performed* are the operations of the one-arm code for any arm, four lanes counted as four. *Live* are
+//! those that remain once products with 0 and 1 are folded, repeated ones are computed once, and those that
+//! no result needs are left out: the operations of code written out for this one arm. Signs and sines are not
+//! counted.
 
 use super::{Program, scattered};
 use crate::{Model, Robot, Scalar, Workspace};

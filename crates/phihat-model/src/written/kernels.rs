@@ -1,5 +1,5 @@
-//! The files of `straight` are what the recursions do with a chain of that structure: `PHIHAT_BLESS=1` writes them anew. Fails if
-//! they are stale.
+//! The files of `straight` are the operations of the recursions on a chain of that structure:
+//! `PHIHAT_BLESS=1` writes them anew. Fails if they are stale.
 
 use std::fmt::Write;
 use std::path::Path;

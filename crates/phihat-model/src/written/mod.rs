@@ -184,7 +184,7 @@ impl Scalar for Written {
     }
 }
 
-/// What was written down, as far as the results need it.
+/// Recorded operations, and which of them the results need.
 pub(crate) struct Program {
     pub(crate) steps: Vec<Step>,
     pub(crate) live: Vec<bool>,
