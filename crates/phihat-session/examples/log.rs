@@ -1,4 +1,5 @@
-//! Runs a study and leaves its record and a log of it: `log STUDY FOLDER LOG`. The tests read such logs by other people's readers.
+//! Runs a study and writes its record and a log of it: `log STUDY FOLDER LOG`. The tests read such logs with
+//! third-party readers.
 #![forbid(unsafe_code)]
 
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! What a design may know of an arm from its reference alone.
+//! Data of an arm that a design takes from its reference alone.
 
 use phihat_design::claims::Refutation;
 use phihat_design::coupled::coupled;
@@ -49,7 +49,7 @@ pub fn coupled_along(study: &Study, gains: &Gains) -> Result<Option<CoupledGains
     coupled(study, gains, &postures)
 }
 
-/// How a joint's reference moves.
+/// Largest velocity, acceleration and jerk of a joint's reference.
 pub fn motion_along(demand: &Demand, joint: usize) -> Motion {
     let (acceleration_rad_s2, jerk_rad_s3) = demand.motion(joint);
     let velocity_rad_s = demand.velocity(joint);

@@ -12,8 +12,8 @@ const TRIANGLES: usize = 12_000;
 /// Links whose shape could not be read, so many of which are told of one by one.
 const TOLD: usize = 3;
 
-/// The arm of a study, and what acts on it, as pages draw it; with the shapes of its description, those in files outside of the
-/// folder `within` left out, if one is given.
+/// The arm of a study, and what acts on it, as pages draw it; with the shapes of its description, those in
+/// files outside of the folder `within` left out, if one is given.
 pub fn arm(study: &Study, within: Option<&Path>) -> Arm {
     let (robot, world) = (&study.robot, &study.world);
     let outline = robot.model.outline();
@@ -63,7 +63,7 @@ pub fn arm(study: &Study, within: Option<&Path>) -> Arm {
     }
 }
 
-/// What is drawn of a description's shapes, and what is not.
+/// Text about the shapes of a description: those that are drawn, and those that are missing.
 fn told(look: &Look) -> String {
     let Look { shapes, missing, triangles_read } = look;
     let drawn: usize = shapes.iter().map(|shape| shape.triangles.len()).sum();

@@ -24,9 +24,9 @@ pub struct Mistake {
     pub column: Option<usize>,
     /// Dotted path of the key.
     pub key: Option<String>,
-    /// What is wrong.
+    /// Description of the mistake.
     pub message: String,
-    /// What would be valid.
+    /// Valid values or the remedy.
     pub help: Option<String>,
 }
 
@@ -58,7 +58,7 @@ impl From<&StudyError> for Mistake {
 }
 
 impl Mistake {
-    /// What keeps a study that can be read from being taken further.
+    /// Converts an error of a study into a mistake.
     fn of(why: &SessionError, study: &Path) -> Self {
         let (file, text) = match why {
             SessionError::Study(error) => return error.as_ref().into(),
@@ -82,19 +82,19 @@ impl Mistake {
     }
 }
 
-/// What was found.
+/// Result of a check.
 #[derive(Debug)]
 pub struct Looked {
     /// The study; `None` where its file has errors.
     pub study: Option<Box<Study>>,
-    /// All that is wrong.
+    /// All mistakes.
     pub errors: Vec<Mistake>,
-    /// What is read in a way that a person should know.
+    /// Warnings about values that are read in a way that the user should know.
     pub warnings: Vec<String>,
 }
 
-/// Looks at a study, at the files that it names (arm, reference, trace), and at its gains: those of a file, or those that it
-/// states, as they would be run. Gains that are left to the design are not designed.
+/// Looks at a study, at the files that it names (arm, reference, trace), and at its gains: those of a file,
+/// or those that it states, as they would be run. Gains that are left to the design are not designed.
 pub fn check(path: &Path, gains: Option<&Path>) -> Looked {
     let read = gains.map(|file| read_gains(file).map(|gains| (gains, file))).transpose();
     let (gains, mut errors) = match read {
@@ -122,7 +122,7 @@ pub fn check_text(text: &str, path: &Path) -> Looked {
     }
 }
 
-/// What is wrong with a study that could be read.
+/// Checks a study that could be read.
 fn looked(
     study: Box<Study>,
     path: &Path,
@@ -145,7 +145,7 @@ fn looked(
     Looked { study: Some(study), errors, warnings }
 }
 
-/// Whether a design could begin: what it is told of the arm, of the reference and of φ.
+/// Checks that a design could begin: its data of the arm, of the reference and of φ.
 fn designable(study: &Study, path: &Path) -> Result<(), SessionError> {
     if study.spec.error_bound.is_none() && study.design.method == DesignMethod::Ours {
         return Err(SessionError::at(path, DesignError::NoSpec));

@@ -1,4 +1,4 @@
-//! What becomes of a tube behind coarser encoders.
+//! Tubes behind coarser encoders.
 
 use phihat_design::tube::{TubeRefusal, tubes_behind};
 use phihat_design::{CoarserEncoder, Gains, Tube};
@@ -8,14 +8,14 @@ use phihat_study::Study;
 use crate::judged::without_rate_limits;
 use crate::told::Told;
 
-/// How many bits less are looked at.
+/// Numbers of bits by which the encoders are coarser.
 const FEWER: core::ops::RangeInclusive<u32> = 1..=3;
 
 /// An encoder has one bit at least.
 const BITS_MIN: u32 = 1;
 
-/// The tubes of gains behind encoders of fewer bits, from where the tube settles on; none where the gains have no tube, or
-/// no joint an encoder.
+/// The tubes of gains behind encoders of fewer bits, from where the tube settles on; none where the gains
+/// have no tube, or no joint an encoder.
 ///
 /// # Errors
 ///
@@ -46,7 +46,7 @@ pub(crate) fn encoders(bits: &[u32]) -> Vec<Vec<u32>> {
     FEWER.map(fewer).collect()
 }
 
-/// What is told of the tubes behind [`encoders`], from where the tube settles on.
+/// Report of the tubes behind [`encoders`], from the settling time on.
 pub(crate) fn told_of(
     study: &Study,
     settle: f64,

@@ -1,4 +1,4 @@
-//! What is known of arm and φ, from the sources that a study names: plain data goes to the design.
+//! Data of arm and φ, from the sources that a study names: plain data goes to the design.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -35,7 +35,7 @@ pub fn read(path: &Path) -> Result<Box<Study>, SessionError> {
     Ok(study)
 }
 
-/// How often the allowed error is doubled to find gains for a first simulation.
+/// Number of times that the allowed error is doubled to find gains for a first simulation.
 const DOUBLINGS: u32 = 12;
 
 /// The arm, from whatever the study knows it by: description, typed inertia, or a recorded trace.
@@ -61,12 +61,12 @@ pub fn arm(study: &Study, path: &Path) -> Result<Arm, SessionError> {
     estimates.map(|found| Arm::estimated(&found)).map_err(|e| SessionError::at(file, e))
 }
 
-/// What is told of a specification that cannot be kept.
+/// Advice on a specification that cannot be satisfied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Advice {
-    /// Which clauses are in the way.
+    /// Clauses that cannot be satisfied.
     Clauses,
-    /// And which changes of the loop would make it feasible: a search for each.
+    /// These, and the changes of the loop that would make it feasible: a search for each.
     Changes,
 }
 
@@ -112,7 +112,7 @@ pub(crate) fn found_for(
     completed(&for_tip, arm, outcome, path)
 }
 
-/// What the search of the study's own form finds.
+/// Outcome of the search in the study's own form.
 fn sought(study: &Study, arm: &Arm, path: &Path, advice: Advice) -> Result<Outcome, SessionError> {
     let demand = Demand::along(study).map_err(|e| SessionError::at(path, e))?;
     let moving = |phi: &dyn Fn(usize, f64) -> Phi, joint: usize, inertia: f64| {
@@ -162,8 +162,8 @@ pub(crate) fn with_tip(study: &Study) -> Result<Cow<'_, Study>, SimError> {
     Ok(Cow::Owned(own))
 }
 
-/// Designs in both forms that serve the study, and takes the better one, with the study in its form; by the observer alone where
-/// no error is asked for, a time is, or arm or `φ` are known by estimates.
+/// Designs in both forms that serve the study, and takes the better one, with the study in its form; by the
+/// observer alone where no error is specified, a time is, or arm or `φ` are known by estimates.
 fn either_form(
     study: &Study,
     arm: &Arm,
@@ -346,7 +346,7 @@ fn first_gains(
     Ok(None)
 }
 
-/// What a run with some gains shows of `φ`.
+/// `φ` that is observed in a run with some gains.
 fn run(study: &Study, gains: &Gains) -> Result<Observed, SessionError> {
     let mut study = study.clone();
     gains.complete(&mut study).map_err(SessionError::other)?;

@@ -43,7 +43,7 @@ impl Dice {
         low * (high / low).powf(self.share())
     }
 
-    /// Whether something of this probability happens.
+    /// Returns true with this probability.
     pub fn chance(&mut self, probability: f64) -> bool {
         self.share() < probability
     }

@@ -14,22 +14,22 @@ use serde::Serialize;
 use crate::design;
 use crate::error::SessionError;
 
-/// How many worlds are drawn.
+/// Number of drawn worlds.
 pub const WORLDS: usize = 8;
 
-/// How round a needle is.
+/// Share of the second moments of a needle that is equal in all directions \[1\].
 const NEEDLE: f64 = 0.02;
 
 /// Runs that stayed inside.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DrawnRuns {
-    /// How many.
+    /// Number of runs.
     pub runs: usize,
     /// Largest share of a side of a bin that any of them used, of `e`, per joint.
     pub used: Vec<f64>,
 }
 
-/// Runs a study in drawn worlds; `progress` is told how many are done.
+/// Runs a study in drawn worlds; `progress` receives the number of finished runs.
 ///
 /// # Errors
 ///
@@ -109,7 +109,7 @@ fn run(mut world: Study, law: &[phihat::JointGains<f64>]) -> Result<Trace, SimEr
     Ok(simulation.run(|_| ()).trace)
 }
 
-/// Where a run left the tube, and the largest share of a side that it used, per joint.
+/// Point at which a run left the tube, if any, and the largest share of a side that it used, per joint.
 fn held(tube: &Tube, trace: &Trace) -> (Option<Left>, Vec<f64>) {
     let limited = |joint: &phihat_sim::JointTrace| {
         let acted = joint.saturated.iter().zip(&joint.rate_limited);

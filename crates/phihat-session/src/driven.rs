@@ -15,7 +15,7 @@ use crate::session::{Session, finished, form, run_info};
 use crate::unfinished::Journal;
 use crate::watch::Watch;
 
-/// Where a record goes.
+/// Destination of a record.
 #[derive(Debug, Clone, Copy)]
 pub struct Leave<'a> {
     /// Its folder.
@@ -24,14 +24,14 @@ pub struct Leave<'a> {
     pub page: Option<&'a Path>,
 }
 
-/// How a loop that somebody else ran came to its end.
+/// End of a loop that an external driver ran.
 #[derive(Debug)]
 pub struct Driven {
     /// Divergence or stop.
     pub ended: Ended,
     /// Lines of the page about what drove it: label, and value with its unit.
     pub facts: Vec<(String, String)>,
-    /// What a reader must know before believing the figures.
+    /// Warnings on the validity of the figures.
     pub warnings: Vec<String>,
     /// `drive.json` of the record.
     pub document: Value,
@@ -51,13 +51,14 @@ impl Session {
         &self.gains
     }
 
-    /// Hands both sides of the loop to `drive`, which runs it and hands back the record block by block; leaves record and
-    /// page as [`simulate`](Self::simulate) does. `command` says in the record what drove it, `begun` what is known of its `drive.json`
-    /// before: should the process be killed, [`recover`](crate::recover) makes a record of these and of what was handed back.
+    /// Hands both sides of the loop to `drive`, which runs it and hands back the record block by block;
+    /// leaves record and page as [`simulate`](Self::simulate) does. `command` says in the record what drove
+    /// it, `begun` holds the entries of its `drive.json` that are known before: if the process is killed,
+    /// [`recover`](crate::recover) makes a record of these and of the blocks that were handed back.
     ///
     /// # Errors
     ///
-    /// What `drive` says; another process is at work in the folder, or a file cannot be written.
+    /// Error of `drive`; another process is at work in the folder, or a file cannot be written.
     pub fn driven<E: From<SessionError>>(
         self,
         leave: Leave<'_>,

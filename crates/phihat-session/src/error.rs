@@ -27,16 +27,16 @@ pub enum SessionError {
     Infeasible {
         /// The study.
         path: PathBuf,
-        /// Which clauses are in the way.
+        /// Clauses that cannot be satisfied.
         no: Box<Infeasible>,
-        /// What the error of the nearest law is spent on.
+        /// Error budget of the nearest law.
         budget: Option<Box<Budget>>,
     },
     /// Gains may not run on this arm.
     NotArmed {
-        /// Where the gains are from.
+        /// Source of the gains.
         path: PathBuf,
-        /// What does not hold.
+        /// Claim that does not hold.
         why: Box<Refutation>,
         /// The same in ordinary words, where there are some.
         words: Option<String>,
@@ -45,7 +45,7 @@ pub enum SessionError {
     TubeLeft {
         /// The trace.
         path: PathBuf,
-        /// Where, in words.
+        /// Description of the violation, one sentence.
         sentence: String,
     },
     /// Results cannot be written.
@@ -54,7 +54,7 @@ pub enum SessionError {
     Other(Box<dyn Error + Send + Sync>),
 }
 
-/// What would show an arm that gains may not run on.
+/// Hint for an arm that gains may not run on.
 const UNCERTIFIED: &str = "a run with --uncertified shows what happens, and is marked";
 
 impl SessionError {
@@ -68,7 +68,7 @@ impl SessionError {
         Self::Other(why.into())
     }
 
-    /// What a proof says of it beyond the words: one sentence.
+    /// Statement of the proof beyond the words: one sentence.
     pub fn in_full(&self) -> Option<String> {
         match self {
             Self::Infeasible { no, .. } => Some(no.searched()),
@@ -77,7 +77,7 @@ impl SessionError {
         }
     }
 
-    /// Whether the input can be used, and what it asks for does not hold.
+    /// Returns true if the input can be used, and its specification or its tube does not hold.
     pub fn is_answer(&self) -> bool {
         matches!(self, Self::Infeasible { .. } | Self::TubeLeft { .. })
     }

@@ -9,9 +9,9 @@ use phihat_model::input;
 
 use crate::error::SessionError;
 
-/// Whether every one of these files can be written: asked before what takes long, and nothing stays of the question.
+/// Checks that every one of these files can be written, before work that takes long; leaves nothing behind.
 ///
-/// Folders that there are not yet are not made; the nearest that there is has to take a file.
+/// Missing folders are not made; the nearest one that exists has to take a file.
 ///
 /// # Errors
 ///
@@ -38,7 +38,7 @@ pub fn check_writable<'a>(all: impl IntoIterator<Item = &'a PathBuf>) -> Result<
     Ok(())
 }
 
-/// Whether there is something, were it a broken link; the empty path is the folder that the program runs in.
+/// Returns true if the path exists, even as a broken link; the empty path is the working folder.
 fn exists(path: &Path) -> bool {
     path.as_os_str().is_empty() || path.symlink_metadata().is_ok()
 }

@@ -1,14 +1,14 @@
-//! What the tube of gains says of a specification.
+//! Comparison of the tube of gains with a specification.
 
 use phihat_certificate::extremes::{Extremes as _, larger};
 use phihat_design::tube::{Desired, TubeRefusal, tube_in_parts};
 use phihat_design::{Clause, Gains, Settle, Tube, TubeJoint};
 use phihat_study::Study;
 
-/// When an arm has settled at the latest where its study does not say \[s\]: an error that is kept later alone is no promise.
+/// Latest settling time where the study states none \[s\]: an error bound that holds only later is no claim.
 pub(crate) const SETTLED_S: f64 = 3.0;
 
-/// What the tube of some gains says.
+/// Result of the tube of some gains.
 pub(crate) enum Judged {
     /// Largest over allowed error of each joint: all within.
     Kept(Vec<f64>),
@@ -28,8 +28,8 @@ pub(crate) fn without_rate_limits(study: &Study) -> Box<Study> {
     free
 }
 
-/// Puts tube, settling time and what is not proved into the gains' certificate. Where that refuses a claim there is no tube.
-/// The payload is in so many slices at least.
+/// Puts tube, settling time and unproved clauses into the gains' certificate. Where that refuses a claim
+/// there is no tube. The payload is in so many slices at least.
 pub(crate) fn judge(study: &Study, gains: &mut Gains, (desired, parts): (&Desired, u32)) -> Judged {
     judge_by(study, gains, |own, gains| tube_in_parts(own, gains, (desired, parts)))
 }
@@ -66,7 +66,7 @@ pub(crate) fn judge_by(
     judged
 }
 
-/// What a tube says of gains that have no certificate, and where one is found the tube.
+/// Result of a tube for gains that have no certificate, and the tube where one is found.
 pub(crate) fn promised(
     study: &Study,
     gains: &Gains,
@@ -82,7 +82,8 @@ pub(crate) fn promised(
     }
 }
 
-/// What a tube says, when it has settled, and the tube from then on; clauses that it does not keep are told.
+/// Result of a tube, its settling time, and the tube from then on; clauses that it does not satisfy go to
+/// `unproved`.
 fn judged(study: &Study, tube: Tube, unproved: &mut Vec<String>) -> (Judged, Settle, Tube) {
     let settle = Settle::of(study, Some(&tube));
     let tube = tube.steady_from(settle.settle_s);
@@ -117,8 +118,9 @@ pub(crate) fn late_error(bin_s: f64, joint: &TubeJoint, from_s: f64) -> f64 {
 /// The key of the error that joints are allowed.
 pub(crate) const ERROR_KEY: &str = "spec.error_max_rad";
 
-/// The joints whose tube has more than the error that they are allowed, the worst first, each with what its tube has; `None` where
-/// there are none, no tube, or where something else of the specification is not kept either.
+/// The joints whose tube exceeds their allowed error, the worst first, each with the error of its tube;
+/// `None` where there are none, no tube, or where another clause of the specification is not satisfied
+/// either.
 pub(crate) fn beyond_error(study: &Study, gains: &Gains) -> Option<Vec<Clause>> {
     let tube = gains.certificate.as_ref()?.tube.as_ref()?;
     let allowed = study.spec.error_bound.as_ref()?;
@@ -145,7 +147,7 @@ pub(crate) fn missed(clause: &Clause) -> f64 {
     clause.possible.map_or(f64::INFINITY, |possible| possible / clause.wanted)
 }
 
-/// What of the specification each joint's tube uses; clauses that it does not keep are told.
+/// Share of the specification that each joint's tube uses; clauses that it does not satisfy go to `unproved`.
 pub(crate) fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> Vec<f64> {
     let mut shares = vec![0.0_f64; tube.joints.len()];
     let spec = &study.spec;
@@ -191,10 +193,10 @@ pub(crate) fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> 
     shares
 }
 
-/// How good gains are by their certificate, to compare those of different forms.
+/// Merit of gains by their certificate, to compare those of different forms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Merit {
-    /// Whether the tube keeps every clause.
+    /// True if the tube satisfies every clause.
     kept: bool,
     /// The largest share of an error that is allowed; infinite without a tube.
     error: f64,
@@ -222,7 +224,8 @@ impl Merit {
         }
     }
 
-    /// Whether these gains are the better ones: kept before not kept, then with less noise, or nearer to the specification.
+    /// Returns true if these gains are the better ones: satisfied before not satisfied, then with less noise,
+    /// or nearer to the specification.
     pub(crate) fn beats(self, other: Self) -> bool {
         match (self.kept, other.kept) {
             (true, true) => self.noise < other.noise,

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// The file that is moved to its place last and removed first: the record is whole where it is.
 pub(crate) const RUN: &str = "run.json";
-/// What every record has beside it and its trace.
+/// Files of every record in addition to it and the trace.
 pub(crate) const FILES: [&str; 2] = ["study.toml", "metrics.json"];
 /// The gains of a run, where phihat's law drove it.
 pub(crate) const GAINS: &str = "gains.json";
@@ -15,7 +15,7 @@ pub(crate) const GAINS: &str = "gains.json";
 pub(crate) const OUTSIDE: &str = "outside";
 /// The folder of files that the study names.
 pub(crate) const INPUTS: &str = "inputs";
-/// What drove a run that was not simulated in one go: link, checks before the start, losses, timing.
+/// Drive of a run that was not simulated in one go: link, checks before the start, losses, timing.
 pub(crate) const DRIVE: &str = "drive.json";
 
 /// The folder of what is left of a drive whose process is killed; the record's own files are as they were until then.
@@ -23,7 +23,7 @@ pub(crate) const UNFINISHED: &str = "unfinished";
 /// The file in it that is made last and removed first: with it there is something to make a record of.
 pub(crate) const BEGUN: &str = "begun.json";
 
-/// Which kind of file a record has its trace in: one of them.
+/// Kind of file of a record's trace: one of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TraceKind {
     /// Typed, compressed, quick.
@@ -51,13 +51,13 @@ impl TraceKind {
     }
 }
 
-/// What `run.json` says.
+/// Content of `run.json`.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Origin {
     #[serde(flatten)]
     pub(crate) run: RunInfo,
-    /// The build of the program that designed the gains for this very study, where it says which it is; `None`: they were given, or
-    /// nobody can tell.
+    /// The build of the program that designed the gains for this very study, where it is known; `None`: they
+    /// were given, or it is unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) designed_by: Option<String>,
     /// The SHA-256 of every other file of the record, by its name.

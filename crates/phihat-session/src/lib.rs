@@ -1,9 +1,9 @@
 //! A study taken through gains, a closed loop and its record.
 //!
-//! [`Session`] is a study and its gains, ready to run; [`Done`] the finished run, whose record it leaves in a folder;
-//! [`RunRecord`] such a record, read back. [`OutsideRun`] is a study under somebody else's controller,
-//! [`Serve`] its world behind a robot's interface. [`designed`] finds gains, [`verify`] checks them. The command line and the Python
-//! package are made of these, as any other program can be.
+//! [`Session`] is a study and its gains, ready to run; [`Done`] the finished run, whose record it leaves in a
+//! folder; [`RunRecord`] such a record, read back. [`OutsideRun`] is a study under an external controller,
+//! [`Serve`] its world behind a robot's interface. [`designed`] finds gains, [`verify`] checks them. The
+//! command line and the Python package are made of these, as any other program can be.
 //!
 //! [`disk`] is how results are written: whole or not at all, by one process at a time in a folder.
 //!

@@ -9,8 +9,8 @@ use crate::along::phi_along;
 use crate::error::SessionError;
 use crate::watch::Watch;
 
-/// Adds to gains, joint by joint, how far they are from what no linear law undercuts; see [`beside_limit`]. A joint that has no
-/// such figure is warned about.
+/// Adds to gains, joint by joint, their distance from the bound that no linear law undercuts; see
+/// [`beside_limit`]. Warns about a joint without such a figure.
 ///
 /// `φ` is that of the certificate; where it says nothing of `φ`, what the study states, or that along the reference.
 ///

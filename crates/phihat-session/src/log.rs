@@ -13,7 +13,7 @@ use crate::disk::DiskError;
 use crate::disk::{Piece, Whole};
 use crate::error::SessionError;
 
-/// Whether this build writes logs as MCAP: its feature `mcap`.
+/// True if this build writes logs as MCAP: its feature `mcap`.
 pub const LOGS: bool = cfg!(feature = "mcap");
 
 /// A log on its way to the disk. It stands alone: it may be in another folder than the record.
@@ -30,7 +30,7 @@ pub(crate) struct Log {
 pub(crate) enum Log {}
 
 impl Log {
-    /// Whether a log can be written there: asked before anything runs.
+    /// Checks that a log can be written there, before anything runs.
     pub(crate) fn offered(path: &Path) -> Result<(), SessionError> {
         if LOGS {
             return crate::files::check_writable([&path.to_owned()]);

@@ -1,10 +1,10 @@
-//! How a viewer shows a log: plots of what a controller is judged by.
+//! Layout of a log in a viewer: plots of the signals by which a controller is judged.
 
 use phihat_study::Study;
 use serde_json::{Map, Value, json};
 
-/// A layout for Foxglove and Lichtblick, which read the same form: errors, torques, φ beside φ̂, positions beside what was
-/// wanted, and the supervisor's modes, of a log as `phihat run --mcap` writes it.
+/// A layout for Foxglove and Lichtblick, which read the same form: errors, torques, φ with φ̂, positions with
+/// their references, and the supervisor's modes, of a log as `phihat run --mcap` writes it.
 pub fn log_layout(study: &Study) -> Value {
     let names: Vec<&str> = study.robot.joints.iter().map(|joint| joint.name.as_str()).collect();
     let plots = [

@@ -1,4 +1,4 @@
-//! What is looked at while the record of a run goes by.
+//! Evaluation of the record of a run, block by block.
 
 use phihat_design::Gains;
 use phihat_report::{Drawing, TubeRun, TubeSeen};
@@ -8,7 +8,7 @@ use serde_json::json;
 
 use crate::design;
 
-/// What is looked at while a record goes by.
+/// Evaluation of a record, block by block.
 pub(crate) struct RunObserver<'a> {
     measured: Measured,
     drawing: Drawing,
@@ -20,9 +20,9 @@ pub(crate) struct RunObserver<'a> {
 pub struct RunFigures {
     /// The figures.
     pub metrics: Metrics,
-    /// What is drawn of it.
+    /// Drawing of the run.
     pub drawing: Drawing,
-    /// The run beside the tube that its gains carry.
+    /// Comparison of the run with the tube of its gains.
     pub tube: Option<TubeRun>,
 }
 
@@ -55,7 +55,7 @@ impl<'a> RunObserver<'a> {
     }
 }
 
-/// What metrics.json says.
+/// Content of metrics.json.
 pub(crate) fn figures(metrics: &Metrics, tube: Option<&TubeRun>) -> serde_json::Value {
     let mut figures = json!(metrics);
     if let Some(run) = tube {

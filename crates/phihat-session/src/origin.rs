@@ -1,4 +1,4 @@
-//! Where a record says what it is of, and which of its files has the trace.
+//! Origin of a record, and the file that has its trace.
 
 use std::path::{Path, PathBuf};
 
@@ -22,19 +22,19 @@ pub(crate) fn trace_of(folder: &Path) -> PathBuf {
     folder.join(named.or_else(there).unwrap_or_default().file())
 }
 
-/// Whether something is left in a record's folder of a drive that was killed, or is still going on.
+/// Returns true if a record's folder holds the journal of a drive that was killed, or is still going on.
 pub fn is_unfinished(record: &Path) -> bool {
     let folder = record.join(UNFINISHED);
     let holds = |name: &str| folder.join(name).metadata().is_ok_and(|file| file.len() > 0);
     holds(BEGUN) && holds(TraceKind::Csv.file())
 }
 
-/// How a record is made of that.
+/// Hint on making a record from this journal.
 pub fn how_to_recover(record: &Path) -> String {
     format!("`phihat report --recover {}` makes its record", record.display())
 }
 
-/// What a record says of itself.
+/// Reads the origin that a record states.
 pub(crate) fn origin(folder: &Path) -> Result<Origin, SessionError> {
     let path = folder.join(RUN);
     if !path.is_file() {

@@ -28,8 +28,9 @@ pub struct OutsideRun {
 }
 
 impl OutsideRun {
-    /// Begins a run. `command` says in the record what drove it; `path` stands for the study in messages. Without an
-    /// `inertia` \[kg·m²\] per joint it is that of the gains which the study states, else the middle of the arm's range.
+    /// Begins a run. `command` says in the record what drove it; `path` stands for the study in messages.
+    /// Without an `inertia` \[kg·m²\] per joint it is that of the gains which the study states, else the
+    /// middle of the arm's range.
     ///
     /// # Errors
     ///
@@ -68,9 +69,9 @@ impl OutsideRun {
         Ok(Self { study, command, warnings, inertia, run })
     }
 
-    /// Begins a run behind a robot's interface that somebody else keeps the rules of: limits of the study's controller, and what its
-    /// profile stops on, do not act here. What the profile adds, clamps and filters does. It has room for a block of its record: see
-    /// [`Stepped::hand_over`].
+    /// Begins a run behind a robot's interface whose rules are enforced elsewhere: limits of the study's
+    /// controller, and the stop conditions of its profile, do not act here. What the profile adds, clamps and
+    /// filters does. It has room for a block of its record: see [`Stepped::hand_over`].
     ///
     /// # Errors
     ///

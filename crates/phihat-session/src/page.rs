@@ -43,7 +43,7 @@ pub(crate) fn add_page(
     Ok(())
 }
 
-/// What an older page left is to go.
+/// Marks an older page and its figures for removal.
 pub(crate) fn remove_page(whole: &mut Whole, page: &Path) {
     whole.remove(page.to_owned());
     for name in FIGURES {

@@ -17,46 +17,51 @@ use crate::judged::{
 use crate::told::Told;
 use crate::tube_parts::tube_parts;
 
-/// How often laws are looked for.
+/// Rounds of a search for laws, at most.
 const ROUNDS: u32 = 7;
 
 /// After so many in a row that gain nothing, it ends; where finer slices are to come, after one.
 const STUCK: u32 = 2;
 
-/// The encoder's share of the torque step that a study allows: where a search begins, and its ends. What else turns the torque has
-/// the rest.
+/// The encoder's share of the torque step that a study allows: start of a search, and its limits. Other
+/// causes of a torque step have the rest.
 const FIRST: f64 = 0.6;
 const SHARES: (f64, f64) = (0.01, 1.0);
 
-/// Of [`FIRST`], what is tried after a tube that does not close: stiffer laws mostly close one sooner, but where the encoder is what
-/// widens it, softer ones do. After the first, all by the search for the least error.
+/// Factors on [`FIRST`] that are tried after a tube that does not close: stiffer laws mostly close one
+/// sooner, but where the encoder widens it, softer ones do. After the first, all by the search for the least
+/// error.
 const OPEN: [f64; 5] = [1.5, 1.0, 1.5, 0.5, 0.25];
 
 /// The error of a law falls by about this power of its noise.
 const POWER: f64 = 0.4;
 
-/// The change of torque of a tube falls by about this power of the encoder's share: what else turns it falls less.
+/// The change of torque of a tube falls by about this power of the encoder's share: its other causes fall
+/// less.
 const STEP_POWER: f64 = 0.95;
 
-/// How often a tube over all payloads may say of a law that it is not what that of the heaviest promised.
+/// Rounds in which the tube over all payloads is computed for a law that satisfies the specification with the
+/// heaviest, at most.
 const CONFIRMED: u32 = 3;
 
-/// What finer slices leave of room for noise: their tube has less change of torque.
+/// Factor on the shares of noise with finer slices: their tube has less change of torque.
 const FINER_ROOM: f64 = 1.12;
 
-/// How much of the allowed torque step is gone for.
+/// Share of the allowed torque step that a search aims at.
 const ROOM: f64 = 0.97;
 
 /// A tube that uses less of the specification than this leaves room for less noise.
 const ENOUGH: f64 = 0.85;
 
-/// Designs for a study until the tube keeps the specification; where no tube does, once more with the payload in finer slices.
+/// Designs for a study until the tube satisfies the specification; where no tube does, once more with the
+/// payload in finer slices.
 ///
 /// # Method
 ///
-/// Laws are sought by the tube over the heaviest payloads; that over all of them, and every other claim, is found for the laws that
-/// are taken. Where it says more than the heaviest did, the search goes on with what it says. Where laws may filter their innovation, they are
-/// sought a second time, and those are taken whose tube is better.
+/// Laws are searched by the tube over the heaviest payloads; that over all of them, and every other claim, is
+/// computed for the laws that are taken. Where it is wider than with the heaviest, the search goes on with
+/// its figures. Where laws may filter their innovation, they are searched a second time, and those are taken
+/// whose tube is better.
 ///
 /// # Errors
 ///
@@ -113,7 +118,7 @@ pub(crate) fn by_positions(
     Ok(Outcome::Designed(gains))
 }
 
-/// Whether the payload can be divided.
+/// Returns true if the payload can be divided.
 fn divisible(study: &Study) -> bool {
     let set = &study.design.payload;
     let wide = |(low, high): (f64, f64)| high > low;
@@ -126,15 +131,15 @@ struct Best {
     gains: Box<Gains>,
     shares: Vec<f64>,
     parts: u32,
-    /// Where a search would go from here.
+    /// Shares of the next round of a search.
     next: Option<Vec<f64>>,
-    /// What was found of each joint.
+    /// Figures of each joint.
     found: Option<Figures>,
-    /// Whether every claim was found, and the tube over all payloads.
+    /// True if every claim was computed, and the tube over all payloads.
     whole: bool,
 }
 
-/// What every round needs.
+/// Data that every round needs.
 struct Rounds<'a> {
     study: &'a Study,
     unlimited: &'a Study,
@@ -143,7 +148,7 @@ struct Rounds<'a> {
     search: PositionSearch<'a>,
     /// Another search, once, where no tube closes for laws of this one.
     least: Option<&'a dyn Fn() -> Result<PositionSearch<'a>, DesignError>>,
-    /// Whether every claim is found in every round.
+    /// True if every claim is computed in every round.
     thorough: bool,
     /// By how much the tube over all payloads is wider than that of the heaviest.
     beside: Option<Figures>,
@@ -297,8 +302,8 @@ impl Rounds<'_> {
             if better {
                 best = Some(tried);
             }
-            // What keeps the specification and could be quieter is tried once more, not for ever; what is too loud with too much
-            // error needs finer slices.
+            // Laws that satisfy the specification and could have less noise are tried once more, not for
+            // ever; too large torque steps with too much error need finer slices.
             let beyond = finer && rank.error > 1.0 && rank.loudest > 1.0;
             if (kept && !better) || stuck == patience || round + 1 == ROUNDS || beyond {
                 break;
@@ -314,7 +319,7 @@ impl Rounds<'_> {
     }
 }
 
-/// What a tube says of each joint: the shares of what is allowed of its errors and of its change of torque.
+/// Figures of each joint by a tube: its error and its change of torque, over their allowed values.
 #[derive(Debug, Clone)]
 struct Figures {
     errors: Vec<f64>,
@@ -365,10 +370,10 @@ impl Figures {
     }
 }
 
-/// How good gains are.
+/// Rank of gains.
 #[derive(Debug, Clone, Copy)]
 struct Rank {
-    /// Whether no claim is refused.
+    /// True if no claim is refused.
     armed: bool,
     /// The largest share of an error that is allowed; infinite without a tube.
     error: f64,
@@ -382,12 +387,13 @@ impl Rank {
     const UNKNOWN: Self =
         Self { armed: true, error: f64::INFINITY, loudest: f64::INFINITY, noise: f64::INFINITY };
 
-    /// Whether the tube keeps every clause.
+    /// Returns true if the tube satisfies every clause.
     fn kept(&self) -> bool {
         self.error <= 1.0 && self.loudest <= 1.0
     }
 
-    /// What counts, the less the better, and how far it is gone: torque within its limits, then the error, then the noise.
+    /// Stage of a search, and its figure, the smaller the better: torque within its limits, then the error,
+    /// then the noise.
     fn stage(&self) -> (u8, f64) {
         if !self.armed {
             (0, self.loudest)
@@ -400,7 +406,8 @@ impl Rank {
         }
     }
 
-    /// Whether laws of one kind are better than those of another, whose noise is shares of something else.
+    /// Returns true if laws of one kind are better than those of another, whose shares of the noise have
+    /// another reference.
     fn pays(&self, other: &Self) -> bool {
         if self.armed && self.kept() && other.kept() {
             self.loudest < other.loudest
@@ -409,14 +416,14 @@ impl Rank {
         }
     }
 
-    /// Whether it is better, by more than a share.
+    /// Returns true if it is better, by more than a share.
     fn beats(&self, other: &Self, share: f64) -> bool {
         let ((own, value), (theirs, others)) = (self.stage(), other.stage());
         own > theirs || (own == theirs && value < (1.0 - share) * others)
     }
 }
 
-/// How good gains are, and the shares to try next; `None`: these are the last.
+/// Rank of gains, and the shares to try next; `None`: these are the last.
 fn next(judged: &Judged, found: Option<&Figures>, shares: &[f64]) -> (Rank, Option<Vec<f64>>) {
     let to = |factor: &dyn Fn(usize) -> f64| -> Option<Vec<f64>> {
         let moved = shares.iter().enumerate();

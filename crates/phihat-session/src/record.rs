@@ -21,19 +21,19 @@ use crate::page::{add_page, remove_page};
 /// A finished run.
 #[derive(Debug)]
 pub struct Done {
-    /// What was run.
+    /// Study that was run.
     pub study: Box<Study>,
     /// The gains that ran; `None`: another controller did.
     pub gains: Option<Gains>,
-    /// Where the run came from.
+    /// Origin of the run.
     pub run: RunInfo,
     /// The build of the program that designed them for this study, where that is known.
     pub(crate) designed_by: Option<String>,
-    /// What is drawn of it.
+    /// Drawing of the run.
     pub drawing: Drawing,
     /// The figures of the run.
     pub metrics: Metrics,
-    /// The run beside the tube that its gains carry.
+    /// Comparison of the run with the tube of its gains.
     pub tube: Option<TubeRun>,
     /// Set when the run diverged and was stopped.
     pub divergence: Option<Divergence>,
@@ -44,7 +44,7 @@ pub struct Done {
 /// The trace of a run on its way to the disk.
 pub(crate) struct TraceFiles {
     whole: Whole,
-    /// Where they are prepared.
+    /// Paths at which they are prepared.
     pub(crate) prepared: Vec<PathBuf>,
     kind: TraceKind,
     path: PathBuf,
@@ -126,8 +126,8 @@ impl Done {
         }
     }
 
-    /// Writes trace, metrics, gains, origin and study into a folder: a whole record in place of an older one, whose page
-    /// goes.
+    /// Writes trace, metrics, gains, origin and study into a folder: a whole record in place of an older one,
+    /// whose page is removed.
     ///
     /// # Errors
     ///
@@ -139,7 +139,8 @@ impl Done {
         self.leave(files, folder, None, None)
     }
 
-    /// Writes the record into a folder that is locked, with a page, the trace being on its way; `drive` says what drove it.
+    /// Writes the record into a folder that is locked, with a page, the trace being on its way; `drive` is
+    /// the document of its drive.
     pub(crate) fn leave(
         &self,
         trace: TraceFiles,
@@ -185,7 +186,7 @@ impl Done {
         figures(&self.metrics, self.tube.as_ref())
     }
 
-    /// Whether the run came to its end, kept every bound, and no promise about it is broken.
+    /// Returns true if the run came to its end, satisfied every bound, and broke no claim of its tube.
     pub fn good(&self) -> bool {
         let ended = self.divergence.is_none() && self.abort.is_none();
         ended

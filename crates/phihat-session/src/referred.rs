@@ -9,11 +9,13 @@ use crate::edit::set;
 use crate::error::SessionError;
 use crate::files;
 
-/// A study whose motion is that of a file (CSV: `t_s` and every joint's name), to its last sample; `path` is the study's.
+/// A study whose motion is that of a file (CSV: `t_s` and every joint's name), to its last sample; `path` is
+/// the study's.
 ///
 /// # Errors
 ///
-/// [`SessionError`]: the file cannot be read, or its motion is not one of this arm, by place: joints, times, limits of position and velocity.
+/// [`SessionError`]: the file cannot be read, or its motion is not one of this arm, by place: joints, times,
+/// limits of position and velocity.
 pub fn referred(study: &Study, path: &Path, file: &Path) -> Result<Box<Study>, SessionError> {
     let whole: PathBuf = std::path::absolute(file).map_err(|e| SessionError::at(file, e))?;
     let mut table: Table = study.text.parse().map_err(|e| SessionError::at(path, e))?;

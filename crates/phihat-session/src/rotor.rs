@@ -18,11 +18,11 @@ const MOST: f64 = 1e3;
 const STEPS: u32 = 9;
 const HALVINGS: u32 = 5;
 
-/// How often more is tried where the estimate is not certified, and by which factor.
+/// Number of larger values tried where the estimate is not certified, and the factor between them.
 const CERTIFIED: u32 = 4;
 const MORE: f64 = 1.05;
 
-/// Largest error that is asked for where any will do \[rad, m\].
+/// Allowed error where any error is acceptable \[rad, m\].
 const ANY: f64 = 50.0;
 
 /// Key of a study that states rotors.
@@ -37,7 +37,7 @@ pub(crate) fn one_search(study: &Study, arm: &Arm, path: &Path) -> Result<Outcom
     sought(study, path, |phi| search(study, arm, phi))
 }
 
-/// What a search finds for a study, with φ along its reference.
+/// Result of a search for a study, with φ along its reference.
 fn sought<T>(
     study: &Study,
     path: &Path,
@@ -151,7 +151,7 @@ fn rounded(
     Ok(None)
 }
 
-/// What a rotor inertia that makes gains possible says of an arm's joints.
+/// Text about the joints whose rotor inertia is below the least for which there are gains.
 pub(crate) fn lacking(study: &Study, least: f64) -> String {
     let own =
         |joint: &phihat_model::Joint| joint.armature_range.map_or(joint.armature, |(low, _)| low);

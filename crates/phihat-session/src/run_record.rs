@@ -20,13 +20,13 @@ use crate::record::Done;
 /// A record whose files belong together.
 #[derive(Debug)]
 pub struct RunRecord {
-    /// Where the run came from.
+    /// Origin of the run.
     pub run: RunInfo,
-    /// What was run.
+    /// Study that was run.
     pub study: Box<Study>,
     /// The gains that ran; `None`: another controller did.
     pub gains: Option<Gains>,
-    /// What its trace shows.
+    /// Figures of its trace.
     pub seen: RunFigures,
     /// The build of the program that designed the gains for this study, where that is known.
     designed_by: Option<String>,
@@ -45,7 +45,7 @@ impl RunRecord {
         }
     }
 
-    /// Whether a file can be the trace of a record: by its name, and that it is there.
+    /// Checks that a file can be the trace of a record: that it exists, and its name.
     pub(crate) fn is_named(trace: &Path) -> Result<(), SessionError> {
         files::open(trace)?;
         if TraceKind::ALL.iter().any(|kind| trace.ends_with(kind.file())) {
@@ -66,7 +66,8 @@ impl RunRecord {
         Self::read_in(trace, BLOCK, |_| ())
     }
 
-    /// Reads the record that a trace is of, the trace handed over in blocks of at most so many samples; they count only if this does not fail.
+    /// Reads the record of a trace, and passes the trace on in blocks of at most so many samples; they are
+    /// valid only if this does not fail.
     fn read_in(
         trace: &Path,
         block: usize,
@@ -99,7 +100,7 @@ impl RunRecord {
         Ok(Self { run, study, gains, seen, designed_by })
     }
 
-    /// Whether the figures that the record states are those of its trace.
+    /// Checks that the figures of the record are those of its trace.
     ///
     /// # Errors
     ///
@@ -156,8 +157,8 @@ pub fn recorded(folder: &Path) -> Result<(Done, Trace), SessionError> {
     Ok((done, whole))
 }
 
-/// The gains that `program` designed for this very study, from the record in a folder; `None`: there are none, or a file is another one
-/// by now, of the study, of those that it names, or the gains themselves.
+/// The gains that `program` designed for this very study, from the record in a folder; `None`: there are
+/// none, or a file has changed: the study, one that it names, or the gains.
 pub(crate) fn designed_before(study: &Study, folder: &Path, program: &str) -> Option<Gains> {
     let Origin { run, designed_by, files } = origin(folder).ok()?;
     if run.study != study.name || designed_by.as_deref() != Some(program) {
@@ -201,19 +202,19 @@ pub fn report_again(trace: &Path, page: &Path) -> Result<RunRecord, SessionError
     Ok(kept)
 }
 
-/// Whether gains that are to be written to a file take the place of those of a run.
+/// Returns true if gains that are to be written to a file would replace different gains of a run.
 pub fn are_of_a_run(gains: &Path, text: &str) -> bool {
     let Ok(Origin { files, .. }) = origin(folder_of(gains)) else { return false };
     let named = gains.file_name().and_then(|name| files.get(name.to_str()?));
     named.is_some_and(|sum| sha256(&mut text.as_bytes()).is_ok_and(|new| new != *sum))
 }
 
-/// Whether a name is that of a file in the record's folder, or below it.
+/// Returns true if a name is that of a file in the record's folder, or below it.
 fn inside(name: &Path) -> bool {
     name.components().all(|part| matches!(part, Component::Normal(_)))
 }
 
-/// Whether a file is the one that the run left.
+/// Checks that a file is the one that the run left.
 pub(crate) fn belongs(
     path: &Path,
     expected: Option<&str>,

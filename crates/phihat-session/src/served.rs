@@ -16,7 +16,7 @@ use crate::layout::TraceKind;
 use crate::outside::OutsideRun;
 use crate::served_record::{Place, Recorder, ServedMotion, Written};
 
-/// What serving a study is told.
+/// Options of serving a study.
 #[derive(Debug, Clone)]
 pub struct ServeOptions {
     /// The study file (TOML).
@@ -27,20 +27,21 @@ pub struct ServeOptions {
     pub listen: IpAddr,
     /// Port that is listened on; 0: any that is free.
     pub port: u16,
-    /// Which kind of file has the trace of a motion.
+    /// Kind of file of a motion's trace.
     pub trace: TraceKind,
-    /// Who makes time go on.
+    /// Clock of the loop: the client's commands, or this machine's.
     pub pace: Pace,
     /// Cycles of motion after which serving ends; `None`: never.
     pub cycles: Option<u64>,
 }
 
-/// Who looks on while a study is served.
+/// Observer of a study that is served.
 pub trait ServeWatch {
     /// A client comes, goes, or is sent away.
     fn event(&mut self, event: Event);
 
-    /// From here on these files are on their way, and worth nothing unless the motion that is recorded there comes to its end.
+    /// Reports files that are being written; they are invalid unless the motion that is recorded there comes
+    /// to its end.
     fn begun(&mut self, unfinished: &[PathBuf]) {
         let _ = unfinished;
     }
@@ -71,11 +72,11 @@ struct ServedWorld {
     left: Option<u64>,
     done: bool,
     recorder: Recorder,
-    /// Whether the record of the motion before is on its way to the disk.
+    /// True while the record of the motion before is being written to the disk.
     writing: bool,
 }
 
-/// What the robot knows of its arm: gravity's torque and where its hand is.
+/// The robot's model of its arm: gravity torque and pose of the hand.
 #[derive(Debug)]
 struct RobotGeometry {
     model: Model,
@@ -89,7 +90,8 @@ impl ServeOptions {
     ///
     /// # Errors
     ///
-    /// [`SessionError`]: the study cannot be simulated, is of no arm that the interface knows, or the port cannot be listened on.
+    /// [`SessionError`]: the study cannot be simulated, is of no arm that the interface supports, or the port
+    /// cannot be opened.
     pub fn open(&self) -> Result<Serve, SessionError> {
         let study = design::read(&self.study)?;
         fits(&study, self.cycles).map_err(|why| SessionError::at(&self.study, why))?;
@@ -106,7 +108,7 @@ impl ServeOptions {
 }
 
 impl Serve {
-    /// Where it listens.
+    /// Address on which it listens.
     pub fn address(&self) -> SocketAddr {
         self.host.address()
     }
@@ -121,7 +123,8 @@ impl Serve {
         &self.world.folder
     }
 
-    /// Serves until the cycles that were asked for are over. Each motion leaves its record, with its page, in place of the one before.
+    /// Serves until the requested cycles are over. Each motion leaves its record, with its page, in place of
+    /// the one before.
     ///
     /// # Errors
     ///
@@ -148,7 +151,7 @@ enum Unserved {
     Cycles { cycles: u64, samples: u64 },
 }
 
-/// Whether a study is of an arm that the interface knows.
+/// Checks that the interface can serve a study.
 fn fits(study: &Study, cycles: Option<u64>) -> Result<(), Unserved> {
     let joints = study.robot.joints.len();
     if joints != JOINTS {
@@ -169,7 +172,7 @@ fn fits(study: &Study, cycles: Option<u64>) -> Result<(), Unserved> {
     }
 }
 
-/// What the robot stops on: what the study's profile says, and the arm's own limits of speed.
+/// Stop conditions of the robot: those of the study's profile, and the arm's own limits of speed.
 fn rules(study: &Study) -> Rules {
     let profile = &study.interface.profile;
     let period = study.control.period_ns as f64 * 1e-9;
@@ -185,13 +188,14 @@ fn rules(study: &Study) -> Rules {
     }
 }
 
-/// What libfranka reads of each joint beside its `<limit>`: the speed that is safe at a distance `d` from an end of travel is
-/// `−offset + √(2 d deceleration)`. Here it is 100 rad/s everywhere: no such rule acts.
+/// Element that libfranka reads for each joint in addition to its `<limit>`: the speed that is safe at a
+/// distance `d` from an end of travel is `−offset + √(2 d deceleration)`. Here it is 100 rad/s everywhere: no
+/// such rule acts.
 const SPEED_BY_POSITION: &str =
     "<position_based_velocity_limits velocity_offset=\"-100\" deceleration_limit=\"0\"/>";
 
-/// The arm's URDF as a robot would hand it out: libfranka knows joints by names that hold `joint1` to `joint7`, so the arm's are called
-/// so, and no other is.
+/// The arm's URDF as a robot would send it: libfranka recognizes joints by names that contain `joint1` to
+/// `joint7`, so the arm's have these names, and no other has.
 fn description(study: &Study) -> Result<String, SessionError> {
     let urdf = study.robot.urdf().map_err(SessionError::other)?;
     let arm = &study.robot.name;
@@ -463,7 +467,8 @@ frequency_hz = 0.5
         files.map(|path| (text(&path), fs::read(&path).unwrap())).collect()
     }
 
-    /// Wrong if a byte of the record were another than that of a run that is kept as a whole, or if more than a block stayed in hand.
+    /// Wrong if a byte of the record differed from that of a run that is stored as a whole, or if more than a
+    /// block stayed in memory.
     #[test]
     fn a_record_that_is_written_as_it_comes_is_that_of_the_whole() {
         let folder = std::env::temp_dir().join(format!("phihat-served-{}", std::process::id()));

@@ -19,11 +19,11 @@ use crate::record::{Done, TraceFiles};
 /// A motion of a client's.
 #[derive(Debug)]
 pub struct ServedMotion {
-    /// How it ended.
+    /// End of the motion.
     pub ending: Ending,
     /// Cycles that the world went on.
     pub cycles: u64,
-    /// What became of the packets since serving began.
+    /// Packet counts since serving began.
     pub packets: Packets,
     /// The record, and its page.
     pub record: Option<(Box<Done>, PathBuf)>,
@@ -32,18 +32,18 @@ pub struct ServedMotion {
 /// Blocks on their way to the disk, at most: 12 s at 1 kHz.
 const ROOMS: usize = 3;
 
-/// Where the records go, one in place of the other.
+/// Destination of the records, one in place of the other.
 #[derive(Debug)]
 pub(crate) struct Place {
     /// The study that is served.
     pub(crate) study: Box<Study>,
     /// Their folder.
     pub(crate) folder: PathBuf,
-    /// Which kind of file has the trace.
+    /// Kind of file of the trace.
     pub(crate) kind: TraceKind,
 }
 
-/// What the thread that writes is handed.
+/// Input of the writer thread.
 enum Part {
     /// The next samples of a motion.
     Block(Trace),
@@ -51,10 +51,10 @@ enum Part {
     Ended(ServedMotion, Option<Box<OutsideRun>>),
 }
 
-/// What the thread that writes says.
+/// Report of the writer thread.
 #[derive(Debug)]
 pub(crate) enum Written {
-    /// These files are on their way.
+    /// These files are being written.
     Begun(Vec<PathBuf>),
     /// The record of a motion is on the disk.
     Motion(ServedMotion),
@@ -69,13 +69,13 @@ pub(crate) struct Recorder {
     rooms: Receiver<Trace>,
     written: Receiver<Written>,
     thread: Option<JoinHandle<()>>,
-    /// Whether the loop may be held up by the disk.
+    /// True if the loop may wait for the disk.
     waits: bool,
 }
 
 impl Recorder {
-    /// One that is held up by a slow disk, where `waits`; else samples stay with the run until there is room, so that a loop that keeps to
-    /// the clock never waits.
+    /// Makes a recorder that waits for a slow disk, if `waits`; else samples stay with the run until there is
+    /// room, so that a real-time loop never waits.
     pub(crate) fn new(place: Place, waits: bool) -> Self {
         let (parts, taken) = channel();
         let (back, rooms) = channel();
@@ -110,7 +110,7 @@ impl Recorder {
         let _ = self.parts.send(Part::Ended(motion, run.map(Box::new)));
     }
 
-    /// What was said since the last call; with `wait`, what is said next.
+    /// Report since the last call; with `wait`, the next report.
     pub(crate) fn told(&mut self, wait: bool) -> Option<Written> {
         let told = if wait { self.written.recv().ok() } else { self.written.try_recv().ok() };
         if told.is_none()

@@ -23,7 +23,7 @@ use crate::run_record::designed_before;
 use crate::watch::Watch;
 use crate::words;
 
-/// What a run is told.
+/// Options of a run.
 #[derive(Debug, Clone, Default)]
 pub struct RunOptions {
     /// The study file (TOML).
@@ -34,12 +34,12 @@ pub struct RunOptions {
     pub out: Option<PathBuf>,
     /// Runs gains even where they may not run on this arm; marked in the record.
     pub uncertified: bool,
-    /// Which build of the program runs, if it can tell: gains that it designed for the same study are taken from the folder instead of
-    /// being designed once more. `None`: they are designed.
+    /// Build of the program, if it is known: gains that it designed for the same study are taken from the
+    /// folder instead of being designed once more. `None`: they are designed.
     pub program: Option<String>,
     /// Designs once more, whatever the folder holds.
     pub fresh: bool,
-    /// Which kind of file has the trace.
+    /// Kind of file of the trace.
     pub trace: TraceKind,
     /// A log of the run for ROS tools and viewers (MCAP), beside the record; see [`LOGS`](crate::LOGS).
     pub log: Option<PathBuf>,
@@ -83,7 +83,8 @@ impl RunOptions {
         Ok((session, folder))
     }
 
-    /// Of a study that no gains serve: what its error is spent on and which changes help, written beside where its run would be.
+    /// Writes the error budget of a study that no gains serve, with the changes that help, to the folder of
+    /// its run.
     ///
     /// # Errors
     ///
@@ -103,7 +104,7 @@ impl RunOptions {
     }
 }
 
-/// How a line begins that says what the robot's torque interface will not bear.
+/// Beginning of a line that predicts a violation of the robot's torque interface.
 const FORECAST: &str = "forecast:";
 
 /// A study and its gains, ready to run.
@@ -114,19 +115,19 @@ pub struct Session {
     pub(crate) simulation: Box<Simulation>,
     pub(crate) command: String,
     pub(crate) warnings: Vec<String>,
-    /// Which kind of file has the trace.
+    /// Kind of file of the trace.
     pub(crate) trace: TraceKind,
-    /// Where a log is asked for.
+    /// Path of the requested log.
     pub(crate) log: Option<PathBuf>,
-    /// Whether the gains are those that the design makes for this study.
+    /// True if the gains are those that the design makes for this study.
     designs: bool,
-    /// Whether they are of an earlier run.
+    /// True if they are of an earlier run.
     before: bool,
     /// The build that designed them, where it can tell.
     designed_by: Option<String>,
 }
 
-/// Where a run's gains come from.
+/// Source of a run's gains.
 enum Chosen<'a> {
     /// Somebody gave them, in a file of this name.
     Given(Box<Gains>, &'a Path),
@@ -142,8 +143,9 @@ impl Session {
     ///
     /// # Errors
     ///
-    /// [`SessionError`]: the gains do not fit the robot or the loop, none can be designed, the motion needs more than the drives have
-    /// or the arm's inertia is not inside of the gains' window (unless `uncertified`), or the study cannot be simulated.
+    /// [`SessionError`]: the gains do not fit the robot or the loop, none can be designed, the motion needs
+    /// more than the drives have or the arm's inertia is not inside of the gains' window (unless
+    /// `uncertified`), or the study cannot be simulated.
     pub fn new(
         study: Box<Study>,
         path: &Path,
@@ -213,12 +215,13 @@ impl Session {
         Self { trace, ..self }
     }
 
-    /// Whether the gains are those that an earlier run of the same study left, designed by the same build of the program.
+    /// Returns true if the gains are those that an earlier run of the same study left, designed by the same
+    /// build of the program.
     pub fn designed_before(&self) -> bool {
         self.before
     }
 
-    /// What is said before the run.
+    /// Warnings before the run.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
@@ -233,8 +236,9 @@ impl Session {
         self.gains
     }
 
-    /// Runs the loop and leaves its record, with or without its page; the trace is written as it comes. What the robot's
-    /// torque interface will not bear is said before; no other process writes to the folder meanwhile.
+    /// Runs the loop and leaves its record, with or without its page; the trace is written as it comes.
+    /// Predicted violations of the robot's torque interface are reported before; no other process writes to
+    /// the folder meanwhile.
     ///
     /// # Errors
     ///
@@ -354,7 +358,7 @@ fn not_armed(
     }
 }
 
-/// What a motion needs that the drives do not have, as a warning of a run that is uncertified.
+/// Overload of the drives by a motion, as a warning of a run that is uncertified, else as an error.
 #[inline(never)]
 fn beyond_drives(
     study: &Study,
@@ -387,7 +391,7 @@ fn designed_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, Sessio
     Err(SessionError::Infeasible { path: path.to_owned(), no, budget })
 }
 
-/// Where a run came from, under a law of this form.
+/// Origin of a run, under a law of this form.
 pub(crate) fn run_info(
     study: &Study,
     form: &str,

@@ -11,26 +11,26 @@ use phihat_study::{DesignMethod, Study};
 use crate::error::SessionError;
 use crate::judged::{ERROR_KEY, Judged, beyond_error, judge, missed};
 
-/// How often gains are looked for.
+/// Rounds of a search for gains, at most.
 const ROUNDS: u32 = 6;
 
-/// How much further than the tube demands the specification of the next round goes.
+/// Factor by which the specification of the next round is stricter than the tube demands.
 const FURTHER: f64 = 0.95;
 
-/// What is asked of the search at first: it reckons without the coupling that helps, and without what is known of
-/// time, so that a tube uses some half of what it was asked for …
+/// Factor on the specification of the first search: it neglects the coupling that helps, and the knowledge of
+/// time, so that a tube uses about half of the specification …
 const FIRST: f64 = 1.4;
 
-/// … and what is asked where it finds nothing although the tube may.
+/// … and on that of the next one, where it finds nothing although the tube may.
 const EASIER: f64 = 1.8 / FIRST;
 
-/// What is asked where a tube does not close: stiffer gains close it sooner.
+/// Factor on the specification where a tube does not close: stiffer gains close it sooner.
 const STIFFER: f64 = 1.0 / 3.0;
 
 /// A tube that uses less of the specification than this leaves room for less torque noise …
 const ENOUGH: f64 = 0.6;
 
-/// … which is looked for once, by a specification at most so many times easier.
+/// … which is searched once, by a specification at most so many times easier.
 const EASIEST: f64 = 3.0;
 
 /// One search.
@@ -115,13 +115,13 @@ fn kept_by_tube(
     Ok(no)
 }
 
-/// Whether the arm is known by its description, so that gains can have a tube; others keep the specification by
-/// bounds of their own.
+/// Returns true if the arm is known by its description, so that gains can have a tube; others satisfy the
+/// specification by bounds of their own.
 fn described(gains: &Gains) -> bool {
     gains.certificate.as_ref().is_some_and(|c| c.arm.basis == ArmBasis::Postures)
 }
 
-/// What the rounds have found so far.
+/// Results of the rounds so far.
 #[derive(Default)]
 struct Found {
     /// Laws whose tube was looked for.
@@ -132,14 +132,14 @@ struct Found {
     closest: Option<(f64, Box<Gains>)>,
     /// Its tube does not close.
     open: Option<Box<Gains>>,
-    /// What is asked for where the next search finds the same law.
+    /// Factors on the specification where the next search finds the same law.
     again: Option<Vec<f64>>,
     /// A search was in vain, or a tube did not keep the specification: there is nothing to relax.
     hard: bool,
 }
 
 impl Found {
-    /// Whether a law was looked at before.
+    /// Returns true if a law was tried before.
     fn seen(&mut self, gains: &Gains) -> bool {
         let before = self.seen.contains(&gains.joints);
         self.seen.push(gains.joints.clone());

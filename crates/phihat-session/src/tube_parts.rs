@@ -1,4 +1,4 @@
-//! What of a tube comes from where, and the laws with a filter that are sought by it.
+//! Parts of a tube by cause, and the laws with a filter that are searched by them.
 
 use phihat_design::tube::{Desired, PARTS, tube_of_heaviest};
 use phihat_design::{Gains, PositionSearch, Tube, TubeParts};
@@ -8,8 +8,8 @@ use phihat_study::Study;
 use crate::judged::{promised, without_rate_limits};
 use crate::told::Told;
 
-/// What the tube of gains has from where, each by the tube of the heaviest payloads without that; `None` where one of them has none.
-/// The study has no limits of torque rate.
+/// Parts of the tube of gains by cause, each by the tube of the heaviest payloads without that cause; `None`
+/// where one of these tubes does not exist. The study has no limits of torque rate.
 pub(crate) fn tube_parts(
     study: &Study,
     gains: &Gains,
@@ -46,8 +46,9 @@ pub(crate) fn tube_parts(
     Some((0..gains.joints.len()).map(joint).collect())
 }
 
-/// The laws of least error that filter their innovation, by their estimates no louder than laws without a filter are by their tube
-/// along the study's motion; without a certificate. `None`: those have no tube, or a joint has no law that holds.
+/// The laws of least error that filter their innovation, by their estimates with no more change of torque
+/// than laws without a filter have by their tube along the study's motion; without a certificate. `None`:
+/// those have no tube, or a joint has no law that holds.
 ///
 /// `plain` are laws of this search, for all of the change of torque that the study's design allows.
 ///

@@ -7,8 +7,8 @@ use phihat_study::{PhiSource, Study};
 /// Relative slack: a figure that was copied from the model contradicts nothing.
 const SLACK: f64 = 1e-9;
 
-/// Whether a typed `φ` is at least what the model shows along the reference, for the nominal inertias of some gains. Nothing
-/// is typed: nothing is contradicted.
+/// Checks that a typed `φ` is at least that of the model along the reference, for the nominal inertias of
+/// some gains; passes where none is typed.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! The record of a drive while it goes on: what is left of it where the process is killed, and how a record is made of that.
+//! Journal of a drive while it goes on, and the recovery of a record from it if the process is killed.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -21,10 +21,10 @@ use crate::origin::{how_to_recover, is_unfinished};
 use crate::record::{Done, TraceFiles, add_inputs};
 use crate::run_record::{belongs, study_and_gains};
 
-/// How much of a drive a kill may take, at most \[s\].
+/// Largest part of a drive that is lost if the process is killed \[s\].
 pub const LOST_MAX_S: f64 = 1.0;
 
-/// What `begun.json` says: what `run.json` and `drive.json` would, as far as it was known when the drive began.
+/// Content of `begun.json`: that of `run.json` and `drive.json`, as far as it was known when the drive began.
 #[derive(Serialize, Deserialize)]
 struct Begun {
     #[serde(flatten)]
@@ -34,12 +34,12 @@ struct Begun {
     drive: Map<String, Value>,
 }
 
-/// A folder with study, gains, inputs and a trace (CSV) that grows with every part of a drive. It stands in the folder of the record until
-/// that is whole.
+/// A folder with study, gains, inputs and a trace (CSV) that grows with every part of a drive. It stands in
+/// the folder of the record until that is whole.
 pub(crate) struct Journal {
     folder: PathBuf,
     csv: TraceWriter<BufWriter<Growing>>,
-    /// Whether it holds a sample.
+    /// True if it holds a sample.
     any: bool,
 }
 
@@ -131,7 +131,7 @@ fn left_behind(record: &Path) -> SessionError {
     SessionError::at(&record.join(UNFINISHED), why)
 }
 
-/// Whether a drive may leave its record in a folder: nothing is left there of one that was killed.
+/// Checks that a drive may leave its record in a folder: that there is no journal of one that was killed.
 ///
 /// # Errors
 ///
@@ -144,21 +144,22 @@ pub fn none_unfinished(record: &Path) -> Result<(), SessionError> {
     Err(left_behind(record))
 }
 
-/// What was made a record of.
+/// Recovered part of a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recovered {
-    /// How many samples there are.
+    /// Number of samples.
     pub samples: u64,
-    /// When they end: the process was killed then, or up to [`LOST_MAX_S`] later \[s\].
+    /// End of the samples \[s\]: the process was killed then, or up to [`LOST_MAX_S`] later.
     pub until_s: f64,
 }
 
-/// Makes a record of what is left of a drive that was killed, in place of an older record in its folder; without a page.
+/// Makes a record of what is left of a drive that was killed, in place of an older record in its folder;
+/// without a page.
 ///
 /// # Errors
 ///
-/// [`SessionError`]: there is nothing of the kind, its files are not those that the drive left, or the record cannot be written; then what
-/// is left stays.
+/// [`SessionError`]: there is nothing of the kind, its files are not those that the drive left, or the record
+/// cannot be written; then what is left stays.
 pub fn recover(record: &Path) -> Result<Recovered, SessionError> {
     if !is_unfinished(record) {
         let why = "nothing is left here of a drive that was killed: there is nothing to recover";

@@ -15,7 +15,7 @@ use crate::files::read_gains;
 use crate::origin::trace_of;
 use crate::run_record::RunRecord;
 
-/// What is to be checked.
+/// Subject of a check.
 #[derive(Debug, Clone, Copy)]
 pub enum Checked<'a> {
     /// A gains document alone, or derived again from a study as far as it can be.
@@ -29,7 +29,7 @@ pub enum Checked<'a> {
     Record(&'a Path),
 }
 
-/// How far a check is that takes long.
+/// Progress of a check that takes long.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stage {
     /// The tube is derived a second time; the share that is done.
@@ -38,14 +38,14 @@ pub enum Stage {
     Worlds(usize),
 }
 
-/// What a check found.
+/// Result of a check.
 #[derive(Debug)]
 pub struct Verification {
     /// The figures of the run whose record was checked.
     pub record: Option<Metrics>,
     /// The claims that hold, or the one that does not; `None`: the gains of a record carry no certificate.
     pub claims: Option<Result<Verified, Refutation>>,
-    /// DrawnRuns in worlds drawn from the study's scope.
+    /// Runs in worlds drawn from the study's scope.
     pub runs: Option<DrawnRuns>,
     /// Names of the joints that slide.
     pub sliding: Vec<String>,
@@ -55,7 +55,8 @@ pub struct Verification {
 ///
 /// # Errors
 ///
-/// [`SessionError`]: a file cannot be used, or a record is not what its run left. That a claim does not hold is an answer.
+/// [`SessionError`]: a file cannot be used, or a record is not what its run left. That a claim does not hold
+/// is an answer.
 pub fn verify(
     checked: Checked<'_>,
     stage: &(dyn Fn(Stage) + Sync),

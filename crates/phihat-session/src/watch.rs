@@ -12,20 +12,20 @@ pub trait Watch: Send {
         let _ = (done, all);
     }
 
-    /// What was done up to here was done before, and says nothing about the time left.
+    /// The work up to here was done before, and says nothing about the time left.
     fn resumed(&mut self) {}
 
-    /// What is done is saved in this journal, from which the same work goes on.
+    /// Reports the journal that saves the finished work, from which the same work goes on.
     fn saved_in(&mut self, journal: &Path) {
         let _ = journal;
     }
 
-    /// What is being done now, in a few words.
+    /// Reports the current step, in a few words.
     fn step(&mut self, what: &str) {
         let _ = what;
     }
 
-    /// A line that is worth knowing before the end.
+    /// Reports a line that is worth knowing before the end.
     fn warn(&mut self, line: &str) {
         let _ = line;
     }
@@ -38,7 +38,7 @@ pub trait Watch: Send {
     /// The work is over; what is left is written whole or not at all.
     fn ended(&mut self) {}
 
-    /// What a run came to, before its files are written.
+    /// Reports the result of a run, before its files are written.
     fn came_to(&mut self, done: &Done) {
         let _ = done;
     }
@@ -46,7 +46,7 @@ pub trait Watch: Send {
 
 impl Watch for () {}
 
-/// Runs at a time: what was asked for, else one per core.
+/// Runs at a time: the requested number, else one per core.
 pub fn threads(asked: Option<u16>) -> usize {
     asked.map_or_else(|| available_parallelism().map_or(1, usize::from), usize::from)
 }

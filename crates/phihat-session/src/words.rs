@@ -1,4 +1,4 @@
-//! What a record says in words.
+//! Texts of a record.
 
 use phihat::VelocitySource;
 use phihat_design::budget::{largest_stable, loop_in_words};
@@ -47,7 +47,7 @@ pub(crate) fn unstable(
     })
 }
 
-/// What was in the world of a run, for its page.
+/// World of a run, for its page.
 pub(crate) fn world(study: &Study) -> Vec<(String, String)> {
     let world = &study.world;
     let mut lines = vec![

@@ -15,7 +15,7 @@ use crate::files;
 /// The posture that a study moves about.
 pub(super) const READY: &str = "ready";
 
-/// How a study names its arm, and what is written of it.
+/// Chosen arm: its lines in the study, its own file and notes.
 pub(super) struct Chosen {
     pub(super) robot: Robot,
     pub(super) part: Part,
@@ -24,7 +24,7 @@ pub(super) struct Chosen {
     /// The arm's own file, where it is written.
     pub(super) written: Option<ArmFile>,
     pub(super) notes: Vec<String>,
-    /// Whether the posture of the motion is none of the arm's own poses.
+    /// True if the posture of the motion is not one of the arm's own poses.
     pub(super) posture_added: bool,
     /// Why the drives cannot hold the arm anywhere that was looked at.
     pub(super) unheld: Option<String>,

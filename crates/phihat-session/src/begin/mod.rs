@@ -2,16 +2,16 @@
 //!
 //! # Method
 //!
-//! What the arm's description lacks is estimated, as intervals ([`phihat_model::rotor_inertia`],
-//! [`phihat_model::dry_friction`]). The arm is put where gravity is easy on it, and moved by a sine per joint that keeps well
-//! inside the limits of position, speed and torque. Then the smallest error that the design can promise is looked for, and
-//! stated with a margin; the loop is run with every rotor at both ends of its interval and between them before the study is
-//! written.
+//! Quantities that the arm's description lacks are estimated, as intervals ([`phihat_model::rotor_inertia`],
+//! [`phihat_model::dry_friction`]). The arm is put where gravity loads it little, and moved by a sine per
+//! joint that keeps well inside the limits of position, speed and torque. Then the smallest error that the
+//! design can prove is searched, and stated with a margin; the loop is run with every rotor at both ends of
+//! its interval and between them before the study is written.
 //!
 //! # Not claimed
 //!
-//! That the estimates hold for the arm that stands in the laboratory: what to measure is said in its file. Whether the motion
-//! hits something: a description's links have no bodies here.
+//! That the estimates hold for the arm that stands in the laboratory: what to measure is said in its file.
+//! That the motion hits nothing: a description's links have no bodies here.
 
 mod arm;
 mod motion;
@@ -44,13 +44,14 @@ pub struct Begun {
     pub files: Vec<PathBuf>,
     /// Joints of the arm.
     pub joints: Vec<String>,
-    /// Whether each of them slides.
+    /// True for each joint that slides.
     pub slides: Vec<bool>,
-    /// What a reader should know: what was assumed, and what was chosen for him.
+    /// Notes for the reader: assumptions, and choices that were made for him.
     pub notes: Vec<String>,
     /// The error that the study asks for \[rad, m\], one per joint.
     pub error_max: Vec<f64>,
-    /// The largest errors that were simulated \[rad, m\], one per joint, over all rotors tried; `None`: there are no gains.
+    /// The largest errors that were simulated \[rad, m\], one per joint, over all rotors tried; `None`: there
+    /// are no gains.
     pub simulated: Option<Vec<f64>>,
     /// Why there are no gains, and what would make them possible.
     pub infeasible: Option<String>,
@@ -140,8 +141,8 @@ mod tests {
     use super::search::followed;
     use super::{ArmOptions, BeginOptions, Chosen, begin};
 
-    /// What to begin with, for an arm of one joint: half a kilogram 0.1 m out, 0.49 N·m by hand; and what its file says of friction
-    /// and limit.
+    /// Options for an arm of one joint: half a kilogram 0.1 m out, 0.49 N·m by hand calculation; `friction`
+    /// and `effort` of its file.
     fn options(folder: &Path, friction: f64, effort: f64) -> BeginOptions {
         let urdf = format!(
             "<robot name=\"one\"><link name=\"base\"/><joint name=\"lift\" type=\"revolute\"><parent link=\"base\"/>\
@@ -195,7 +196,8 @@ mod tests {
     #[test]
     fn where_gravity_leaves_little_the_motion_is_smaller() {
         let folder = tempfile::tempdir().unwrap();
-        // Held within seven tenths of the limit, at cos(0.6) of what it takes stretched out, and not a whole motion further.
+        // Held within seven tenths of the limit, at cos(0.6) of what it takes stretched out, and not a whole
+        // motion further.
         for (effort, angle) in [(0.6, 0.075), (2.0, 0.3)] {
             let options = options(folder.path(), 0.0, effort);
             let chosen = Chosen::of(&options, folder.path(), "first").unwrap();

@@ -30,7 +30,7 @@ pub(super) struct Sines {
     pub(super) phase: Vec<f64>,
     pub(super) fade_in: f64,
     pub(super) duration: f64,
-    /// What no joint that turns goes beyond \[rad\].
+    /// Largest amplitude of a revolute joint \[rad\].
     pub(super) angle: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What a study is made from.
+//! Options of a new study.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ use phihat_model::Part;
 
 use crate::error::SessionError;
 
-/// Which arm.
+/// Arm of a new study.
 #[derive(Debug, Clone, Default)]
 pub struct ArmOptions {
     /// Name of a built-in arm, or a URDF or TOML file.
@@ -17,10 +17,10 @@ pub struct ArmOptions {
     pub torque_max_nm: Vec<f64>,
 }
 
-/// What a study is made from.
+/// Options of a new study.
 #[derive(Debug, Clone, Default)]
 pub struct BeginOptions {
-    /// Which arm.
+    /// Arm of a new study.
     pub arm: ArmOptions,
     /// The study file to write.
     pub out: PathBuf,

@@ -1,4 +1,4 @@
-//! Where gravity is easy on an arm.
+//! Posture in which gravity loads an arm little.
 
 use core::f64::consts::PI;
 
@@ -26,8 +26,8 @@ pub(super) fn travel(joint: &Joint) -> (f64, f64) {
     (low, high)
 }
 
-/// A posture well inside the travel at which holding the arm takes little of its torque: the middle, else one near zero, else
-/// the best of some hundred.
+/// A posture well inside the travel at which holding the arm takes little of its torque: the middle, else one
+/// near zero, else the best of some hundred.
 pub(super) struct Easy {
     /// Positions \[rad, m\], to three digits after the point.
     pub(super) posture: Vec<f64>,
@@ -35,7 +35,7 @@ pub(super) struct Easy {
     pub(super) unheld: Option<String>,
 }
 
-/// Where an arm is put, see [`Easy`].
+/// Finds the posture about which an arm moves, see [`Easy`].
 ///
 /// # Errors
 ///

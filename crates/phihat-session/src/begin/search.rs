@@ -27,26 +27,28 @@ use crate::watch::Watch;
 /// An error that no gains keep \[rad\], to hear which one they can.
 const IN_VAIN: f64 = 1e-7;
 
-/// What a study asks for where no error was looked for \[rad\].
+/// Allowed error of a study for which no error is searched \[rad\].
 const UNASKED: f64 = 1e-2;
 
-/// What is asked for over the least that the search finds, and by how much more while the tube or a run says no.
+/// Allowed error over the least that the search finds, and its increase while the tube or a run exceeds it.
 const MARGIN: f64 = 2.0;
 const MORE: f64 = 1.4;
 
-/// What is asked for in the end, over what gains kept, where the design may choose the form of law.
+/// Allowed error of the last step, over the one that gains satisfied, where the design may choose the form of
+/// law.
 const FORM_CHOSEN: f64 = 0.6;
 
-/// How often an error is tried.
+/// Rounds of the search for an error, at most.
 const ROUNDS: u32 = 5;
 
-/// Share of a torque limit that the motion may take, and how it is made slower until it does; and what the slowest may take.
+/// Share of a torque limit that the motion may take, and the slowest one; factor on the pace, and number of
+/// paces.
 const TORQUE: f64 = 0.8;
 const TORQUE_MOST: f64 = 0.95;
 const SLOWER: f64 = 0.6;
 const PACES: i32 = 4;
 
-/// How it is made smaller after that: gravity does not fall with the pace.
+/// Factor on the amplitude after that, and number of reductions: gravity does not fall with the pace.
 const SMALLER: f64 = 0.5;
 const REACHES: i32 = 2;
 
@@ -62,7 +64,7 @@ const NARROWER: [f64; 3] = [0.5, 0.25, 0.0];
 /// The same of dry friction.
 const NARROW_FRICTION: f64 = 0.4;
 
-/// What was found for an arm.
+/// Result of the search for an arm.
 pub(super) struct Found {
     pub(super) error_max: Vec<f64>,
     pub(super) simulated: Option<Vec<f64>>,
@@ -81,11 +83,11 @@ pub(super) struct Looked<'a> {
     weak: Option<String>,
     /// The arm with the rotors that were settled on.
     arm: Arm,
-    /// Whether some gains keep the arm inside their window.
+    /// True if some gains keep the arm inside their window.
     stable: bool,
 }
 
-/// What became of one error that was asked for.
+/// Result of one requested error.
 enum Asked {
     /// Gains keep it, and runs did: with the largest error of these, per joint.
     Kept(Vec<f64>),
@@ -96,7 +98,7 @@ enum Asked {
     No(Infeasible),
 }
 
-/// What a search says of an arm before anything is asked of it.
+/// Least error of an arm by the search alone.
 enum Least {
     /// The least error that some gains keep \[rad\].
     Error(f64),
@@ -154,19 +156,20 @@ impl<'a> Looked<'a> {
         Ok(())
     }
 
-    /// Whether there seem to be gains for some error, of the arm as it is now.
+    /// Returns true if, by estimates, there are gains for some error of the present arm.
     fn bearable(&mut self) -> Result<bool, SessionError> {
         self.arm = arm_of(&self.study, &self.path)?;
         Ok(any_law(&self.study, &self.arm, &self.path)?.is_some())
     }
 
-    /// The largest error that is asked for \[rad\]: as much as the motion moves a joint at most, so that an arm that stands still
-    /// keeps it.
+    /// Largest requested error \[rad\]: the largest amplitude of the motion, so that an arm at standstill
+    /// satisfies it.
     fn stands_still(&self) -> f64 {
         self.motion.angle
     }
 
-    /// The smallest error that is promised and kept. Where none is with the whole interval of dry friction, with a narrower one.
+    /// Finds the smallest error that the tube bounds and runs satisfy. Where there is none for the whole
+    /// interval of dry friction, for a narrower one.
     pub(super) fn search(
         &mut self,
         (chosen, out): (&mut Chosen, &Path),
@@ -375,7 +378,7 @@ fn arm_of(study: &Study, path: &Path) -> Result<Arm, SessionError> {
     arm_along(study).map_err(|why| SessionError::at(path, why))
 }
 
-/// Whether an arm needs more steps of integration than a study may ask for: no gains mend that.
+/// Returns true if an arm needs more integration steps than a study may request: no gains change that.
 fn too_stiff(why: &(dyn Error + 'static)) -> bool {
     let mut cause = Some(why);
     while let Some(why) = cause {
@@ -387,7 +390,7 @@ fn too_stiff(why: &(dyn Error + 'static)) -> bool {
     false
 }
 
-/// How far the tube of gains goes beyond the specification; without a tube, by [`MORE`].
+/// Largest error of the tube of gains, over the specification; without a tube, [`MORE`].
 fn share_of_tube(study: &Study, gains: &Gains) -> f64 {
     let Some(certificate) = &gains.certificate else { return MORE };
     let Some(tube) = &certificate.tube else {
@@ -418,8 +421,8 @@ pub(super) struct Followed {
     pub(super) weak: Option<String>,
 }
 
-/// A motion that the drives can follow: slower, then smaller, until the torque along it is well inside their limits. Where none is, the last:
-/// with a word of it, or with the reason that it is none for these drives.
+/// A motion that the drives can follow: slower, then smaller, until the torque along it is well inside their
+/// limits. Where none is, the last one, with a note, or with the reason why the drives cannot follow it.
 pub(super) fn followed(
     options: &BeginOptions,
     chosen: &Chosen,
@@ -450,13 +453,13 @@ pub(super) fn followed(
     }
 }
 
-/// How fast and how far the motion goes that is tried after so many: slower first, then smaller.
+/// Pace and reach of the motion of a round: slower first, then smaller.
 fn pace(round: i32) -> (f64, f64) {
     (SLOWER.powi(round.min(PACES - 1)), SMALLER.powi((round - PACES + 1).max(0)))
 }
 
-/// What is to be said of the slowest motion, of which a joint takes a share of its limit: what is worth knowing, and why the drives
-/// cannot bear it.
+/// Notes on the slowest motion, whose torque is a share of a joint's limit; and the reason, if the drives
+/// cannot follow it.
 fn slowest(
     chosen: &Chosen,
     (share, joint, limit): (f64, usize, f64),
@@ -528,7 +531,7 @@ fn rate(robot: &Robot) -> f64 {
     low.map_or(most, |low| most.max(low))
 }
 
-/// What an error of one stands for, per joint \[rad, m\].
+/// Error of each joint for a common error of one \[rad, m\].
 fn units(study: &Study) -> impl Iterator<Item = f64> {
     let unit = |joint: &phihat_model::Joint| match joint.kind {
         JointKind::Prismatic => LENGTH,

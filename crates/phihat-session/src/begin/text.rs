@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::motion::Sines;
 
-/// What the text of a study says.
+/// Values in the text of a study.
 pub(super) struct Words<'a> {
     pub(super) title: &'a str,
     pub(super) robot: &'a [String],
@@ -12,7 +12,7 @@ pub(super) struct Words<'a> {
     pub(super) payload_kg: f64,
     pub(super) rate_hz: f64,
     pub(super) delay_samples: u32,
-    /// Whether the form of law is left to the design.
+    /// True if the form of law is left to the design.
     pub(super) form_designed: bool,
     /// Encoder: `"robot"`, or bits.
     pub(super) encoder: &'a str,

@@ -25,17 +25,18 @@ const SLIDING: f64 = 0.5;
 /// Least limits \[N·m\], \[N\].
 const LEAST: f64 = 0.1;
 
-/// A limit of so much \[N·m, N\] that is so many times what the arm needs of the joint is a placeholder: 1000 N·m on a finger.
+/// A limit of so much \[N·m, N\] that is so many times the torque which the arm needs of the joint is a
+/// placeholder: 1000 N·m on a finger.
 const PLACEHOLDER: (f64, f64) = (500.0, 100.0);
 
-/// Where a file's figures come from.
+/// Source of the torque limits, as the arm's file states it.
 const SOURCE: &str = "assumption where the URDF has no limit, or 500 N m and more of which the arm needs less than a hundredth: twice what gravity takes of the joint at most, and what brings its heaviest inertia to full speed in 0.25 s; the drive's data sheet has it";
 
-/// Gives each joint without a torque limit, or with one that is a [`PLACEHOLDER`], the limit of a drive that would do, and tells
-/// which; `None`: all have one.
+/// Gives each joint without a torque limit, or with one that is a [`PLACEHOLDER`], the limit of a sufficient
+/// drive, and reports which; `None`: all have one.
 ///
-/// Over [`TRIED`] postures and with the payload, `τ = 2 max|g_i| + max M_ii ω / 0.25 s`, rounded up to two digits, where `ω` is the
-/// joint's speed limit, at most π rad/s or 0.5 m/s.
+/// Over [`TRIED`] postures and with the payload, `τ = 2 max|g_i| + max M_ii ω / 0.25 s`, rounded up to two
+/// digits, where `ω` is the joint's speed limit, at most π rad/s or 0.5 m/s.
 ///
 /// # Errors
 ///

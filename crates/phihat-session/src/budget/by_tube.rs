@@ -1,4 +1,4 @@
-//! What each cause costs by tubes: the same gains, one cause at a time, all else being ideal.
+//! Error budget by tubes: the same gains, one cause at a time, all else being ideal.
 
 use phihat_design::Gains;
 use phihat_design::budget::{Cause, JointBudget, Part};
@@ -12,9 +12,10 @@ use crate::told::Told;
 
 /// The parts of each joint's error after settling; `None`: these gains have no tube.
 ///
-/// The total is that of the whole tube. A part alone is what its cause adds to the tube of the motion alone: rigid-body dynamics
-/// and smooth friction, the payload in the middle of its interval, no dry friction, an exact encoder, no pushes, a start on the
-/// reference that is held. Coupling is what is left of the total. Delay and start are told by what the whole tube loses without.
+/// The total is that of the whole tube. A part alone is what its cause adds to the tube of the motion alone:
+/// rigid-body dynamics and smooth friction, the payload in the middle of its interval, no dry friction, an
+/// exact encoder, no pushes, a start on the reference that is held. Coupling is what is left of the total.
+/// Delay and start are reported as the difference of the whole tube without them.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Which changes would help, each tried out before it is told.
+//! Changes that would help, each tried out before it is reported.
 
 use std::path::Path;
 
@@ -31,7 +31,8 @@ const HIGHEST_HZ: f64 = 20_000.0;
 /// Factors on the allowed step of torque.
 const LOUDER: [f64; 2] = [2.0, 5.0];
 
-/// How much of what is not known of dry friction stays where it is measured, and of what is added where it is made less.
+/// Share of the unknown dry friction that remains after a measurement; share of the added dry friction that
+/// remains after a reduction.
 const KNOWN: [f64; 2] = [0.5, 0.1];
 const LESS: [f64; 2] = [0.5, 0.0];
 
@@ -87,7 +88,7 @@ fn told(rung: &Rung, share: Option<f64>) -> TriedChange {
     }
 }
 
-/// What of the allowed error the gains for a changed study use; `None`: none keep every clause.
+/// Share of the allowed error that the gains for a changed study use; `None`: no gains satisfy every clause.
 fn shares_of(study: &Study, path: &Path) -> Option<f64> {
     let known: Result<Arm, _> = arm(study, path);
     let outcome = found_for(study, &known.ok()?, path, Advice::Clauses).ok()?;
@@ -263,7 +264,7 @@ fn level(study: &Study) -> Vec<f64> {
     study.robot.joints.iter().zip(&study.world.extra_coulomb).map(own).collect()
 }
 
-/// Where the highest level of dry friction is above the one that the world has: measured, it is known better.
+/// Dry friction measured, where its highest level is above the one that the world has.
 fn friction_known(study: &Study) -> Ladder {
     let (level, most) = (level(study), &study.design.coulomb.1);
     if level.iter().zip(most).all(|(level, most)| *most <= level * (1.0 + 1e-6)) {
@@ -335,7 +336,7 @@ fn less_friction(study: &Study) -> Ladder {
     LESS.iter().map(rung).collect()
 }
 
-/// Where a description states no rotors: some, over the least inertia that the joint moves.
+/// Rotors where a description states none, over the least inertia that the joint moves.
 fn rotors(study: &Study, path: &Path) -> Ladder {
     let stated = |joint: &phihat_model::Joint| joint.armature > 0.0;
     if study.design.inertia != InertiaSource::Robot || study.robot.joints.iter().all(stated) {

@@ -8,7 +8,7 @@ use serde_json::json;
 use crate::disk::{Lock, Whole};
 use crate::error::SessionError;
 
-/// Where a budget was written.
+/// Files of a budget.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BudgetFiles {
     /// The page.

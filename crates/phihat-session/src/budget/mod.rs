@@ -1,4 +1,4 @@
-//! What the error that a study allows is spent on, and what would help where it cannot be kept.
+//! Error budget of a study, and changes that would help where the allowed error cannot be satisfied.
 
 mod by_tube;
 mod changes;
@@ -20,7 +20,7 @@ use crate::watch::Watch;
 
 pub use files::{BudgetFiles, write_budget};
 
-/// How much of what would help is looked for.
+/// Extent of the search for changes that would help.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tried {
     /// Nothing: what is known without another design.
@@ -32,13 +32,14 @@ pub enum Tried {
 /// Shares of the allowed torque noise at which laws from positions are looked at for the front.
 const SHARES: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
 
-/// The error budget of a study and what a design of it came to.
+/// Error budget of a study, from the outcome of its design.
 ///
 /// # Method
 ///
-/// Of the gains that were found, else of the law that missed the least. Where these gains have a tube: the tubes of the same gains
-/// with one cause at a time, all else being ideal; else each joint's own loop. Changes are tried where the design is infeasible or
-/// its certificate leaves a clause unproved: each is designed for as a study of its own.
+/// Of the gains that were found, else of the law that missed the least. Where these gains have a tube: the
+/// tubes of the same gains with one cause at a time, all else being ideal; else each joint's own loop.
+/// Changes are tried where the design is infeasible or its certificate leaves a clause unproved: each is
+/// designed for as a study of its own.
 ///
 /// # Errors
 ///
@@ -114,7 +115,7 @@ fn parts(
     Ok((Some(BudgetBasis::OwnLoop), joints))
 }
 
-/// What is known of `φ`: typed, else along the reference.
+/// Bounds of `φ`: typed, else along the reference.
 fn known(study: &Study, demand: &Demand, (joint, inertia): (usize, f64)) -> Phi {
     let along = phi_along(demand, joint, inertia);
     let PhiSource::Typed { rate, jump } = &study.design.phi else { return along };

@@ -2,7 +2,8 @@
 
 use phihat_study::{Reference, Study};
 
-/// A study whose motion takes `factor` times as long: the same path, every time of the reference and the run's length times it.
+/// A study whose motion takes `factor` times as long: the same path; all times of the reference and the
+/// duration of the run are multiplied by it.
 pub(super) fn slower(study: &Study, factor: f64) -> Study {
     let mut slow = study.clone();
     slow.duration *= factor;

@@ -8,10 +8,10 @@ use thiserror::Error;
 /// Why files could not be written, and what is there now.
 #[derive(Debug, Error)]
 pub enum DiskError {
-    /// What was there is as it was.
+    /// Nothing on the disk has changed.
     #[error("{}: cannot be written: {why}\n  = note: nothing that was there has changed", path.display())]
     Untouched {
-        /// What could not be written.
+        /// Path that could not be written.
         path: PathBuf,
         /// Why.
         why: String,
@@ -22,7 +22,7 @@ pub enum DiskError {
          command again writes all of them", path.display(), Names(new), Names(missing)
     )]
     Broken {
-        /// What could not be written, moved or removed.
+        /// Path that could not be written, moved or removed.
         path: PathBuf,
         /// Why.
         why: String,

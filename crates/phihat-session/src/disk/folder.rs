@@ -10,7 +10,7 @@ use super::seam::{Operation, strike};
 ///
 /// # Errors
 ///
-/// What the system says.
+/// Error of the operating system.
 pub fn make_folder(path: &Path) -> io::Result<()> {
     if path.as_os_str().is_empty() || path.is_dir() {
         return Ok(());
@@ -29,11 +29,11 @@ pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Asks the disk to keep what a folder lists; where folders cannot be synced there is nothing to ask.
+/// Syncs the entries of a folder to the disk; does nothing where folders cannot be synced.
 ///
 /// # Errors
 ///
-/// What the system says.
+/// Error of the operating system.
 pub fn sync_folder(folder: &Path) -> io::Result<()> {
     strike(Operation::Sync, folder)?;
     if cfg!(not(unix)) {

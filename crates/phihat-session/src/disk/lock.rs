@@ -19,7 +19,7 @@ pub struct Lock {
 /// The file that is locked. It stays: whoever removed it could let two processes lock two files of this name.
 const NAME: &str = ".phihat.lock";
 
-/// How often a lock is tried for, 10 ms apart.
+/// Number of attempts to take a lock, 10 ms apart.
 const PATIENCE: usize = 15;
 
 impl Lock {
@@ -57,13 +57,13 @@ impl Lock {
     }
 }
 
-/// Whether an open file is locked now; `false` where another process has it.
+/// Locks an open file; returns false if another process has locked it.
 ///
 /// It waits a little: a process that this one starts has a copy of every lock until it has become another program.
 ///
 /// # Errors
 ///
-/// What the system says.
+/// Error of the operating system.
 pub fn locked(file: &File, path: &Path) -> io::Result<bool> {
     strike(Operation::Lock, path)?;
     for _ in 0..PATIENCE {

@@ -1,7 +1,8 @@
 //! The one way to the disk: files that belong together are there whole, or not at all.
 //!
-//! [`Whole`] prepares files beside their places; [`Whole::commit`] takes away the file that says that the older ones are
-//! whole, moves the new ones in, and the one that says so of them last. [`Lock`] keeps a second process out of a folder.
+//! [`Whole`] prepares files next to their places; [`Whole::commit`] takes away the file that says that the
+//! older ones are whole, moves the new ones in, and the one that says so of them last. [`Lock`] keeps a
+//! second process out of a folder.
 
 mod error;
 mod folder;
@@ -52,8 +53,8 @@ impl Whole {
         Self { swept: Some(BTreeSet::new()), ..Self::default() }
     }
 
-    /// Of files in a folder that the caller has locked, if there is a lock; else of files among which another process may
-    /// prepare its own.
+    /// Of files in a folder that the caller has locked, if there is a lock; else of files among which another
+    /// process may prepare its own.
     pub fn where_held(lock: Option<&Lock>) -> Self {
         lock.map_or_else(Self::default, |_| Self::in_locked_folder())
     }
@@ -128,8 +129,9 @@ impl Whole {
         if first { sweep(folder) } else { Ok(()) }
     }
 
-    /// Moves every file to its place, the last one last. A file alone replaces the older one at once; of several, the
-    /// older last one is removed before anything else changes, so that it never stands beside files that are not its own.
+    /// Moves every file to its place, the last one last. A file alone replaces the older one at once; of
+    /// several, the older last one is removed before anything else changes, so that it never stands next to
+    /// files that are not its own.
     ///
     /// # Errors
     ///
@@ -194,7 +196,7 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// Where it is prepared.
+    /// Path at which it is prepared.
     pub fn prepared_at(&self) -> &Path {
         self.partial.path()
     }
@@ -234,7 +236,7 @@ impl Write for Hashed {
 #[derive(Debug)]
 struct Partial(Option<TempPath>);
 
-/// How the name of a partial file ends; it begins with a dot.
+/// Suffix of the name of a partial file; the name begins with a dot.
 const ENDING: &str = ".partial";
 
 impl Partial {
@@ -275,11 +277,11 @@ impl Drop for Partial {
     }
 }
 
-/// Whether a file can be made in a folder: asked by making one, which does not stay.
+/// Checks that a file can be made in a folder, by making one and removing it.
 ///
 /// # Errors
 ///
-/// What the system says.
+/// Error of the operating system.
 pub fn takes_files(folder: &Path) -> io::Result<()> {
     Partial::beside(&folder.join("phihat")).map(drop)
 }

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use super::folder::{folder_of, sync_folder};
 use super::seam::{Operation, strike, write_all};
 
-/// A file that grows at its end: what was written outlives the process, whatever ends it. Whether it outlives the machine's power is the
-/// system's affair.
+/// A file that grows at its end: written data outlives the process, whatever ends it. It may not outlive a
+/// power cut: that depends on the operating system.
 #[derive(Debug)]
 pub struct Growing {
     file: File,
@@ -20,7 +20,7 @@ impl Growing {
     ///
     /// # Errors
     ///
-    /// What the system says.
+    /// Error of the operating system.
     pub fn new(path: &Path) -> io::Result<Self> {
         strike(Operation::Create, path)?;
         Ok(Self { file: File::create_new(path)?, path: path.to_owned() })
@@ -42,7 +42,7 @@ impl Write for Growing {
 ///
 /// # Errors
 ///
-/// What the system says.
+/// Error of the operating system.
 pub fn open_in_place(path: &Path) -> io::Result<File> {
     strike(Operation::Open, path)?;
     OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)
@@ -52,7 +52,7 @@ pub fn open_in_place(path: &Path) -> io::Result<File> {
 ///
 /// # Errors
 ///
-/// What the system says.
+/// Error of the operating system.
 pub fn take_away(path: &Path) -> io::Result<()> {
     if path.symlink_metadata().is_err() {
         return Ok(());
@@ -66,7 +66,7 @@ pub fn take_away(path: &Path) -> io::Result<()> {
 ///
 /// # Errors
 ///
-/// What the system says.
+/// Error of the operating system.
 pub fn take_folder_away(path: &Path) -> io::Result<()> {
     if path.symlink_metadata().is_err() {
         return Ok(());
@@ -79,7 +79,7 @@ pub fn take_folder_away(path: &Path) -> io::Result<()> {
 ///
 /// # Errors
 ///
-/// What the system says.
+/// Error of the operating system.
 pub fn move_to(from: &Path, to: &Path) -> io::Result<()> {
     strike(Operation::Move, to)?;
     fs::rename(from, to)?;

@@ -1,16 +1,17 @@
-//! Where a test makes the disk fail. Every operation of a writer asks here first.
+//! Hook by which a test makes the disk fail. Every operation of a writer calls it first.
 //!
-//! Without debug assertions, as in a release build, the answer is always yes and nothing of this is compiled. With them,
-//! the environment's `PHIHAT_STRIKE` names an operation by its number, from 1: `fail 7` has it fail, half-done where it is
-//! a write; `full 7` has this one and all later ones fail that need room; `kill 7` ends the process there. `pause 7` keeps the
-//! process there until a signal ends it; `pass 7` lets it go on, and says on the standard error output, as the others do, how far it
-//! came. With a third word, as in `pause 4 journal.jsonl`, only operations on paths that contain the word are numbered.
+//! Without debug assertions, as in a release build, the answer is always yes and nothing of this is compiled.
+//! With them, the environment's `PHIHAT_STRIKE` names an operation by its number, from 1: `fail 7` has it
+//! fail, half-done where it is a write; `full 7` has this one and all later ones fail that need room;
+//! `kill 7` ends the process there. `pause 7` keeps the process there until a signal ends it; `pass 7` lets
+//! it go on, and says on the standard error output, as the others do, how far it came. With a third word, as
+//! in `pause 4 journal.jsonl`, only operations on paths that contain the word are numbered.
 
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// What a writer is about to do.
+/// Operation that a writer is about to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Operation {
     /// Make a file under a new name.
@@ -31,7 +32,7 @@ pub enum Operation {
     MakeFolder,
 }
 
-/// Whether an operation may go on.
+/// Checks that an operation may go on.
 #[cfg(not(debug_assertions))]
 #[inline]
 #[allow(clippy::unnecessary_wraps, reason = "the same call with and without debug assertions")]
@@ -46,7 +47,7 @@ pub use armed::strike;
 ///
 /// # Errors
 ///
-/// What the system says.
+/// Error of the operating system.
 pub fn write_all(file: &mut File, path: &Path, bytes: &[u8]) -> io::Result<()> {
     #[cfg(debug_assertions)]
     if armed::is_next(path) {
@@ -67,15 +68,15 @@ mod armed {
 
     use super::Operation;
 
-    /// What a shell says of a process that was killed.
+    /// Exit code that a shell reports for a killed process.
     const KILLED: i32 = 137;
 
-    /// What is struck.
+    /// Plan of a strike.
     struct Plan {
         how: String,
-        /// From which operation on.
+        /// Number of the first operation that is struck.
         from: usize,
-        /// What the paths contain whose operations are numbered.
+        /// Word in the paths whose operations are numbered.
         word: String,
     }
 
@@ -93,7 +94,7 @@ mod armed {
     });
     static DONE: AtomicUsize = AtomicUsize::new(0);
 
-    /// Whether the next operation, on this path, is one that is not done to its end.
+    /// Returns true if the next operation, on this path, is not done to its end.
     pub(super) fn is_next(path: &Path) -> bool {
         let Some(plan) = PLAN.as_ref().filter(|plan| plan.numbers(path)) else { return false };
         let next = DONE.load(Ordering::Relaxed) + 1;
@@ -104,11 +105,11 @@ mod armed {
         }
     }
 
-    /// Whether an operation may go on.
+    /// Checks that an operation may go on.
     ///
     /// # Errors
     ///
-    /// The strike that was asked for.
+    /// The requested strike.
     #[allow(clippy::print_stderr, reason = "the test reads whether it struck, and what")]
     pub fn strike(operation: Operation, path: &Path) -> io::Result<()> {
         let Some(plan) = PLAN.as_ref().filter(|plan| plan.numbers(path)) else { return Ok(()) };

@@ -1,4 +1,4 @@
-//! What the record of a first motion shows.
+//! Measurements from the record of a first motion.
 
 use std::ops::Range;
 use std::path::Path;
@@ -28,21 +28,22 @@ const MOVED: f64 = 1e-3;
 /// Width of the boxes that positions of a first motion are differenced over \[s\]: its legs take ten times as long.
 pub const FIRST_WIDTH: f64 = 0.03;
 
-/// What a first motion shows of an arm.
+/// Measurements of an arm in a first motion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FirstMeasured {
     /// One entry per joint, in the study's order.
     pub joints: Vec<MeasuredJoint>,
 }
 
-/// What it shows of a joint.
+/// Measurements of a joint in a first motion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeasuredJoint {
     /// Joint name.
     pub name: String,
-    /// What the study says of its inertia in this posture, without payload; of an arm known joint by joint, from and to \[kg·m²\].
+    /// Inertia by the study in this posture, without payload, from and to \[kg·m²\]; the two differ only for
+    /// an arm known joint by joint.
     pub study_kg_m2: (f64, f64),
-    /// What was found; `None`: the reason stands in `why`.
+    /// Result; `None`: the reason stands in `why`.
     pub found: Option<IdentifiedJoint>,
     /// Why nothing was found.
     pub why: Option<String>,
@@ -56,7 +57,8 @@ impl FirstMeasured {
 }
 
 impl MeasuredJoint {
-    /// Whether what was measured and what the study says have a value in common.
+    /// Returns true if the measured inertia and that of the study have a value in common; `None`: there is no
+    /// result.
     pub fn as_told(&self) -> Option<bool> {
         let (low, high) = self.study_kg_m2;
         let inertia = &self.found.as_ref()?.inertia;
@@ -97,7 +99,7 @@ pub fn first_measured(
     Ok(FirstMeasured { joints })
 }
 
-/// What the study says of each joint's inertia.
+/// Inertia of each joint by the study, from and to \[kg·m²\].
 fn told(study: &Study, q: &[f64]) -> Vec<(f64, f64)> {
     if let phihat_study::InertiaSource::Typed { low, high } = &study.design.inertia {
         return low.iter().copied().zip(high.iter().copied()).collect();
@@ -109,7 +111,8 @@ fn told(study: &Study, q: &[f64]) -> Vec<(f64, f64)> {
 fn moving(trace: &Trace, joint: usize) -> Range<usize> {
     let wanted = &trace.joints[joint].q_desired;
     let tracks = |k: usize| trace.supervision.as_ref().is_none_or(|s| s.mode[k] == Mode::Tracking);
-    // Where the arm is armed the reference is where it stands, and moves from there to its own beginning: less than the least of this motion.
+    // On arming, the reference is the position of the arm, and moves from there to its own beginning: less
+    // than the smallest part of this motion.
     let away = |k: usize| (wanted[k] - wanted[0]).abs();
     let most = (0..trace.len()).map(away).largest();
     let moves = |k: &usize| away(*k) > AWAY * most && tracks(*k);
@@ -118,7 +121,8 @@ fn moving(trace: &Trace, joint: usize) -> Range<usize> {
     first..last
 }
 
-/// Positions and torques of some samples. A line is drawn over those in which no joint's position changed: they were lost, or the arm stood.
+/// Positions and torques of some samples. Positions are interpolated over those in which no joint's position
+/// changed: they were lost, or the arm stood still.
 fn cut(trace: &Trace, samples: &Range<usize>) -> Vec<RecordedJoint> {
     let is_lost = |k: &usize| {
         let same = |q: &[f64]| *k > 0 && q[*k].to_bits() == q[*k - 1].to_bits();

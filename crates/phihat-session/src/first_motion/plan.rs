@@ -26,10 +26,11 @@ const VELOCITY_SHARE: f64 = 0.3;
 /// The largest slope of a quintic from 0 to 1 in unit time.
 const SLOPE: f64 = 1.875;
 
-/// What stays between the motion and the end of a joint's travel \[rad, m\].
+/// Clearance between the motion and the end of a joint's travel \[rad, m\].
 const CLEAR: f64 = 0.02;
 
-/// Bandwidths of the outer loop that are tried \[rad/s\]; the estimator is four times as fast, which bears arms 13 times heavier than M̄.
+/// Bandwidths of the outer loop that are tried \[rad/s\]; the estimator is four times as fast, which
+/// tolerates arms 13 times heavier than M̄.
 const BANDWIDTHS: [f64; 6] = [8.0, 6.0, 5.0, 4.0, 2.5, 1.5];
 
 /// Filter of the velocity where the study leaves it to a design \[Hz\].
@@ -42,11 +43,12 @@ pub struct FirstStudy {
     pub study: Box<Study>,
     /// Bandwidth of the outer loop \[rad/s\].
     pub bandwidth: f64,
-    /// What each joint's inertia is guessed to be \[kg·m²\].
+    /// Guess of each joint's inertia \[kg·m²\].
     pub guess: Vec<f64>,
-    /// The most that each joint is told \[N·m\].
+    /// Largest torque commanded to each joint \[N·m\].
     pub torque: Vec<f64>,
-    /// Whether the window of these gains holds an arm that is so much lighter and heavier than the guess; else why not.
+    /// Factor by which an arm in the window of these gains may be lighter and heavier than the guess; else
+    /// the claim that fails.
     pub window: Result<f64, Refutation>,
 }
 
@@ -54,8 +56,8 @@ pub struct FirstStudy {
 ///
 /// # Errors
 ///
-/// [`SessionError`]: a joint has no torque limit to take a share of, or no room to move; or what the study says besides does not
-/// go with it.
+/// [`SessionError`]: a joint has no torque limit to take a share of, or no room to move; or other parts of
+/// the study do not go with it.
 pub fn first_study(
     study: &Study,
     center: &[f64],
@@ -97,7 +99,8 @@ pub fn first_study(
     Ok(FirstStudy { study, bandwidth, guess, torque, window })
 }
 
-/// The study with the fastest gains that bear a guess which is off; with the slowest, and why they do not, where none does.
+/// The study with the fastest gains that tolerate the error of the guess; where none do, with the slowest,
+/// and the claim that fails.
 type Cautious = (Box<Study>, f64, Result<f64, Refutation>);
 
 fn cautious(
@@ -124,7 +127,7 @@ fn cautious(
     last.ok_or_else(|| SessionError::at(path, "there are no gains to try"))
 }
 
-/// Whether the window of the stated gains holds an arm that is lighter, and heavier, by this factor.
+/// Checks that the window of the stated gains contains an arm that is lighter, and heavier, by this factor.
 fn bears(study: &Study, factor: f64, path: &Path) -> Result<Result<f64, Refutation>, SessionError> {
     let gains = requested_gains(study).ok_or_else(|| SessionError::at(path, "no gains"))?;
     let arm = match (&study.design.inertia, &study.reference) {
@@ -143,7 +146,8 @@ fn off_by(gains: &Gains, times: f64) -> Gains {
     other
 }
 
-/// What each joint's inertia is guessed to be: typed, the middle of its range; else the description's in this posture.
+/// Guess of each joint's inertia \[kg·m²\]: typed, the geometric mean of its range; else the description's in
+/// this posture.
 fn guessed(study: &Study, center: &[f64]) -> Vec<f64> {
     if let InertiaSource::Typed { low, high } = &study.design.inertia {
         return low.iter().zip(high).map(|(low, high)| (low * high).sqrt()).collect();
@@ -244,9 +248,9 @@ pub enum FirstMotionError {
     NoRoom {
         /// Joint name.
         joint: String,
-        /// Where it stands \[rad\].
+        /// Its position \[rad\].
         at: f64,
-        /// What it needs on one side at least \[rad\].
+        /// Room that it needs on one side at least \[rad\].
         room: f64,
     },
 }

@@ -14,16 +14,17 @@ use crate::error::SessionError;
 pub use moving::identify_moving;
 use recording::read;
 
-/// What an identification is told.
+/// Options of an identification.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IdentifyOptions {
-    /// Records (CSV, Parquet, or folders of runs) of the same joints: in other postures, with other loads. What is found holds for all of them.
+    /// Records (CSV, Parquet, or folders of runs) of the same joints: in other postures, with other loads.
+    /// The result holds for all of them.
     pub records: Vec<PathBuf>,
     /// Seconds that are left out at the beginning of each.
     pub from: f64,
     /// Width of the boxes that positions are differenced over \[s\]: see [`Smoothed`].
     pub width: f64,
-    /// What sizes and rates of φ are multiplied by: no record holds the worst that will come.
+    /// Factor on sizes and rates of φ: no record contains the worst case to come.
     pub margin: f64,
     /// Names of joints that slide: their positions are in m, their torques forces in N.
     pub slides: Vec<String>,
@@ -35,12 +36,12 @@ impl Default for IdentifyOptions {
     }
 }
 
-/// What records show of a joint.
+/// Result of an identification for one joint.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct IdentifiedJoint {
     /// Joint name.
     pub name: String,
-    /// Whether it slides: read m for rad, N for N·m and kg for kg·m².
+    /// True if it slides: read m for rad, N for N·m and kg for kg·m².
     pub slides: bool,
     /// Its inertia, three standard errors on either side: an estimate, not a proof.
     pub inertia: InertiaEstimate,
@@ -50,22 +51,23 @@ pub struct IdentifiedJoint {
     pub phi_rate_max_nm_s: f64,
     /// and how far it jumps, at least by what it swings by where the joint reverses: dry friction \[N·m\].
     pub phi_jump_max_nm: f64,
-    /// The level of its dry friction, without the margin; `None` where it never reversed between two ways that are long enough.
+    /// The level of its dry friction, without the margin; `None` where it never reversed between two strokes
+    /// that are long enough.
     pub dry_friction: Option<DryFriction>,
-    /// Positions that were seen, from and to \[rad\].
+    /// Measured positions, from and to \[rad\].
     pub position_rad: (f64, f64),
-    /// Largest |q̇| that was seen \[rad/s\].
+    /// Largest estimated |q̇| \[rad/s\].
     pub velocity_max_rad_s: f64,
-    /// Largest torque that was seen \[N·m\].
+    /// Largest recorded torque \[N·m\].
     pub torque_max_nm: f64,
 }
 
-/// Finds what records show of each joint.
+/// Identifies each joint from records.
 ///
 /// # Errors
 ///
-/// [`SessionError::File`]: a record cannot be read, is of other joints, too short, moves too little, or has no joint of a name
-/// that slides.
+/// [`SessionError::File`]: a record cannot be read, is of other joints, too short, moves too little, or has
+/// no joint of a name that slides.
 pub fn identify(options: &IdentifyOptions) -> Result<Vec<IdentifiedJoint>, SessionError> {
     let mut seen: Vec<(Smoothed, Vec<InertiaEstimate>)> = Vec::new();
     for path in &options.records {
@@ -163,7 +165,7 @@ fn shown(
     }
 }
 
-/// How far φ moves at most over so many rows in which the joint reverses \[N·m\].
+/// Largest change of φ over so many rows in which the joint reverses \[N·m\].
 fn swing(signals: &JointSignals<'_>, nominal: f64, rows: usize) -> f64 {
     let phi = |k: usize| signals.tau[k] - nominal * signals.ddq[k];
     let reverses = |k: &usize| signals.dq[*k] * signals.dq[k + rows] < 0.0;
@@ -172,7 +174,7 @@ fn swing(signals: &JointSignals<'_>, nominal: f64, rows: usize) -> f64 {
 }
 
 impl IdentifiedJoint {
-    /// What holds for two records.
+    /// Result that holds for two records.
     fn and(self, other: &Self) -> Self {
         let dry = [self.dry_friction, other.dry_friction].into_iter().flatten();
         Self {

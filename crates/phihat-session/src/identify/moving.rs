@@ -4,7 +4,7 @@ use phihat_design::{EstimateError, RecordedJoint, Smoothed, estimate_inertia_of}
 
 use super::{IdentifiedJoint, IdentifyOptions, shown};
 
-/// What a record shows of the one joint that moved in it. `options` says width and margin; its files are not looked at.
+/// Identifies the one joint that moved in a record. `options` gives width and margin; its files are not read.
 ///
 /// # Errors
 ///

@@ -26,8 +26,8 @@ pub(super) struct Recording {
     pub(super) joints: Vec<RecordedJoint>,
 }
 
-/// Reads a record from `from` \[s\] after its first sample on: one row per sample and joint, columns by name in any order,
-/// others left alone; a table as CSV or Parquet, or the folder of a run.
+/// Reads a record from `from` \[s\] after its first sample on: one row per sample and joint, columns by name
+/// in any order, others left alone; a table as CSV or Parquet, or the folder of a run.
 ///
 /// # Errors
 ///
@@ -56,7 +56,7 @@ pub(super) fn read(path: &Path, from: f64) -> Result<Recording, SessionError> {
     Err(refuse(format!("{rows}: each sample needs a row of every joint")))
 }
 
-/// What was read so far.
+/// Rows that were read so far.
 struct Rows {
     from: f64,
     first: Option<f64>,
