@@ -11,8 +11,8 @@ use serde_json::json;
 
 /// Tell all that is wrong with studies, and what would be valid, without running them.
 ///
-/// Reads the study, the files that it names (arm, reference, trace) and its gains. One line per error: file, line, key, value,
-/// and what would be valid. Gains that are left to the design are not designed.
+/// Reads the study, the files that it names (arm, reference, trace) and its gains. One line per error: file,
+/// line, key, value, and what would be valid. Gains that are left to the design are not designed.
 #[derive(Debug, Args)]
 #[command(after_help = "Exit code 2: there are errors.\n\nExample:\n  \
                         phihat check studies/first.toml studies/panda.toml")]
@@ -69,7 +69,7 @@ fn tell(path: &Path, found: &Looked) {
     }
 }
 
-/// What was understood.
+/// Summary of a study.
 fn words(study: &Study) -> String {
     let (joints, rate) = (study.robot.joints.len(), 1e9 / study.control.period_ns as f64);
     let gains = if study.gains.is_some() { "gains stated" } else { "gains left to the design" };

@@ -56,8 +56,9 @@ pub(crate) struct Design {
 /// How much is told.
 #[derive(Debug, Args)]
 struct Asked {
-    /// Tell what the allowed error is spent on, joint by joint, and what other laws would do; written to budget.html and
-    /// budget.json beside the gains. Where there are no gains this is done anyway, with what one change would buy.
+    /// Tell what the allowed error is spent on, joint by joint, and what other laws would do; written to
+    /// budget.html and budget.json beside the gains. Where there are no gains this is done anyway, with what
+    /// one change would buy.
     #[arg(long)]
     budget: bool,
     /// Say too what the search and its proofs looked at.

@@ -21,14 +21,15 @@ use crate::terminal::Page;
 
 /// Drive an arm: checks first, then start, hold, track and finish, and the record of it.
 ///
-/// At the other end is phihat's own world, in lock-step (`--on sim`: the trace is that of `phihat run`, bit for bit) or by this
-/// machine's clock (`--real-time`); or a Franka (`--on fci://HOST`), or whatever speaks its interface, such as `phihat serve`. Before
-/// anything moves, each of these has to pass, or to be accepted by its name: certificate, window, motion, profile, supervisor,
-/// robot, description, real-time, rehearsal. Ctrl-C is a safe stop; the record is written all the same.
+/// At the other end is phihat's own world, in lock-step (`--on sim`: the trace is that of `phihat run`, bit
+/// for bit) or by this machine's clock (`--real-time`); or a Franka (`--on fci://HOST`), or whatever speaks
+/// its interface, such as `phihat serve`. Before anything moves, each of these has to pass, or to be accepted
+/// by its name: certificate, window, motion, profile, supervisor, robot, description, real-time, rehearsal.
+/// Ctrl-C is a safe stop; the record is written all the same.
 ///
-/// Writes what `phihat run` writes, and drive.json: link, checks, losses, timing, and why it ended. If the process is killed, the
-/// older record stays, and `phihat report --recover` makes a record of what was driven, all but the last second at most; until then nothing is
-/// driven into that folder.
+/// Writes what `phihat run` writes, and drive.json: link, checks, losses, timing, and why it ended. If the
+/// process is killed, the older record stays, and `phihat report --recover` makes a record of what was
+/// driven, all but the last second at most; until then nothing is driven into that folder.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phihat drive studies/first.toml --on sim --accept certificate\n  \
@@ -40,10 +41,12 @@ pub(crate) struct Drive {
     /// Use these gains (a gains.json) in place of those the study states.
     #[arg(long, value_name = "FILE")]
     gains: Option<PathBuf>,
-    /// Follow the motion of this file in place of the study's (CSV: `t_s` and every joint's name, rad), to its last sample.
+    /// Follow the motion of this file in place of the study's (CSV: `t_s` and every joint's name, rad), to
+    /// its last sample.
     #[arg(long, value_name = "FILE", conflicts_with = "first_motion")]
     reference: Option<PathBuf>,
-    /// What is at the other end: `sim`, phihat's own world, or a Franka: `fci://HOST`, with `:PORT` and `?protocol=5` if need be.
+    /// What is at the other end: `sim`, phihat's own world, or a Franka: `fci://HOST`, with `:PORT` and
+    /// `?protocol=5` if need be.
     #[arg(long, value_name = "LINK", default_value = "sim")]
     on: String,
     /// Keep to this machine's clock.
@@ -82,7 +85,7 @@ pub(crate) struct Drive {
 
 const BAR: &str = "driving {wide_bar} {percent:>3} % · {elapsed} of about {duration}";
 
-/// What Ctrl-C sets.
+/// Stop request, set by Ctrl-C.
 static STOP: AtomicBool = AtomicBool::new(false);
 
 impl Drive {
@@ -193,7 +196,7 @@ fn lines(checks: &[Check]) -> String {
     checks.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// What only a drive has.
+/// Lines that only a drive has.
 fn told(driven: &Driven) -> String {
     let mut lines: Vec<String> =
         driven.facts.iter().map(|(label, value)| format!("{label}: {value}")).collect();

@@ -1,4 +1,4 @@
-//! What a user reads when there is no result: one error, exit code 2; 1 where no gains keep what was asked for.
+//! Output when there is no result: one error, exit code 2; 1 where no gains satisfy the specification.
 
 use std::any::Any;
 use std::fmt;

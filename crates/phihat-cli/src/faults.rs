@@ -16,9 +16,9 @@ use crate::terminal::Page;
 
 /// Break everything an arm can meet, one fault at a time, and see what becomes of it.
 ///
-/// Every run is the study, under the supervisor, with one fault of one severity: sensors, drives, network, clock, load, friction,
-/// limits. Writes journal.jsonl, faults.json and report.html to out/STUDY/faults/ (out/faults/ for several
-/// studies). An interrupted matrix goes on where it was.
+/// Every run is the study, under the supervisor, with one fault of one severity: sensors, drives, network,
+/// clock, load, friction, limits. Writes journal.jsonl, faults.json and report.html to out/STUDY/faults/
+/// (out/faults/ for several studies). An interrupted matrix goes on where it was.
 #[derive(Debug, Args)]
 #[command(after_help = "Exit code 1: a bar was missed.\n\nExamples:\n  \
     phihat faults studies/panda_design.toml --quick\n  \

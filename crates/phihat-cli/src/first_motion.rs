@@ -22,8 +22,8 @@ const JOINTS: &str = "joints.toml";
 
 #[derive(Debug, Args)]
 pub(crate) struct First {
-    /// Move each joint a little, one after the other, about where the arm stands, in place of the study's motion, and measure inertia,
-    /// friction and φ: under cautious gains, which need no certificate.
+    /// Move each joint a little, one after the other, about where the arm stands, in place of the study's
+    /// motion, and measure inertia, friction and φ: under cautious gains, which need no certificate.
     #[arg(long = "first-motion", id = "first_motion", conflicts_with = "gains")]
     asked: bool,
     /// Of a first motion: how far a joint moves to either side.
@@ -41,7 +41,7 @@ pub(crate) struct First {
 }
 
 impl First {
-    /// What is asked for, if it is.
+    /// Requested first motion, if any.
     pub(crate) fn asked(&self) -> Result<Option<FirstMotion>, Failure> {
         for (option, value, least, most) in [
             ("--amplitude-rad", self.amplitude_rad, 1e-3, 0.3),
@@ -87,7 +87,7 @@ fn sliding(study: &Study) -> Vec<String> {
     joints.map(|joint| joint.name.clone()).collect()
 }
 
-/// What will be done, before it is.
+/// Announcement of a first motion.
 pub(crate) fn announced(prepared: &Prepared) -> Option<String> {
     let first = prepared.first.as_ref()?;
     let mut text = format!("first motion: {:.0} s, one joint at a time;", first.study.duration);

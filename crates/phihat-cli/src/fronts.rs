@@ -17,10 +17,10 @@ use crate::terminal::Page;
 
 /// Hold laws against each other at equal torque noise and equal knowledge, with statistics.
 ///
-/// Every law is tuned from several random starts under each cap on its noise, in drawn worlds; other worlds choose among its
-/// tunings, and others again judge, once. One law under two names says what chance does. Writes journal.jsonl, fronts.json and
-/// report.html to out/STUDY/fronts/. The whole takes days on two cores: an interrupted one goes on where it was, and shards may run
-/// anywhere.
+/// Every law is tuned from several random starts under each cap on its noise, in drawn worlds; other worlds
+/// choose among its tunings, and others again judge, once. One law under two names says what chance does.
+/// Writes journal.jsonl, fronts.json and report.html to out/STUDY/fronts/. The whole takes days on two cores:
+/// an interrupted one goes on where it was, and shards may run anywhere.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     phihat fronts studies/table1.toml --quick --only pd,industrial-pid,proposed-1\n  \
@@ -75,7 +75,8 @@ struct HowMuch {
     /// Searches of each law, each under all caps [default: 10].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     restarts: Option<u16>,
-    /// Evaluations of a search for each free scalar and one more; under every cap but the loosest a quarter [default: 200].
+    /// Evaluations of a search for each free scalar and one more; under every cap but the loosest a quarter
+    /// [default: 200].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     per_scalar: Option<u32>,
     /// Worlds to train in, to choose by, to be judged in [default: 20,20,50].

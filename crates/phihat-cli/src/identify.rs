@@ -14,13 +14,14 @@ use crate::table;
 
 /// Find inertia and unknown torque of each joint in records of a real arm.
 ///
-/// A record is a table (CSV or Parquet) with a row per sample and joint: `t_s`, `joint`, `q_rad`, `tau_nm`, the torque that acted
-/// from this sample to the next; other columns are left alone, so the trace of a run, or its folder, serves too. Each joint has to move with two
-/// sines at least, of different frequencies, and differently from the others. Several records, in other postures and with
-/// other loads, are taken together: what is found holds for all of them.
+/// A record is a table (CSV or Parquet) with a row per sample and joint: `t_s`, `joint`, `q_rad`, `tau_nm`,
+/// the torque that acted from this sample to the next; other columns are left alone, so the trace of a run,
+/// or its folder, serves too. Each joint has to move with two sines at least, of different frequencies, and
+/// differently from the others. Several records, in other postures and with other loads, are taken together:
+/// what is found holds for all of them.
 ///
-/// An estimate, three standard errors on either side, not a proof: postures and loads that no record visits are not in it.
-/// Prints a table, and the `[[joint]]` sections of a study.
+/// An estimate, three standard errors on either side, not a proof: postures and loads that no record visits
+/// are not in it. Prints a table, and the `[[joint]]` sections of a study.
 #[derive(Debug, Args)]
 #[command(after_help = "Example (after `phihat run studies/first.toml`):\n  \
                         phihat identify out/first --from 1")]
@@ -114,7 +115,8 @@ pub(crate) fn sections(joints: &[IdentifiedJoint], margin: f64) -> String {
     text + &dry_friction(joints, margin)
 }
 
-/// What dry friction is worth in a study of an arm that has a description, as a comment; nothing where a joint never reversed.
+/// Dry friction for a study of an arm that has a description, as a comment; empty where a joint never
+/// reversed.
 fn dry_friction(joints: &[IdentifiedJoint], margin: f64) -> String {
     let Some(dry) = joints.iter().map(|joint| joint.dry_friction).collect::<Option<Vec<_>>>()
     else {

@@ -1,4 +1,4 @@
-//! What Ctrl-C says while a command is at work that takes long: what is kept, and how to go on.
+//! Message on Ctrl-C during a command that takes long: the saved results, and how to go on.
 
 use std::path::PathBuf;
 use std::process::exit;
@@ -8,25 +8,27 @@ use std::sync::{Mutex, Once, PoisonError};
 use indicatif::ProgressBar;
 use phihat_session::disk::discard;
 
-/// What a shell expects of a program that the user stopped.
+/// Exit code that a shell expects of a program that the user stopped.
 const STOPPED: i32 = 130;
 
 /// The command at work.
 struct Work {
     bar: ProgressBar,
-    /// What is to be said.
+    /// Message on Ctrl-C.
     words: String,
-    /// Files that are worth nothing unless they are finished.
+    /// Files that are invalid unless they are finished.
     unfinished: Vec<PathBuf>,
-    /// Whether it can be asked to come to an end by itself; then the next Ctrl-C ends the program, unless the request was taken back meanwhile.
+    /// Request to come to an end by itself, if it is possible; then the next Ctrl-C ends the program, unless
+    /// the request was taken back meanwhile.
     asked: Option<Asked>,
 }
 
-/// What a request to come to an end sets, and what is said of each.
+/// Request to come to an end: the flag that it sets, and the choice of its message.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Asked {
     pub(crate) stop: &'static AtomicBool,
-    /// Whether the first request parks an arm with which nothing is wrong, and is taken back then: the next one stops it on the way.
+    /// True if the first request parks an arm without a fault, and is taken back then: the next one stops it
+    /// on the way.
     pub(crate) parks: bool,
 }
 
@@ -36,7 +38,7 @@ const PARKS: &str = "interrupted: the arm is being parked, or stopped if somethi
 
 static AT_WORK: Mutex<Option<Work>> = Mutex::new(None);
 static ONCE: Once = Once::new();
-/// Whether this process is the command, and not another program that uses its library.
+/// True if this process is the command, and not another program that uses its library.
 static COMMAND: AtomicBool = AtomicBool::new(false);
 
 /// This process is the command: Ctrl-C is its own.
@@ -44,12 +46,12 @@ pub(crate) fn is_ours() {
     COMMAND.store(true, Ordering::Relaxed);
 }
 
-/// From here on Ctrl-C clears the bar, removes files that are worth nothing unless they are finished, says this, and ends
-/// the program.
+/// From here on Ctrl-C clears the bar, removes files that are invalid unless they are finished, prints this
+/// message, and ends the program.
 ///
 /// In another program, and where the system takes no handler, Ctrl-C does what it does there.
 ///
-/// Work that can be `asked` to stop is asked by the first Ctrl-C, and ends by itself.
+/// Work with a request (`asked`) receives it at the first Ctrl-C, and ends by itself.
 pub(crate) fn removes(
     bar: &ProgressBar,
     words: String,
@@ -85,7 +87,7 @@ pub(crate) fn removes(
     });
 }
 
-/// What was said holds no longer: the results are being written.
+/// Withdraws the message: the results are being written.
 pub(crate) fn done() {
     *AT_WORK.lock().unwrap_or_else(PoisonError::into_inner) = None;
 }

@@ -1,5 +1,5 @@
-//! The `phihat` command: arguments in, tables and exit codes out. What it does is in [`phihat_session`], and in the crates of
-//! the campaigns.
+//! The `phihat` command: arguments in, tables and exit codes out. Its functions are in [`phihat_session`],
+//! and in the crates of the campaigns.
 #![forbid(unsafe_code)]
 #![allow(
     clippy::print_stdout,

@@ -16,10 +16,11 @@ use crate::shown::Shown;
 
 /// Write a study that runs, for an arm of yours.
 ///
-/// What a URDF leaves out (rotor inertia, friction, encoders) is estimated, as intervals, and written with its sources into a
-/// file of the arm, NAME_arm.toml, beside the study; it says what to measure. The motion keeps inside the limits of position,
-/// speed and torque. The smallest error that can be promised is looked for, and simulated with every rotor at both ends of its
-/// interval, before anything is written. Without an ARM, on a terminal, the few things that matter are asked for.
+/// What a URDF leaves out (rotor inertia, friction, encoders) is estimated, as intervals, and written with
+/// its sources into a file of the arm, NAME_arm.toml, beside the study; it says what to measure. The motion
+/// keeps inside the limits of position, speed and torque. The smallest error that can be promised is looked
+/// for, and simulated with every rotor at both ends of its interval, before anything is written. Without an
+/// ARM, on a terminal, the few things that matter are asked for.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Exit code 1: the files are written, and no gains keep any error; what would make them possible is told.\n\n\
@@ -63,7 +64,7 @@ pub(crate) struct New {
     json: bool,
 }
 
-/// What a text is not.
+/// Error of a text that is not a valid number.
 #[derive(Debug)]
 struct NoNumber(&'static str);
 

@@ -16,7 +16,7 @@ mod painter {
 
     /// Pixels per centimetre on paper: 254 dpi.
     const PIXELS_PER_CM: f32 = 100.0;
-    /// What an SVG takes a centimetre for.
+    /// Pixels of an SVG per centimetre.
     const CSS_PIXELS_PER_CM: f32 = 96.0 / 2.54;
 
     /// The machine's fonts.

@@ -10,8 +10,9 @@ use crate::failure::Failure;
 
 /// Measure how well this machine keeps time for a control loop, and say what to change.
 ///
-/// Looks at the kernel (PREEMPT_RT), at what this user may have of the scheduler (FIFO) and of memory (locked), and at the
-/// processor's frequency; then sleeps until absolute times at the loop's rate, and measures how late it wakes. Linux only.
+/// Looks at the kernel (PREEMPT_RT), at what this user may have of the scheduler (FIFO) and of memory
+/// (locked), and at the processor's frequency; then sleeps until absolute times at the loop's rate, and
+/// measures how late it wakes. Linux only.
 ///
 /// The exit code is 0 whatever was found: what to change is told. `phihat drive` refuses where it matters.
 #[derive(Debug, Args)]

@@ -15,8 +15,9 @@ use crate::terminal::Page;
 
 /// Make the report of a recorded trace again.
 ///
-/// Reads run.json, study.toml, gains.json and metrics.json beside the trace, as `phihat run` leaves them. Files that are
-/// not of one run are refused. With --recover, a drive whose process was killed gets its record first.
+/// Reads run.json, study.toml, gains.json and metrics.json beside the trace, as `phihat run` leaves them.
+/// Files that are not of one run are refused. With --recover, a drive whose process was killed gets its
+/// record first.
 #[derive(Debug, Args)]
 #[command(after_help = "Example (after `phihat run studies/first.toml`):\n  \
                         phihat report out/first")]

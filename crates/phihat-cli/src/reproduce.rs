@@ -51,7 +51,8 @@ pub(crate) struct Reproduce {
     /// With --study: an own φ, a CSV file with the columns t_s,phi_nm, in place of that of the study's run.
     #[arg(long, value_name = "FILE", allow_hyphen_values = true, requires = "study")]
     phi: Option<PathBuf>,
-    /// With --study: the joint that --phi is of, or that is shown [default: the one whose φ moves most; of --phi the first].
+    /// With --study: the joint that --phi is of, or that is shown
+    /// [default: the one whose φ moves most; of --phi the first].
     #[arg(long, value_name = "NAME", requires = "study")]
     joint: Option<String>,
     /// Folder for the results [default: out/reproduction; with --study out/STUDY/reproduction].

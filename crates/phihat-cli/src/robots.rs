@@ -35,7 +35,8 @@ pub(crate) struct Robots {
     /// Link that the arm ends in.
     #[arg(long, value_name = "LINK")]
     tip: Option<String>,
-    /// Write the commented file of a bare URDF's arm, with estimates of what a URDF leaves out: beside the URDF, or above it.
+    /// Write the commented file of a bare URDF's arm, with estimates of what a URDF leaves out: beside the
+    /// URDF, or above it.
     #[arg(long, value_name = "ARM.toml", requires = "name")]
     write: Option<PathBuf>,
     /// Torque limits of the drives for that file, one for all joints or one each, separated by commas.

@@ -10,8 +10,9 @@ use crate::failure::Failure;
 
 #[derive(Debug, Args)]
 pub(crate) struct Ros {
-    /// A ROS 2 node beside the drive (builds with the feature `ros2`): publishes joint states, reference, error, torque, φ̂, mode and
-    /// diagnostics, and takes trajectories and positions where the study's supervisor shapes the reference; never a torque.
+    /// A ROS 2 node beside the drive (builds with the feature `ros2`): publishes joint states, reference,
+    /// error, torque, φ̂, mode and diagnostics, and takes trajectories and positions where the study's
+    /// supervisor shapes the reference; never a torque.
     #[arg(long = "ros2", id = "ros2")]
     asked: bool,
     /// Of ROS 2: the DDS domain.

@@ -72,9 +72,9 @@ impl TraceFile {
 
 /// Take a study through gains, the closed loop and a report.
 ///
-/// Writes report.html, static figures, trace.parquet, metrics.json, gains.json, run.json and copies of the study and of the
-/// files it names to out/STUDY/. Gains that were designed for it there are not designed once more while study, files and
-/// program are the same.
+/// Writes report.html, static figures, trace.parquet, metrics.json, gains.json, run.json and copies of the
+/// study and of the files it names to out/STUDY/. Gains that were designed for it there are not designed once
+/// more while study, files and program are the same.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  phihat run studies/panda.toml")]
 pub(crate) struct Run {
@@ -86,7 +86,8 @@ pub(crate) struct Run {
 
 /// Run a study's closed loop: trace and metrics, no report.
 ///
-/// Writes trace.parquet, metrics.json, gains.json, run.json and copies of the study and of the files it names to out/STUDY/.
+/// Writes trace.parquet, metrics.json, gains.json, run.json and copies of the study and of the files it names
+/// to out/STUDY/.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  phihat simulate studies/first.toml --json")]
 pub(crate) struct Simulate {
@@ -150,7 +151,7 @@ impl RunArguments {
     }
 }
 
-/// Which build this is: the version, and of the file that runs its size and when it was written.
+/// Identity of this build: the version, and size and modification time of the executable file.
 fn build() -> Option<String> {
     let file = std::env::current_exe().ok()?.metadata().ok()?;
     let written = file.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
@@ -185,7 +186,7 @@ pub(crate) fn write_layout(layout: Option<&Path>, done: &Done) -> Result<(), Fai
     Ok(files::write(path, &format!("{:#}\n", log_layout(&done.study)))?)
 }
 
-/// What a run came to, as one document.
+/// Result of a run, as one document.
 pub(crate) fn document(done: &Done, folder: &Path, report: Option<&Path>) -> serde_json::Value {
     let diverged = done.divergence.as_ref().map(|d| json!({ "t_s": d.t, "joint": d.joint }));
     let stopped_at = done.abort.as_ref().map(
@@ -203,7 +204,7 @@ pub(crate) fn document(done: &Done, folder: &Path, report: Option<&Path>) -> ser
     })
 }
 
-/// What a run came to, as tables.
+/// Result of a run, as tables.
 pub(crate) fn show(done: &Done, folder: &Path, report: Option<&Path>) {
     figures(done);
     left(folder, report);
@@ -227,7 +228,7 @@ fn figures(done: &Done) {
     }
 }
 
-/// Where what a run left can be looked at.
+/// Prints the path of a run's page, or of its trace.
 fn left(folder: &Path, report: Option<&Path>) {
     match report {
         Some(page) => println!("report: {}", page.display()),

@@ -17,12 +17,13 @@ use crate::run::TraceFile;
 
 /// Serve a study's world as a Franka, to any program made for one.
 ///
-/// A client of libfranka (protocol 5: 0.9; protocol 10: 0.18 and later) connects, and tells the study's arm its torques. Each motion begins
-/// the study's world anew, at its start, and leaves trace.parquet, metrics.json, run.json and report.html in out/STUDY/ when it ends; the
-/// trace is written as it comes, so that memory does not grow with a motion's length. The robot
-/// stops as one does: on a torque that jumps, on a joint that is too fast, on commands that stay away, by the study's
-/// profile and the arm's own limits. In lock-step, the next state comes when the command for the last one came: the
-/// same torques give the same trace, bit for bit, however slow the client is.
+/// A client of libfranka (protocol 5: 0.9; protocol 10: 0.18 and later) connects, and tells the study's arm
+/// its torques. Each motion begins the study's world anew, at its start, and leaves trace.parquet,
+/// metrics.json, run.json and report.html in out/STUDY/ when it ends; the trace is written as it comes, so
+/// that memory does not grow with a motion's length. The robot stops as one does: on a torque that jumps, on
+/// a joint that is too fast, on commands that stay away, by the study's profile and the arm's own limits. In
+/// lock-step, the next state comes when the command for the last one came: the same torques give the same
+/// trace, bit for bit, however slow the client is.
 #[derive(Debug, Args)]
 #[command(after_help = "Example (then run your program with the robot's address 127.0.0.1):\n  \
                         phihat serve studies/franka.toml --fci")]
@@ -113,7 +114,7 @@ impl Serve {
 /// Tells what happens, a line each.
 struct Told {
     json: bool,
-    /// Whether the last motion was within spec.
+    /// True if the last motion was within spec.
     good: bool,
 }
 

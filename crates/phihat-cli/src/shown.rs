@@ -1,4 +1,4 @@
-//! How far a command is, on the terminal; and what Ctrl-C says meanwhile.
+//! Progress of a command on the terminal, and the message on Ctrl-C meanwhile.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -12,13 +12,13 @@ use crate::terminal::is_quiet;
 /// A progress bar that looks on.
 pub(crate) struct Shown {
     bar: ProgressBar,
-    /// What Ctrl-C says while results are on their way.
+    /// Message on Ctrl-C while results are being written.
     words: String,
-    /// Whether the command was told to begin again.
+    /// True if the command was started with `--fresh`.
     fresh: bool,
-    /// What Ctrl-C asks to stop, where that can be asked.
+    /// Stop request by Ctrl-C, where it is possible.
     asked: Option<Asked>,
-    /// Tells what a run came to.
+    /// Prints the result of a run.
     says: Option<fn(&Done)>,
 }
 
@@ -39,7 +39,7 @@ impl Shown {
         Self { bar, words: String::new(), fresh: false, asked: None, says: None }
     }
 
-    /// It tells what a run came to as soon as that is known, if anything tells it.
+    /// Prints the result of a run as soon as it is known, if `says` is given.
     pub(crate) fn saying(self, says: Option<fn(&Done)>) -> Self {
         Self { says, ..self }
     }

@@ -9,10 +9,12 @@ use crate::failure::Failure;
 
 /// See a study's arm under control, live, in a browser.
 ///
-/// A page of this machine shows the simulated arm in real time: drag a joint to push it, drop and pick up a payload, add friction, noise, losses
-/// and faults, change gains and the error that is wished and see what is certified of them, edit the study, save what came as
-/// one that `phihat run` repeats; run another law beside phihat's. Or play what was recorded, with --replay. It listens on this machine alone, reads and writes nothing outside of the folder that it is
-/// started in, and ends with Ctrl-C. It never talks to a robot. In builds with the feature `studio`.
+/// A page of this machine shows the simulated arm in real time: drag a joint to push it, drop and pick up a
+/// payload, add friction, noise, losses and faults, change gains and the error that is wished and see what is
+/// certified of them, edit the study, save what came as one that `phihat run` repeats; run another law beside
+/// phihat's. Or play what was recorded, with --replay. It listens on this machine alone, reads and writes
+/// nothing outside of the folder that it is started in, and ends with Ctrl-C. It never talks to a robot. In
+/// builds with the feature `studio`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example (then open the address that it prints):\n  phihat studio studies/first.toml"

@@ -17,9 +17,10 @@ use crate::terminal::Page;
 
 /// Run a study many times with numbers drawn at random, and see what holds for how many runs.
 ///
-/// Gains are made once, for the study as it stands. KEY is the path of any number of the study (docs/study.md): world.payload.mass_kg,
-/// fault[0].size, gains.inertia_kg_m2[2], world.coulomb_extra_nm.joint2. Writes runs.npy (a row per run, for NumPy), sweep.json,
-/// report.html and the studies of the worst runs to out/STUDY/sweep/. An interrupted sweep goes on where it was.
+/// Gains are made once, for the study as it stands. KEY is the path of any number of the study
+/// (docs/study.md): world.payload.mass_kg, fault[0].size, gains.inertia_kg_m2[2],
+/// world.coulomb_extra_nm.joint2. Writes runs.npy (a row per run, for NumPy), sweep.json, report.html and the
+/// studies of the worst runs to out/STUDY/sweep/. An interrupted sweep goes on where it was.
 #[derive(Debug, Args)]
 #[command(after_help = "How a number varies:\n  \
     KEY=0..2              evenly between both; integers both included\n  \

@@ -1,4 +1,4 @@
-//! What is printed: whether at all, in colours or not, and how wide. The one place that knows.
+//! Settings of the output: quiet or not, in colours or not, and its width. The one place that has them.
 
 use std::ffi::OsString;
 use std::fmt::Arguments;
@@ -10,7 +10,7 @@ use anstream::{AutoStream, ColorChoice};
 use anstyle::{AnsiColor, Style};
 use clap::{Args, ValueEnum};
 
-/// Whether tables and progress are left out.
+/// True if tables and progress are left out.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
 /// Columns within which a table can be read at all, and beyond which nobody reads along a row.
@@ -63,7 +63,7 @@ impl Page {
 }
 
 impl Color {
-    /// What the command line says of colours, before it is read: that its own errors keep to it.
+    /// Choice of colours on the command line, before it is parsed, so that its own errors follow it.
     pub(crate) fn asked(words: &[OsString]) -> Self {
         let told = words.iter().zip(words.iter().skip(1)).rev().find_map(|(word, next)| {
             let inside = next.to_str().and_then(|next| next.strip_prefix("--color="));
@@ -97,7 +97,7 @@ pub(crate) fn be_quiet(quiet: bool) {
     QUIET.store(quiet, Ordering::Relaxed);
 }
 
-/// Whether tables and progress are left out.
+/// Returns true if tables and progress are left out.
 pub(crate) fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
@@ -130,7 +130,7 @@ const BAD: Style = AnsiColor::Red.on_default().bold();
 const MIND: Style = AnsiColor::Yellow.on_default().bold();
 const GOOD: Style = AnsiColor::Green.on_default().bold();
 
-/// How a line begins that is in colour, and how much of it is.
+/// Beginnings of lines that are printed in colour, with their styles.
 const PAINTED: [(&str, Style); 13] = [
     ("error:", BAD),
     ("OUT OF SPEC", BAD),

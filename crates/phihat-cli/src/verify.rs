@@ -17,9 +17,10 @@ use crate::table;
 
 /// Check every claim of a certificate again, from the gains alone.
 ///
-/// Needs nothing but the file: no solver's word. What the file cannot show of itself is listed as taken on trust; with a
-/// study, that is derived again as far as it can be. With --run the gains and the study are those of a run's record, whose
-/// files have to be those that the run left, and whose figures have to follow from its trace.
+/// Needs nothing but the file: no solver's word. What the file cannot show of itself is listed as taken on
+/// trust; with a study, that is derived again as far as it can be. With --run the gains and the study are
+/// those of a run's record, whose files have to be those that the run left, and whose figures have to follow
+/// from its trace.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Exit code 1: a claim does not hold; the inequality that fails is told.\n\n\
@@ -98,7 +99,7 @@ impl Verify {
     }
 }
 
-/// What was found of a record.
+/// Result for a record.
 fn record_words(metrics: &Metrics) -> String {
     format!(
         "every file is the one that the run left, and its figures follow from its trace: {}",
@@ -134,7 +135,7 @@ fn blocks(verified: &Verified, found: &Verification) -> String {
     blocks.join("\n")
 }
 
-/// What the second derivation and the drawn worlds say of the tube.
+/// Results of the second derivation and of the drawn worlds for the tube.
 fn again_lines(tube: &TubeAgain, found: &Verification) -> Vec<String> {
     let joint = |own: &JointBeside| {
         let ends = [own.error_max_rad, own.derived_error_max_rad].map(|e| 1e3 * e);

@@ -1,5 +1,5 @@
-//! A run whose record is written as it comes. Wrong if its page or figures were not those of the run as a whole, or if one
-//! that is stopped left anything behind.
+//! A run whose record is written as it comes. Wrong if its page or figures were not those of the run as a
+//! whole, or if one that is stopped left anything behind.
 
 use std::fs;
 use std::path::Path;

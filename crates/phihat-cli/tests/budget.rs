@@ -1,5 +1,6 @@
-//! What is told of a study that no gains serve. Wrong if advice did not lead to gains when it is followed as typed, if it asked for
-//! what the robot's interface does not take, if a run had more error than its part, or if the page were not whole.
+//! Advice on a study that no gains serve. Wrong if advice did not lead to gains when it is followed as typed,
+//! if it requested what the robot's interface does not take, if a run had more error than its part, or if the
+//! page were not whole.
 
 use std::fs;
 use std::path::Path;

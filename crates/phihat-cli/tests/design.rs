@@ -46,7 +46,7 @@ fn the_pandas_gains_are_verified_keep_their_bound_in_the_loop_and_are_refused_on
     );
 }
 
-/// What becomes of a study's design, whose last joint is then said to be twice as good.
+/// Designs, verifies and runs a study; then forges the claim of its last joint to be twice as good.
 fn designed_and_forged(folder: &Path, study: &str, (spec, last): (f64, &str)) {
     let answer = json(folder, &["design", study, "--json"]);
     assert_eq!(answer["outcome"], "designed");
@@ -327,7 +327,7 @@ fn a_motion_beyond_the_drives_is_refused_by_design_and_run_with_a_remedy() {
     assert!(!answer.err.contains("beyond_drives"), "{}", answer.err);
 }
 
-/// What a safe stop does at most is said where there is a supervisor, and only there.
+/// The bounds of a safe stop are reported where there is a supervisor, and only there.
 #[test]
 fn a_design_says_what_a_stop_does() {
     let folder = folder("design-stop");

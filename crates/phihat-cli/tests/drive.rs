@@ -1,5 +1,5 @@
-//! `phihat drive` on the simulated arm, as a person runs it. Wrong if anything moved that a check refuses, if its record were not that of
-//! `phihat run`, or if Ctrl-C left no record.
+//! `phihat drive` on the simulated arm, as a person runs it. Wrong if anything moved that a check refuses, if
+//! its record were not that of `phihat run`, or if Ctrl-C left no record.
 
 use std::fs;
 

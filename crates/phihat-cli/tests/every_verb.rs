@@ -1,5 +1,6 @@
-//! Exit codes and documents of every verb, and units of joints that slide. Wrong if a verb ends with another code than the help
-//! promises, if `--json` gives anything but one document, or if a joint that slides is told of in mrad or N·m.
+//! Exit codes and documents of every verb, and units of joints that slide. Wrong if a verb ends with another
+//! code than the help promises, if `--json` gives anything but one document, or if a joint that slides is
+//! reported in mrad or N·m.
 
 use std::fs;
 use std::path::Path;

@@ -1,5 +1,6 @@
-//! Laws that filter their innovation, from a study to a run. Wrong if a filter were taken that is no better by its tube, if any
-//! certificate of it were not checked by the other derivation, or if the core ran another law than the one that is certified.
+//! Laws that filter their innovation, from a study to a run. Wrong if a filter were taken that is no better
+//! by its tube, if any certificate of it were not checked by the other derivation, or if the core ran another
+//! law than the one that is certified.
 
 use std::fs;
 

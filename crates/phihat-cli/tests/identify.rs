@@ -1,6 +1,7 @@
-//! An arm without a description: known joint by joint, simulated as joints that do not push each other, and identified from
-//! records. Wrong if a record's numbers did not hold what the recorded joints are, if a design from them did not hold in a
-//! run, if what is simulated were not said, or if a record that cannot be used went through.
+//! An arm without a description: known joint by joint, simulated as joints that do not push each other, and
+//! identified from records. Wrong if the intervals from a record did not contain the recorded joints, if a
+//! design from them did not hold in a run, if the simulated arm were not stated, or if a record that cannot
+//! be used went through.
 
 use std::fs;
 use std::path::Path;
@@ -49,7 +50,7 @@ fn study(truth: &Truth, k: u32, more: &str) -> String {
     )
 }
 
-/// What a jump and a rate of φ cost, as the search of bounds sees them.
+/// Cost of a jump and a rate of φ, as in the search of bounds.
 fn cost(rate: f64, jump: f64) -> f64 {
     0.02 * rate + jump
 }

@@ -1,5 +1,6 @@
-//! A drive whose process is killed by the system. Wrong if more than the last second were lost of what had been driven, if a sample that is
-//! read back were another than the one that acted, if an older record were touched before, or if what is left went without a word.
+//! A drive whose process is killed by the system. Wrong if more than the last second were lost of what had
+//! been driven, if a sample that is read back were another than the one that acted, if an older record were
+//! touched before, or if the remaining journal were not reported.
 #![cfg(unix)]
 
 use std::fs;
@@ -194,8 +195,8 @@ fn is_partial(name: &Path) -> bool {
     name.to_str().unwrap().ends_with(".partial")
 }
 
-/// Killed at every operation on the disk, in turn (with `PHIHAT_ALL=1`; else at the first three and at one in five), over an older record,
-/// with a file that the study names.
+/// Killed at every operation on the disk, in turn (with `PHIHAT_ALL=1`; else at the first three and at one in
+/// five), over an older record, with a file that the study names.
 #[cfg(debug_assertions)]
 #[test]
 fn a_drive_killed_at_the_disk_leaves_an_older_record_or_its_own_or_what_makes_one() {

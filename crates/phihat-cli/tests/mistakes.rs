@@ -1,18 +1,20 @@
-//! What people get wrong: each mistake is one line that says where, what, and what would be valid; exit code 2; nothing is
-//! written.
+//! Mistakes of users: each gives one line with its place, its value and the valid values; exit code 2;
+//! nothing is written.
 //!
-//! Wrong if a mistake passes, or gives several lines, points to another line, does not show its value or says no remedy.
+//! Wrong if a mistake passes, or gives several lines, points to another line, does not show its value or says
+//! no remedy.
 
 use std::fs;
 use std::path::Path;
 
 use crate::support::{Answer, files_of, folder, phihat};
 
-/// A study that is right, what is done to it, where the mistake then is, and what the line has to say: value and remedy.
+/// A study that is right, what is done to it, where the mistake then is, and what the line has to say: value
+/// and remedy.
 struct Mistake {
     what: &'static str,
     study: Base,
-    /// What is replaced, and by what; an empty text is the end of the study.
+    /// Replaced text, and its replacement; an empty text is the end of the study.
     edit: (&'static str, &'static str),
     /// The text on the line that is meant; empty: no line of the study.
     at: &'static str,
@@ -518,7 +520,7 @@ fn text(base: Base) -> String {
     }
 }
 
-/// What is not as it has to be: one line that says these words, exit code 2, nothing written.
+/// Deviations from the expected answer: one line that says these words, exit code 2, nothing written.
 fn wrong(folder: &Path, (what, says): (&str, &[&str]), answer: &Answer) -> Vec<String> {
     let lines: Vec<&str> = answer.err.lines().collect();
     let [line] = lines[..] else {

@@ -1,5 +1,6 @@
-//! From a bare URDF to a first run. Wrong if that run were not certified or not within what its study asks for, if the files did
-//! not say what was assumed, if a file of somebody were replaced unasked, or if a refusal left one behind.
+//! From a bare URDF to a first run. Wrong if that run were not certified or not within what its study asks
+//! for, if the files did not say what was assumed, if a file of somebody were replaced unasked, or if a
+//! refusal left one behind.
 
 use std::fs;
 use std::path::Path;

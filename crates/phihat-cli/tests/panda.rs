@@ -42,7 +42,8 @@ fn panda_tracks_within_half_a_milliradian() {
     }
 }
 
-/// A stricter error than two slices of the payload prove, under the same proof of the change of torque: the search goes on with finer ones.
+/// A stricter error than two slices of the payload prove, under the same proof of the change of torque: the
+/// search goes on with finer ones.
 #[test]
 fn finer_slices_of_the_payload_prove_less_error() {
     let folder = folder("panda-rate");
@@ -67,8 +68,9 @@ fn finer_slices_of_the_payload_prove_less_error() {
     }
 }
 
-/// Without the proof that no torque changes by more than 1 N·m per sample: less error, proved and measured, and the robot's own limit
-/// does not act all the same, next to empty-handed and with all that the gains are for.
+/// Without the proof that no torque changes by more than 1 N·m per sample: less error, proved and measured,
+/// and the robot's own limit does not act all the same, next to empty-handed and with all that the gains are
+/// for.
 #[test]
 fn less_error_where_the_change_of_torque_is_not_proved() {
     let folder = folder("panda-fast");
@@ -100,8 +102,8 @@ fn every_study_of_the_project_keeps_its_spec() {
     let mut count = 0;
     for entry in std::fs::read_dir(folder.join("studies")).unwrap() {
         let path = entry.unwrap().path();
-        // The paper's recipe does not arm, and says so: see `design.rs`.
-        // Each is designed for half a minute: the first above, in README and in the book, and the others are it but for a key.
+        // The paper's recipe does not arm, and says so: see `design.rs`. Each is designed for half a minute:
+        // the first above, in README and in the book, and the others are it but for a key.
         let slow = ["panda.toml", "panda_rate.toml", "panda_known.toml", "panda_fast.toml"]
             .iter()
             .any(|name| path.ends_with(name));
@@ -115,7 +117,8 @@ fn every_study_of_the_project_keeps_its_spec() {
     assert!(count >= 6, "only {count} studies found");
 }
 
-/// What is known of a Panda is fed forward under a supervisor as without one, and a description that is wrong makes no step at the start.
+/// The feed-forward from a Panda's description acts under a supervisor as without one, and a description that
+/// is wrong makes no step at the start.
 #[test]
 fn what_is_known_is_fed_forward_under_a_supervisor() {
     let folder = folder("panda-known");

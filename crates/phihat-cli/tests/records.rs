@@ -83,7 +83,8 @@ fn from_a_trace(study: &str) -> String {
     format!("{start}{design}[reference]{reference}")
 }
 
-/// The record of an arm of two joints in `out`, its trace as a text, a study that is designed from its trace, and the trace.
+/// The record of an arm of two joints in `out`, its trace as a text, a study that is designed from its trace,
+/// and the trace.
 fn two_joints(name: &str) -> (PathBuf, String) {
     let folder = folder(name);
     let two = small("two", 0.2, 4.0).replace("joint2 = 0.0, ", "");

@@ -42,8 +42,8 @@ fn same_study_same_bytes_and_the_report_can_be_made_again() {
     assert!(read("one", "report.html") == before, "the report made again differs");
 }
 
-/// Gains are not designed twice for one study by one program, and everything else is designed anew: another study, gains that somebody
-/// changed, another program, or `--fresh`.
+/// Gains are not designed twice for one study by one program, and everything else is designed anew: another
+/// study, gains that somebody changed, another program, or `--fresh`.
 #[test]
 fn a_study_run_again_keeps_the_gains_that_were_designed_for_it() {
     let folder = folder("again");

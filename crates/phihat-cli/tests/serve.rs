@@ -1,5 +1,6 @@
-//! `phihat serve --fci`, with this project's client on the other side of the wire. Wrong if the served world were another than the
-//! simulated one in a single bit, if a record were not that of the motion, or if a study that no Franka serves were taken.
+//! `phihat serve --fci`, with this project's client on the other side of the wire. Wrong if the served world
+//! were another than the simulated one in a single bit, if a record were not that of the motion, or if a
+//! study that no Franka serves were taken.
 
 use std::fs;
 use std::io::{BufRead as _, BufReader};
@@ -75,7 +76,8 @@ impl Served {
         new
     }
 
-    /// A client that waits a minute for a state: libfranka's 1 s would fail a test whose server does not get a processor for that long.
+    /// A client that waits a minute for a state: libfranka's 1 s would fail a test whose server does not get
+    /// a processor for that long.
     fn client(&self, protocol: Protocol) -> Client {
         Client::connect_patient(&self.address, protocol, Duration::from_mins(1)).unwrap()
     }

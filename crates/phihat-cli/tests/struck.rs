@@ -1,5 +1,6 @@
-//! Every operation on the disk fails once, the disk fills up, the process is killed: the older results are there, or the
-//! new ones, or none, never a mixture; and the same command again leaves the same bytes as if nothing had been.
+//! Every operation on the disk fails once, the disk fills up, the process is killed: the older results are
+//! there, or the new ones, or none, never a mixture; and the same command again leaves the same bytes as if
+//! nothing had been.
 #![cfg(debug_assertions)]
 
 use std::collections::BTreeMap;
@@ -15,13 +16,13 @@ const LOCK: &str = ".phihat.lock";
 struct Case<'a> {
     folder: PathBuf,
     command: &'a [&'a str],
-    /// Where its results are.
+    /// Path of its results.
     out: &'a str,
     /// The file without which there are no results; none where one file is all.
     sign: Option<&'a str>,
     /// All files before.
     before: Files,
-    /// Whether a file is one of the results, and not what is kept on the way.
+    /// Returns true if a file is one of the results, and not an intermediate one.
     result: fn(&str) -> bool,
 }
 
@@ -45,8 +46,8 @@ impl Case<'_> {
         answer(&mut command)
     }
 
-    /// Strikes the first operation, the second, and so on until there is none left; how many there were. With `PHIHAT_ALL=1` each of them, otherwise the
-    /// first three and one in eight.
+    /// Strikes the first operation, the second, and so on until there is none left; returns their number.
+    /// With `PHIHAT_ALL=1` each of them, otherwise the first three and one in eight.
     fn strike_all(&self, how: &str) -> usize {
         leave(&self.out(), &self.before);
         let old = self.results();
@@ -83,7 +84,7 @@ impl Case<'_> {
         unreachable!("there is a last operation")
     }
 
-    /// What is there is whole, or nothing; and it is what was told.
+    /// Checks that the results are whole, or absent, and as the message says.
     fn judge(&self, answer: &Answer, [old, new, now]: [&Results; 3], told: &str) {
         let (is_old, is_new) = (now == old, now == new);
         let unsigned = self.sign.is_some_and(|sign| !now.contains_key(sign));
@@ -254,8 +255,8 @@ fn a_reproduction_leaves_the_older_one_or_the_new_one_or_none() {
     assert!(!case.out().join("figures/fig-12.svg").exists(), "a figure of the older reproduction");
 }
 
-/// The system's kill, at operations on the disk that are spread over the run, half-done where they are writes, and wherever the process
-/// is once it has gone on from one; `PHIHAT_KILLS` says how many.
+/// The system's kill, at operations on the disk that are spread over the run, half-done where they are
+/// writes, and wherever the process is once it has gone on from one; `PHIHAT_KILLS` says how many.
 #[cfg(unix)]
 #[test]
 fn a_killed_run_leaves_the_older_record_or_the_new_one_or_none() {

@@ -1,4 +1,5 @@
-//! A sweep as a process: killed at every stage and sharded, the same bytes; its commands repeat the worst run; bad input is told.
+//! A sweep as a process: killed at every stage and sharded, the same bytes; its commands repeat the worst
+//! run; bad input is reported.
 
 use std::fs;
 use std::path::Path;
@@ -30,7 +31,8 @@ fn killed_at_every_stage_and_in_shards_it_leaves_the_same_bytes() {
     let whole = phihat(&folder, &[&SWEEP[..], &["--out", "whole", "--jobs", "1"]].concat());
     assert!(whole.code < 2, "{}{}", whole.out, whole.err);
     let whole_bytes = bytes(&folder, "whole");
-    // Killed before it has done anything, while it writes rows and lines of the journal, and between them, a process gets there.
+    // Killed before it has done anything, while it writes rows and lines of the journal, and between them, a
+    // process gets there.
     let killed = [&SWEEP[..], &["--out", "killed", "--jobs", "2"]].concat();
     let early = (1..=8).map(|number| format!("pause {number}"));
     let late = ["pause 3 journal.jsonl", "pause 4 journal.jsonl", "pause 1 report.html"];

@@ -1,5 +1,6 @@
-//! What a terminal shows. Wrong if a table is wider than the terminal, if a figure is broken or lost where there is less room,
-//! if colours come where nobody asked for them, or if a quiet command says more than what is wrong.
+//! Output on a terminal. Wrong if a table is wider than the terminal, if a figure is broken or lost where
+//! there is less room, if colours come where nobody asked for them, or if a quiet command says more than what
+//! is wrong.
 
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -1,5 +1,6 @@
-//! What the command line prints, to the letter, by trycmd: the help of every verb on the book's page of commands, and the errors
-//! in `tests/texts`. Wrong if a text changed and its file did not; `TRYCMD=overwrite` writes the files anew.
+//! Output of the command line, to the letter, by trycmd: the help of every verb on the book's page of
+//! commands, and the errors in `tests/texts`. Wrong if a text changed and its file did not;
+//! `TRYCMD=overwrite` writes the files anew.
 
 use std::path::Path;
 

@@ -1,5 +1,6 @@
-//! The tip in millimetres, from the specification to the run. Wrong if a run took the tip further off than its tube says, if what is
-//! measured were not the distance between the two tips, or if a specification in millimetres were not kept or not told.
+//! The tip in millimetres, from the specification to the run. Wrong if a run took the tip further off than
+//! its tube says, if the measured error were not the distance between the two tips, or if a specification in
+//! millimetres were not satisfied or not reported.
 
 use std::fs;
 

@@ -1,5 +1,5 @@
-//! A gains file against its study. Wrong if a tube that was shrunk with all that follows from it passed, or if an honest one
-//! were refused.
+//! A gains file against its study. Wrong if a tube that was shrunk with all that follows from it passed, or
+//! if an honest one were refused.
 
 use std::fs;
 

@@ -154,7 +154,7 @@ impl Compare {
     }
 }
 
-/// What became of every run.
+/// Outcomes of all runs.
 fn outcomes(comparison: &Comparison) -> impl Iterator<Item = &RunOutcome> {
     let cells = comparison.rows.iter().flat_map(|row| &row.cells);
     cells.flat_map(|cell| &cell.runs).map(|run| &run.outcome)

@@ -29,7 +29,7 @@ pub(super) fn overview(comparison: &Comparison) -> String {
     text.join("\n")
 }
 
-/// Which tuned scalars of a row are at an end of their range.
+/// Tuned scalars of a row that are at an end of their range.
 fn at_end(row: &Row) -> Option<String> {
     let ends = &row.tuning.as_ref()?.at_end;
     let each = ends.iter().map(|end| {

@@ -1,4 +1,4 @@
-//! What the allowed error is spent on, and what would help.
+//! Error budget, and changes that would help.
 
 use phihat_design::budget::{Budget, BudgetBasis, Cause, JointBudget};
 

@@ -1,4 +1,4 @@
-//! How far a push on one joint moves every joint.
+//! Displacement of every joint by a push on one joint.
 
 use comfy_table::Cell;
 use phihat_design::{Certificate, Gains};

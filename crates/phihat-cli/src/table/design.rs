@@ -53,7 +53,7 @@ fn sections(filter: &[FilterSection], rate_hz: f64) -> [String; 2] {
     [lines(&|own| section_poles(own, rate_hz)), lines(&weights)]
 }
 
-/// What is claimed, one row per joint; what is refused, below.
+/// Claims of a certificate, one row per joint; refused ones below.
 pub(crate) fn certificate(certificate: &Certificate, gains: &Gains) -> String {
     let mut table = plain_table([
         "joint",
@@ -113,7 +113,7 @@ pub(crate) fn certificate(certificate: &Certificate, gains: &Gains) -> String {
     lines.join("\n")
 }
 
-/// How fast the arm's inertia may change, beside what is needed.
+/// Largest rate of change of the arm's inertia, with the rates that are needed.
 fn moving(certificate: &Certificate) -> String {
     let Some(moving) = &certificate.moving else {
         let why = certificate.moving_refused.as_ref().map(ToString::to_string);
@@ -129,7 +129,7 @@ fn moving(certificate: &Certificate) -> String {
     )
 }
 
-/// What the coupled arm's inertia may do at any speed, where laws differ.
+/// Range in which the coupled arm's inertia may move at any speed, where laws differ.
 fn any_speed(certificate: &Certificate) -> String {
     certificate.any_speed.as_ref().map_or_else(
         || "NOT proved, stability while the inertia moves at any speed".to_owned(),
@@ -168,7 +168,7 @@ fn row(joint: &JointCertificate, bound: Option<ErrorBound>, slides: bool) -> Vec
     ]
 }
 
-/// What is proved of the specification.
+/// Clauses of the specification that are not proved, else the scope of the proof.
 fn proved(certificate: &Certificate) -> String {
     if !certificate.unproved.is_empty() {
         let each = certificate.unproved.iter().map(|why| format!("  {why}"));
@@ -201,7 +201,7 @@ fn settle(settle: Settle) -> String {
     format!("steady from t = {} s on: {why}", settle.settle_s)
 }
 
-/// What the study has and the claims leave out, one line for each kind of claim.
+/// Parts of the study that the claims leave out, one line for each kind of claim.
 pub(crate) fn not_counted(list: &[NotCounted]) -> Vec<String> {
     let line = |(claims, words): (LeftOut, &str)| {
         let of = list.iter().filter(|one| one.claims == claims);
@@ -222,7 +222,7 @@ pub(crate) fn not_counted(list: &[NotCounted]) -> Vec<String> {
     .collect()
 }
 
-/// What the law that the joints share is optimal for, and how fast its inertia may vary.
+/// Optimality of the law that the joints share, and the paper's bound (40).
 fn law(joint: &JointCertificate) -> String {
     joint.continuous.as_ref().map_or_else(
         || "a law from positions: no claim in continuous time".to_owned(),
@@ -241,7 +241,7 @@ fn law(joint: &JointCertificate) -> String {
     )
 }
 
-/// How the inertia of joints with one law may jump.
+/// Range in which the inertia of joints with one law may jump.
 fn jumps(joint: &JointCertificate) -> String {
     joint.sampled_varying.as_ref().map_or_else(
         || "no common quadratic form for inertia that varies from sample to sample".to_owned(),

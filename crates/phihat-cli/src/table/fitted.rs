@@ -8,12 +8,12 @@ use comfy_table::{Cell, CellAlignment, ContentArrangement, Row, Table};
 
 use crate::terminal;
 
-/// A table that is no wider than the terminal: words are wrapped, and a table of figures that is too wide goes on below,
-/// with its first column again.
+/// A table that is no wider than the terminal: words are wrapped, and a table of figures that is too wide
+/// goes on below, with its first column again.
 #[derive(Debug)]
 pub(crate) struct Fitted {
     table: Table,
-    /// Whether the columns after the first are figures, which are never wrapped.
+    /// True if the columns after the first are figures, which are never wrapped.
     figures: bool,
 }
 

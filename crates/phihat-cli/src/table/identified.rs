@@ -1,4 +1,4 @@
-//! What records of a real arm show.
+//! Results of an identification from records of a real arm.
 
 use phihat_session::IdentifiedJoint;
 

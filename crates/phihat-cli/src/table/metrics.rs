@@ -1,4 +1,4 @@
-//! What a run measured.
+//! Figures of a run.
 
 use phihat_report::{TubeRun, limits_acted};
 use phihat_sim::{Divergence, JointMetrics, Metrics};
@@ -132,7 +132,7 @@ pub(crate) fn metrics(metrics: &Metrics) -> Fitted {
     table
 }
 
-/// Where the tip was, in millimetres and degrees, beside its bound.
+/// Largest error of the tip, in millimetres and degrees, with its bound.
 pub(crate) fn tip(metrics: &Metrics) -> Option<String> {
     let tip = metrics.tip.as_ref()?;
     let (most, turned) = (tip.error_steady_max_m * MILLI, tip.angle_steady_max_rad.to_degrees());

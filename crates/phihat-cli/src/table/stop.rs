@@ -1,4 +1,4 @@
-//! What a safe stop does at most, where a study has a supervisor.
+//! Bounds of a safe stop, where a study has a supervisor.
 
 use phihat::{Form, JointGains, Limits};
 use phihat_design::Gains;
@@ -6,11 +6,11 @@ use phihat_study::Study;
 
 use super::{align, figure, in_unit, plain_table};
 
-/// Speeds of every joint at the stop that it is told for \[rad/s\].
+/// Speeds of every joint at the beginning of the stop \[rad/s\].
 const FROM: [f64; 2] = [0.2, 1.0];
 
-/// How far each joint goes until it rests, and how fast it becomes at most on the way; `None`: there is nothing that would stop the arm, or the arm's
-/// inertia is not known.
+/// Stopping distance of each joint, and its largest speed on the way; `None`: the study has no supervisor, or
+/// the arm's inertia is not known.
 pub(crate) fn stop(study: &Study, gains: &Gains) -> Option<String> {
     study.supervisor.as_ref()?;
     let arm = &gains.certificate.as_ref()?.arm;

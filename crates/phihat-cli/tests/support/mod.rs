@@ -12,7 +12,7 @@ pub(crate) use running::{Running, wait_for};
 /// Files below a folder, by their paths from there.
 pub(crate) type Files = BTreeMap<PathBuf, Vec<u8>>;
 
-/// What a run of the binary gave.
+/// Exit code and output of a run of the binary.
 pub(crate) struct Answer {
     pub(crate) code: i32,
     pub(crate) out: String,

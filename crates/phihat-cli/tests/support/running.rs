@@ -29,7 +29,7 @@ pub(crate) fn wait_for(what: &str, is_it: impl Fn() -> bool) {
 /// `phihat` at work. A process that is left to itself is killed.
 pub(crate) struct Running {
     pub(crate) child: Child,
-    /// What was started.
+    /// Command that was started.
     words: String,
     out: Option<JoinHandle<String>>,
     /// Lines of the standard error output: those that were waited for, and those to come.
