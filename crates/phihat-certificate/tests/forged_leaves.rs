@@ -309,7 +309,7 @@ fn no_edited_leaf_passes_and_claims_more() {
         [certificate.tube.is_some(), certificate.coupled.is_some(), certificate.moving.is_some()];
     assert_eq!(parts, [true; 3], "a file with everything");
     let paths = chosen(&honest.document);
-    let every = if std::env::var_os("PHIHAT_ALL").is_some() { 1 } else { 16 };
+    let every = if std::env::var_os("PHIHAT_ALL").is_some() { 1 } else { 8 };
     let next = AtomicUsize::new(0);
     let fates = Mutex::new(Vec::new());
     std::thread::scope(|scope| {

@@ -165,7 +165,8 @@ fn an_order_is_the_cores_joint_map() {
     order.gather(&raw, &mut sample);
     let found: Vec<f64> = sample.joints.iter().map(|joint| joint.q).collect();
     assert_eq!(found, map.gather(&message).unwrap());
-    let (mut ours, mut theirs) = (vec![9.0; 4], vec![9.0; 4]);
+    // What no joint of the study has gets no torque, whatever stood there.
+    let (mut ours, mut theirs) = (vec![9.0; 4], vec![0.0; 4]);
     let mut gate = Gate::new(vec![Outlet::new(Limits::none()); 3], None);
     gate.holding(&[1.0, 2.0, 3.0]);
     order.scatter(&gate, &mut ours);
