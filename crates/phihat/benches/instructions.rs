@@ -1,5 +1,5 @@
-//! What `cargo xtask test instructions` counts under callgrind: so many samples of one class of input, 7 joints,
-//! second order. `CLASS SAMPLES`; run as a test it does each class once.
+//! Program that `cargo xtask test instructions` counts under callgrind: so many samples of one class of
+//! input, 7 joints, second order. `CLASS SAMPLES`; run as a test it does each class once.
 #![allow(clippy::print_stdout, reason = "a benchmark prints its figures")]
 #![allow(clippy::unwrap_used, reason = "a benchmark stops on a bad set-up")]
 
@@ -12,8 +12,9 @@ use phihat::{
 };
 
 const N: usize = 7;
-/// The bare law; that from positions, behind one sample of delay; the same with a filter of two sections on its innovation; guard, limits and modes around it; then with joint ranges and monitors: at rest, moving, with jitter, against its limits, near the end of a
-/// joint's range; and with the reference governor.
+/// The bare law; that from positions, behind one sample of delay; the same with a filter of two sections on
+/// its innovation; guard, limits and modes around it; then with joint ranges and monitors: at rest, moving,
+/// with jitter, against its limits, near the end of a joint's range; and with the reference governor.
 const CLASSES: [&str; 10] =
     ["law", "seen", "filtered", "plain", "rest", "motion", "jitter", "limits", "range", "shaped"];
 
@@ -31,7 +32,7 @@ fn triangle(k: u64) -> (f64, f64) {
     if phase < 1000 { (phase as f64 * 2e-4, 0.2) } else { ((2000 - phase) as f64 * 2e-4, -0.2) }
 }
 
-/// What is measured and wanted, made before anything is counted.
+/// Measurements and references, made before anything is counted.
 type Inputs = Vec<([Measurement<f64>; N], [Reference<f64>; N])>;
 
 fn inputs(class: &str) -> Inputs {

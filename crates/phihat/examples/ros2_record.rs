@@ -1,7 +1,9 @@
-//! What the ros2_control plugin has to answer: a two-joint arm under the Rust supervisor, in closed loop, sample by sample.
+//! Reference records for the ros2_control plugin: a two-joint arm under the Rust supervisor, in closed loop,
+//! sample by sample.
 //!
-//! Writes into a folder, for a law with an estimator and for one from positions, a gains document and a record. `examples/ros2/test/plugin.cpp` gives the plugin the same samples and compares torques,
-//! estimates, modes and faults, bit for bit.
+//! Writes into a folder, for a law with an estimator and for one from positions, a gains document and a
+//! record. `examples/ros2/test/plugin.cpp` gives the plugin the same samples and compares torques, estimates,
+//! modes and faults, bit for bit.
 //!
 //! A row of a record, numbers as the hexadecimal bits of a double:
 //!
@@ -38,7 +40,8 @@ const INERTIA: [f64; 2] = [0.4, 0.03];
 /// `K_p` \[1/s²\] and `K_d` \[1/s\] of the law with an estimator, and of that from positions.
 const OUTER: [[f64; 2]; 2] = [[400.0, 40.0], [590.0, 74.0]];
 
-/// What the law from positions does with its innovation, and how fast its torque follows: as a design gives them to a Panda.
+/// Correction by the innovation, and share of the way to the wanted torque per sample, of the law from
+/// positions: as a design gives them to a Panda.
 const CORRECTION: [f64; 3] = [0.53, 298.0, -23300.0];
 const SHARE: f64 = 0.17;
 
@@ -135,12 +138,13 @@ fn accelerations(q: [f64; 2], dq: [f64; 2], tau: [f64; 2]) -> [f64; 2] {
     [(m22 * r0 - m12 * r1) / determinant, (m11 * r1 - m12 * r0) / determinant]
 }
 
-/// Whether a cycle's sample comes: two at the start not, then now and then one not, ten in a row, thirty in a row.
+/// Returns true if the sample of a cycle arrives: the first two are lost, then at times one, ten in a row,
+/// thirty in a row.
 fn comes(k: u64) -> bool {
     k > 1 && k % 97 != 13 && !(3000..3010).contains(&k) && !(6500..6530).contains(&k)
 }
 
-/// Whether there is a reference.
+/// Returns true if there is a reference.
 fn wanted(k: u64) -> bool {
     k > 500 && !(4000..4600).contains(&k)
 }
@@ -165,7 +169,7 @@ fn motion(from: f64, joint: usize, t: f64) -> Reference<f64> {
     }
 }
 
-/// What the plugin promises to ask for.
+/// Mode that the plugin requests.
 fn request(mode: Mode, wanted: bool) -> ModeRequest {
     match mode {
         Mode::Idle => ModeRequest::Arm,
@@ -186,7 +190,7 @@ fn supervisor(positions: bool) -> Result<Supervisor<f64, 2>, Box<dyn Error>> {
     Ok(Supervisor::new([law(positions, 0)?, law(positions, 1)?], &[joint; 2], &Options::new(T_NS))?)
 }
 
-/// What a whole record has seen, so that a test of nothing is noticed.
+/// Modes, worst error and fault of a whole record, so that an empty test is noticed.
 #[derive(Default)]
 struct Seen {
     modes: Vec<Mode>,

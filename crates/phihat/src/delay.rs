@@ -26,10 +26,10 @@ pub struct Delay<R> {
     at: usize,
 }
 
-/// The delay asked for is longer than [`DELAY_MAX`].
+/// The requested delay is longer than [`DELAY_MAX`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DelayTooLong {
-    /// How many samples were asked for.
+    /// Requested delay \[samples\].
     pub samples: usize,
 }
 

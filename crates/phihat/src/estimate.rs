@@ -1,19 +1,19 @@
-//! What a sample would teach, before it counts.
+//! Estimate after a sample, before it is stored.
 
 use crate::innovation::Filtered;
 use crate::{ORDER_MAX, Real};
 
-/// What the estimator would remember after a sample.
+/// State of the estimator after a sample.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Estimate<R> {
     pub(crate) memory: [R; ORDER_MAX],
-    /// Literal: what rounding left out of the sums. From positions: `ê`, `ė̂`, the feed-forward, and how many periods
-    /// the interval had.
+    /// Literal: rounding errors of the sums. From positions: `ê`, `ė̂`, the feed-forward, and the number of
+    /// periods in the interval.
     pub(crate) beside: [R; ORDER_MAX],
     pub(crate) phi_hat: R,
-    /// From positions: the torque asked for beside `φ̂`.
+    /// From positions: the torque demand less `φ̂` \[N·m\].
     pub(crate) outer: R,
-    /// From positions: what has become of the innovations beside the observer; `None`: what it was.
+    /// From positions: state of the innovation filter; `None`: unchanged.
     pub(crate) filtered: Option<Filtered<R>>,
 }
 
@@ -23,8 +23,9 @@ impl<R: Real> Estimate<R> {
         Self { memory, beside, phi_hat, outer, filtered: None }
     }
 
-    /// Whether it can be stored and `demand`, of which `φ̂` is a part, be asked for. All that is remembered is in
-    /// the sum: the observer's `φ̂_0`, and the literal form's integrals with their rests, through `φ̂`.
+    /// Returns true if it can be stored and `demand`, which contains `φ̂`, can be commanded. All that is
+    /// stored is in the sum: the observer's `φ̂_0`, and the literal form's integrals with their rests,
+    /// through `φ̂`.
     pub(crate) fn fits(&self, demand: R) -> bool {
         let [_, first, second, third] = self.memory;
         (demand + (first + second + third)).is_finite()

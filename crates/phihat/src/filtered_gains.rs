@@ -15,14 +15,16 @@ impl<R: Real> JointGains<R> {
     /// τ wanted = φ̂⁺ − M̄ (K_d ė̂⁺ + K_p ê⁺) + M̄ Σ (b_0 x + b_1 δ)
     /// ```
     ///
-    /// so that `δ = Q_δ(z) ν` with `Q_δ = z w/(w² + c_1 w + c_0)` and `x = Q_δ ν/w`, `w = z − 1`. The innovation is what the observer did
-    /// not expect, of the torque that acted: a limit that acts winds nothing up, and a constant `φ` leaves no error whatever the filter. Where the inertia is `M̄` and torques
-    /// act as told, the innovation does not depend on the torque, so that the loop is stable with every filter that is.
+    /// so that `δ = Q_δ(z) ν` with `Q_δ = z w/(w² + c_1 w + c_0)` and `x = Q_δ ν/w`, `w = z − 1`. The
+    /// innovation is the error of the observer's prediction from the torque that acted: a limit that acts
+    /// winds nothing up, and a constant `φ` leaves no error whatever the filter. Where the inertia is `M̄`
+    /// and torques act as commanded, the innovation does not depend on the torque, so that the loop is stable
+    /// with every filter that is.
     ///
     /// # Errors
     ///
-    /// [`GainError`]: gains of another form, no section or more than two, a number that is not finite, a section that is not
-    /// stable, or gains with which torques would overflow.
+    /// [`GainError`]: gains of another form, no section or more than two, a number that is not finite, a
+    /// section that is not stable, or gains with which torques would overflow.
     ///
     /// # References
     ///

@@ -89,21 +89,21 @@ impl fmt::Display for Gain {
 pub enum GainError {
     /// A gain is zero, negative, infinite or NaN.
     NotPositive {
-        /// Which one.
+        /// The gain.
         gain: Gain,
         /// Its value.
         value: f64,
     },
     /// A gain that may have either sign is infinite or NaN.
     NotFinite {
-        /// Which one.
+        /// The gain.
         gain: Gain,
         /// Its value.
         value: f64,
     },
     /// The number of coefficients is not 1 … 4.
     Order {
-        /// How many were given.
+        /// Number of coefficients.
         order: usize,
     },
     /// `s^m + a_{m−1} s^{m−1} + … + a_0` has a root with a non-negative real part.
@@ -123,21 +123,21 @@ pub enum GainError {
         /// Samples of it.
         samples: usize,
     },
-    /// Corrections of an observer that has not so many states.
+    /// Corrections whose number does not fit an observer.
     Corrections {
-        /// How many for the position.
+        /// Number of corrections by the position.
         position: usize,
-        /// How many for the velocity.
+        /// Number of corrections by the velocity.
         velocity: usize,
     },
     /// An innovation filter has one section or two.
     Sections {
-        /// How many were given.
+        /// Number of sections.
         count: usize,
     },
     /// A section of the innovation filter does not settle.
     UnstableSection {
-        /// Which one.
+        /// Index of the section.
         index: usize,
     },
     /// Gains so large, or an inertia or a period so small, that torques would overflow in the running scalar.

@@ -4,10 +4,10 @@ use crate::position_gains::PositionGains;
 use crate::sampled::sampled_coefficients;
 use crate::{Gain, GainError, Limits, ORDER_MAX, Real};
 
-/// What a measured value may be at most, in any unit: 2³².
+/// Largest measured value, in any unit: 2³².
 const VALUE_MAX: f64 = 4_294_967_296.0;
 
-/// Which form of the law runs, and so what a joint's memory means.
+/// Form of the law, and so the meaning of a joint's state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum Form {
     /// A disturbance observer fed with velocity and the torque that acted (T4): the default.
@@ -20,7 +20,7 @@ pub enum Form {
     Positions,
 }
 
-/// What the observer form computes with, see [`JointGains::update`].
+/// Numbers of the observer form, see [`JointGains::update`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObserverNumbers<R> {
     /// `T` \[s\].
@@ -57,7 +57,7 @@ impl Built for FromPositions {
     const FORM: Form = Form::Positions;
 }
 
-/// What a designer chooses for one joint. Always `f64`; the running law may be `f32`.
+/// Design of one joint. Always `f64`; the running law may be `f32`.
 ///
 /// # Example
 ///
@@ -93,7 +93,7 @@ pub struct JointDesign<'a> {
     pub a: &'a [f64],
     /// Sample period `T` \[s\].
     pub period: f64,
-    /// Which form of the law runs: [`Form::Positions`] has a design of its own.
+    /// Form of the law: [`Form::Positions`] has a design of its own.
     pub form: Form,
 }
 
@@ -202,7 +202,8 @@ impl<R: Real> JointGains<R> {
         if gains.hold_samples_in() { Ok(gains) } else { Err(GainError::Overflow) }
     }
 
-    /// Whether what samples within ±2³² come to is finite, with a factor of 2³² to spare for sums and peaks.
+    /// Returns true if samples within ±2³² give finite numbers, with a factor of 2³² to spare for sums and
+    /// peaks.
     pub(crate) fn hold_samples_in(&self) -> bool {
         let reach = R::from_f64(VALUE_MAX);
         let most = reach * reach * self.inertia;
@@ -288,22 +289,23 @@ impl<R: Real> JointGains<R> {
         Self { on_integrals, on_error: [factor(m + 1), factor(m + 2)], ..self }
     }
 
-    /// Whether a memory of the other gains says the same here: `φ̂` and its derivatives, seen the same way.
+    /// Returns true if a state of the other gains has the same meaning here: `φ̂` and its derivatives, of the
+    /// same observer.
     pub(crate) fn knows_as(&self, other: &Self) -> bool {
         self.form == other.form
             && self.form != Form::Literal
             && self.position.filter.reads_as(&other.position.filter)
     }
 
-    /// The numbers of the observer form, for code that computes the very law of [`update`](Self::update) for many joints side by
-    /// side; `None`: another form.
+    /// The numbers of the observer form, for code that computes the very law of [`update`](Self::update) for
+    /// many joints side by side; `None`: another form.
     pub fn observer(&self) -> Option<ObserverNumbers<R>> {
         let Self { period, inertia, kp, kd, alpha, .. } = *self;
         let numbers = ObserverNumbers { period, inertia, kp, kd, alpha };
         (self.form == Form::Observer).then_some(numbers)
     }
 
-    /// Which form of the law runs.
+    /// Form of the law.
     pub fn form(&self) -> Form {
         self.form
     }

@@ -12,8 +12,8 @@ impl<'a, R: Copy> Released<'a, R> {
         self.0
     }
 
-    /// The same torques in the order of another wire: torque `i` at `out[places[i]]`, every other entry 0. A place that `out` lacks is
-    /// left out.
+    /// The same torques in the order of another wire: torque `i` at `out[places[i]]`, every other entry 0. A
+    /// place that `out` lacks is left out.
     pub fn placed<'b>(self, places: &[usize], out: &'b mut [R]) -> Released<'b, R>
     where
         R: Real,
@@ -37,7 +37,7 @@ fn placed<'a, R: Real>(
     Released(out)
 }
 
-/// One joint of a [`Gate`]: its limits, and what it let through last.
+/// One joint of a [`Gate`]: its limits, and the torque that it let through last.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outlet<R> {
     limits: Limits<R>,
@@ -68,12 +68,13 @@ impl<R: Real> Outlet<R> {
 /// E ← min(E_max/2, E + E_max/2 · T/t − Σ_i τ_i Δq_i)
 /// ```
 ///
-/// Where the forecast `Σ τ_i Δq_i` of the next sample is more than what is in it, torques along the motion are scaled down; those against it never. So the work of
-/// the drives over any time `t` is at most `E_max`, and what the forecast of one sample may be wrong by.
+/// If the forecast `Σ τ_i Δq_i` of the next sample is more than the energy in the tank, torques along the
+/// motion are scaled down; those against it never. So the work of the drives over any time `t` is at most
+/// `E_max`, plus the error of the forecast of one sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tank<R> {
     capacity: R,
-    /// What flows in per sample \[J\].
+    /// Inflow per sample \[J\].
     inflow: R,
     energy: R,
 }
@@ -98,15 +99,17 @@ impl<R: Real> Tank<R> {
     }
 }
 
-/// A gate without which no torque leaves: finite, within its range and its rate, and within an energy per time. Its place is
-/// behind everything that computes on a torque: gravity compensation, feed-forward, a robot's rounding.
+/// A gate without which no torque leaves: finite, within its range and its rate, and within an energy per
+/// time. Its place is behind everything that computes on a torque: gravity compensation, feed-forward, a
+/// robot's rounding.
 ///
 /// `J` holds an [`Outlet`] per joint: an array where there is no allocator, or a `Vec`.
 ///
 /// # Law
 ///
-/// A torque that is not finite is the last one. Then the energy ([`Tank`]), then the rate, and the range last: a later one is kept whatever the ones before
-/// it ask for. A position that is not finite counts as the last one.
+/// A torque that is not finite is the last one. Then the energy ([`Tank`]), then the rate, and the range
+/// last: a later one is kept whatever the ones before it ask for. A position that is not finite counts as the
+/// last one.
 ///
 /// # Real time
 ///
@@ -152,7 +155,8 @@ impl<R: Real, J: AsRef<[Outlet<R>]> + AsMut<[Outlet<R>]>> Gate<R, J> {
         }
     }
 
-    /// Lets the torques of a sample out, which `commands` then holds, with what became of each. One entry per joint in both.
+    /// Lets the torques of a sample out, which `commands` then holds, with what became of each. One entry per
+    /// joint in both.
     pub fn release(&mut self, measured: &[Measurement<R>], commands: &mut [Command<R>]) {
         let share = self.energy_share(measured, commands);
         let joints = self.outlets.as_mut().iter_mut().zip(measured).zip(commands);
@@ -174,8 +178,8 @@ impl<R: Real, J: AsRef<[Outlet<R>]> + AsMut<[Outlet<R>]>> Gate<R, J> {
         }
     }
 
-    /// What was let out last, in the order of a wire: torque `i` at `out[places[i]]`, every other entry 0. A place that `out` lacks is
-    /// left out.
+    /// Torques that were let out last \[N·m\], in the order of a wire: torque `i` at `out[places[i]]`, every
+    /// other entry 0. A place that `out` lacks is left out.
     pub fn torques<'a>(&self, places: &[usize], out: &'a mut [R]) -> Released<'a, R> {
         placed(self.outlets().iter().map(|outlet| outlet.tau), places, out)
     }
@@ -200,7 +204,7 @@ impl<R: Real, J: AsRef<[Outlet<R>]> + AsMut<[Outlet<R>]>> Gate<R, J> {
 }
 
 impl<R: Real> Outlet<R> {
-    /// How far the joint went since the last sample.
+    /// Motion of the joint since the last sample \[rad\].
     fn moved(&self, m: &Measurement<R>) -> R {
         match self.q {
             Some(before) if m.q.is_finite() => m.q - before,

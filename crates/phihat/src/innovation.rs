@@ -1,11 +1,12 @@
-//! What a law from positions makes of its innovation beside the observer: a stable filter of up to fourth order.
+//! Innovation filter of a law from positions, alongside the observer: stable, of up to fourth order.
 
 use crate::Real;
 
 /// Sections of an innovation filter at most.
 pub const SECTIONS_MAX: usize = 2;
 
-/// One section, of second order, of a filter on the innovation: see [`JointGains::with_innovation_filter`](crate::JointGains::with_innovation_filter).
+/// One section, of second order, of a filter on the innovation: see
+/// [`JointGains::with_innovation_filter`](crate::JointGains::with_innovation_filter).
 ///
 /// # Example
 ///
@@ -35,7 +36,7 @@ pub const SECTIONS_MAX: usize = 2;
 pub struct InnovationSection {
     /// `c_0, c_1`: per sample; in `w = z − 1` the section's poles are the roots of `w² + c_1 w + c_0`.
     pub rates: [f64; 2],
-    /// `b_0, b_1`: what the section's state and its change per sample weigh in the torque that is wanted, per `M̄`
+    /// `b_0, b_1`: weights of the section's state and of its change per sample in the wanted torque, per `M̄`
     /// \[1/s²\].
     pub weights: [f64; 2],
 }
@@ -47,15 +48,15 @@ pub(crate) struct InnovationFilter<R> {
     pub(crate) rates: [[R; 2]; SECTIONS_MAX],
     /// `M̄ b_0, M̄ b_1` \[N·m/rad\].
     pub(crate) weights: [[R; 2]; SECTIONS_MAX],
-    /// Whether there is one.
+    /// True if there is a filter.
     pub(crate) acts: bool,
 }
 
-/// What a filter remembers: of each section its state \[rad\] and the change of that per sample.
+/// State of a filter: of each section its state \[rad\] and the change of that per sample.
 pub(crate) type Filtered<R> = [[R; 2]; SECTIONS_MAX];
 
 impl InnovationSection {
-    /// Whether both roots of `w² + c_1 w + c_0` are such that `|1 + w| < 1`: Jury's conditions.
+    /// Returns true if both roots of `w² + c_1 w + c_0` satisfy `|1 + w| < 1`: Jury's conditions.
     pub(crate) fn settles(&self) -> bool {
         let [c0, c1] = self.rates;
         c0 > 0.0 && c1 > c0 && 4.0 - 2.0 * c1 + c0 > 0.0
@@ -75,7 +76,7 @@ impl<R: Real> InnovationFilter<R> {
         next
     }
 
-    /// After so many samples, of which only the last one was seen.
+    /// After so many samples, of which only the last one was measured.
     #[inline(never)]
     pub(crate) fn through(
         &self,
@@ -90,7 +91,7 @@ impl<R: Real> InnovationFilter<R> {
         self.after(&blind, innovation)
     }
 
-    /// What it adds to the torque that is wanted \[N·m\].
+    /// Contribution of the filter to the wanted torque \[N·m\].
     #[inline]
     pub(crate) fn torque(&self, filtered: &Filtered<R>) -> R {
         let [[x, dx], [y, dy]] = *filtered;
@@ -107,7 +108,7 @@ impl<R: Real> InnovationFilter<R> {
         })
     }
 
-    /// Whether what the other has filtered means the same here.
+    /// Returns true if a state of the other filter has the same meaning here.
     pub(crate) fn reads_as(&self, other: &Self) -> bool {
         self.acts == other.acts && self.rates == other.rates
     }

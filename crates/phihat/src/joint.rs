@@ -1,10 +1,10 @@
-//! What one joint's law takes, gives and remembers.
+//! Inputs, output and state of one joint's law.
 
 use crate::delay::PENDING_MAX;
 use crate::innovation::Filtered;
 use crate::{ORDER_MAX, Real};
 
-/// What one joint's sensors report at one sample.
+/// Measurement of one joint at one sample.
 ///
 /// # Example
 ///
@@ -25,7 +25,7 @@ pub struct Measurement<R> {
     pub tau_applied: R,
 }
 
-/// Where one joint shall be at one sample: position, velocity and acceleration.
+/// Reference of one joint at one sample: position, velocity and acceleration.
 ///
 /// # Example
 ///
@@ -75,14 +75,14 @@ pub struct Reference<R> {
 pub struct Command<R> {
     /// Torque to apply until the next sample \[N·m\]: always finite and within the limits.
     pub tau: R,
-    /// Estimate of the unknown dynamics \[N·m\], already contained in `tau`; from a supervisor that is given a feed-forward, the whole that is
-    /// taken for them, `φ̂ + τ_ff`: the torque that holds the arm.
+    /// Estimate of the unknown dynamics \[N·m\], already contained in `tau`; from a supervisor with a
+    /// feed-forward, `φ̂ + τ_ff`: the torque that holds the arm.
     pub phi_hat: R,
-    /// What checks and limits did to this command.
+    /// Effect of checks and limits on this command.
     pub status: Status,
 }
 
-/// What checks and limits did to one joint's command.
+/// Effect of checks and limits on one joint's command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Status {
     /// The torque limit acted.
@@ -94,7 +94,7 @@ pub struct Status {
     pub refused: bool,
 }
 
-/// Everything a joint remembers between samples; owned by the caller.
+/// State of a joint between samples; owned by the caller.
 ///
 /// # Example
 ///
@@ -128,7 +128,7 @@ pub struct JointState<R> {
     pub(crate) pending: [R; PENDING_MAX],
     /// From positions: the feed-forward of the last samples \[N·m\], the newest first.
     pub(crate) feedforward: [R; PENDING_MAX + 1],
-    /// From positions: what has become of the innovations beside the observer.
+    /// From positions: state of the innovation filter.
     pub(crate) filtered: Filtered<R>,
     /// Velocity at the last sample.
     pub(crate) dq: R,
@@ -144,7 +144,7 @@ pub struct JointState<R> {
 pub(crate) struct Interval<R> {
     /// Length of one step \[s\].
     pub(crate) step: R,
-    /// How many steps make the interval; 0: the interval cannot be trusted, nothing is integrated.
+    /// Number of steps in the interval; 0: the interval cannot be trusted, nothing is integrated.
     pub(crate) parts: u8,
     /// `1/parts`.
     pub(crate) share: R,

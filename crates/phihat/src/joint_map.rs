@@ -4,7 +4,7 @@ use core::fmt;
 
 use crate::Real;
 
-/// Where each joint of the controller is found in a message, by name.
+/// Places of the controller's joints in a message, by name.
 ///
 /// Drivers and middleware send joints in an order of their own, often alphabetical. A map is made once
 /// from the names (or for every message: it allocates nothing), and values pass through it.
@@ -18,9 +18,9 @@ use crate::Real;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct JointMap<const N: usize> {
-    /// Where in the message joint `i` stands.
+    /// Place of joint `i` in the message.
     places: [usize; N],
-    /// How many joints the message has.
+    /// Number of joints in the message.
     width: usize,
 }
 

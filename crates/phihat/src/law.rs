@@ -157,7 +157,7 @@ impl<R: Real> JointGains<R> {
         }
     }
 
-    /// What the law asks for, before limits.
+    /// Torque command before limits \[N·m\].
     pub(crate) fn demand<S: Built>(
         &self,
         estimate: &Estimate<R>,

@@ -57,17 +57,17 @@ impl<T: Copy, const K: usize> Log<T, K> {
         entry
     }
 
-    /// How many entries wait.
+    /// Number of entries that wait.
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether no entry waits.
+    /// Returns true if no entry waits.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// How many entries were dropped since the start.
+    /// Number of entries dropped since the start.
     pub fn dropped(&self) -> u64 {
         self.dropped
     }

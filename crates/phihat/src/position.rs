@@ -16,7 +16,8 @@ impl<R: Real> JointGains<R> {
     ///
     /// # Law
     ///
-    /// At sample `k`, with the torque `τ_k` acting from `k + d` to `k + d + 1`, and `M̄ ë = τ − ff − φ` between samples:
+    /// At sample `k`, with the torque `τ_k` acting from `k + d` to `k + d + 1`, and `M̄ ë = τ − ff − φ`
+    /// between samples:
     ///
     /// ```text
     /// z    = ê, ė̂, φ̂, …  of the last sample, carried on by the torque that acted, τ_applied − ff_{k−1−d}
@@ -27,13 +28,15 @@ impl<R: Real> JointGains<R> {
     /// τ_k  = ff_k + r + g (φ̂⁺ − M̄ (K_d ė̂⁺ + K_p ê⁺) − r)
     /// ```
     ///
-    /// A constant `φ` leaves no error; from `m = 2` on, neither does a ramp. `g < 1` weighs the torque's change, as a penalty on its rate would. `r` holds what limits let
-    /// through, so nothing winds up, and a law that takes over begins from the torque that acts.
+    /// A constant `φ` leaves no error; from `m = 2` on, neither does a ramp. `g < 1` weighs the torque's
+    /// change, as a penalty on its rate would. `r` holds what limits let through, so nothing winds up, and a
+    /// law that takes over begins from the torque that acts.
     ///
     /// # Errors
     ///
-    /// [`GainError`], naming the gain: not finite, not positive, an observer that is not stable, an order outside 1 … 3,
-    /// a share outside 0 … 1, a delay beyond 4 samples, or gains with which torques would overflow.
+    /// [`GainError`], naming the gain: not finite, not positive, an observer that is not stable, an order
+    /// outside 1 … 3, a share outside 0 … 1, a delay beyond 4 samples, or gains with which torques would
+    /// overflow.
     pub fn from_positions(design: &PositionDesign<'_>) -> Result<Self, GainError> {
         design.check()?;
         let weights = |of: &[f64; STATES]| {
@@ -73,8 +76,8 @@ impl<R: Real> JointGains<R> {
         if gains.hold_samples_in() { Ok(gains) } else { Err(GainError::Overflow) }
     }
 
-    /// The observer over the interval that ends at this sample, corrected by what the sample says, and what the law
-    /// makes of it.
+    /// Observer update over the interval that ends at this sample, corrected by the sample, and the torque of
+    /// the law.
     #[allow(clippy::inline_always, reason = "a call and a copy would cost a fifth of the law")]
     #[inline(always)]
     pub(crate) fn sight(
@@ -130,7 +133,8 @@ impl<R: Real> JointGains<R> {
         }
     }
 
-    /// What is true at the end of an interval that is not one period, and which torques are on their way then.
+    /// State of the observer at the end of an interval that is not one period, and the torques on their way
+    /// then.
     #[cold]
     #[inline(never)]
     fn carried_on(
@@ -211,8 +215,9 @@ impl<R: Real> JointGains<R> {
 }
 
 impl<R: Real> JointState<R> {
-    /// From positions: from here on so much more of the torque is fed forward \[N·m\], as if it always had been. `φ̂` is that much
-    /// less, and so are the torques on their way; what the law sees, and asks for, stays the same.
+    /// From positions: from here on so much more of the torque is fed forward \[N·m\], as if it always had
+    /// been. `φ̂` is that much less, and so are the torques on their way; the innovation and the torque of
+    /// the law stay the same.
     pub(crate) fn feed(&mut self, more: R) {
         let [phi, ..] = &mut self.memory;
         *phi = *phi - more;
@@ -225,8 +230,9 @@ impl<R: Real> JointState<R> {
         }
     }
 
-    /// From positions: the reference is another one from here on. `from` was in force at the last sample, `to` would have been,
-    /// without acceleration. What is known of the joint, of `φ` and of the torques on their way stays.
+    /// From positions: the reference is another one from here on. `from` was in force at the last sample,
+    /// `to` would have been, without acceleration. What is known of the joint, of `φ` and of the torques on
+    /// their way stays.
     pub(crate) fn rebase(&mut self, from: &Reference<R>, to: &Reference<R>) {
         let [e, de] = &mut self.motion;
         *e += from.q - to.q;

@@ -1,4 +1,4 @@
-//! What a designer chooses for a law from positions: checked before it runs.
+//! Design of a law from positions: checked before it runs.
 
 use crate::delay::PENDING_MAX;
 use crate::square::characteristic_polynomial;
@@ -9,7 +9,7 @@ pub(crate) const STATES: usize = 5;
 
 type Square = [[f64; STATES]; STATES];
 
-/// What a designer chooses for one joint whose observer sees the position, not a filtered velocity.
+/// Design of one joint whose observer uses the position, not a filtered velocity.
 ///
 /// The law is [`JointGains::from_positions`](crate::JointGains::from_positions).
 ///
@@ -91,7 +91,7 @@ impl PositionDesign<'_> {
         }
     }
 
-    /// How quickly `φ̂` follows, about \[1/s\]: what an estimator fed with velocity and torque has as `a_{m−1}`.
+    /// Approximate rate at which `φ̂` follows \[1/s\]: `a_{m−1}` of an estimator from velocity and torque.
     pub(crate) fn estimator_rate(&self) -> f64 {
         match *self.correction {
             [_, de, phi, ..] if de > 0.0 && phi < 0.0 => -phi / de,
@@ -99,8 +99,8 @@ impl PositionDesign<'_> {
         }
     }
 
-    /// What `ê`, `ė̂`, `φ̂`, its derivatives, and the torques on their way, the newest first, weigh in the torque that is
-    /// wanted: `K F^d`, and `K F^j G` for the torque that acts last but `j`.
+    /// Weights of `ê`, `ė̂`, `φ̂`, its derivatives, and of the torques on their way, the newest first, in the
+    /// wanted torque: `K F^d`, and `K F^j G` for the torque that acts last but `j`.
     ///
     /// ```text
     /// K = (−M̄ K_p, −M̄ K_d, 1, T (1/g − 1), 0)
@@ -146,8 +146,8 @@ impl PositionDesign<'_> {
     }
 }
 
-/// Whether all eigenvalues of the leading `n × n` block are inside the unit circle: the characteristic polynomial by
-/// Faddeev and LeVerrier, its roots by Schur and Cohn.
+/// Returns true if all eigenvalues of the leading `n × n` block are inside the unit circle: the
+/// characteristic polynomial by Faddeev and LeVerrier, its roots by Schur and Cohn.
 fn settles(a: &Square, n: usize) -> bool {
     // c_0 … c_n of det(z − A), c_n = 1.
     let mut c = [0.0; STATES + 1];

@@ -1,10 +1,10 @@
-//! What only a law from positions has: its numbers, and how a joint moves in its eyes.
+//! Gains of a law from positions, and the joint's motion in its model.
 
 use crate::delay::PENDING_MAX;
 use crate::innovation::InnovationFilter;
 use crate::{ORDER_MAX, Real};
 
-/// What an innovation corrects: `ê`, `ė̂`, `φ̂` and its derivatives.
+/// Factors of `ê`, `ė̂`, `φ̂` and its derivatives: of an innovation, or of the wanted torque.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Correction<R> {
     pub(crate) e: R,
@@ -13,27 +13,27 @@ pub(crate) struct Correction<R> {
     pub(crate) phi: [R; 3],
 }
 
-/// What of the gains only this law has.
+/// Gains of this form only.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct PositionGains<R> {
     pub(crate) on_position: Correction<R>,
     pub(crate) on_velocity: Correction<R>,
     /// One period.
     pub(crate) step: Step<R>,
-    /// What `ê`, `ė̂`, `φ̂` … weigh in the torque that is wanted, once they are carried on through the delay.
+    /// Weights of `ê`, `ė̂`, `φ̂` … in the wanted torque, with the prediction through the delay.
     pub(crate) seen: Correction<R>,
-    /// What the torques on their way weigh in it, the newest first.
+    /// Weights of the torques on their way in it, the newest first.
     pub(crate) coming: [R; PENDING_MAX],
-    /// `g`: what share of the way to the torque that it wants the law goes in one sample.
+    /// `g`: share of the way to the wanted torque per sample.
     pub(crate) share: R,
     pub(crate) delay: u8,
-    /// Whether a velocity corrects it.
+    /// True if a measured velocity corrects the observer.
     pub(crate) hears_velocity: bool,
-    /// What becomes of the innovation beside the observer.
+    /// Filter on the innovation.
     pub(crate) filter: InnovationFilter<R>,
 }
 
-/// What the observer holds to be true at one instant.
+/// State of the observer at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Expected<R> {
     pub(crate) e: R,
@@ -41,7 +41,7 @@ pub(crate) struct Expected<R> {
     pub(crate) phi: [R; 3],
 }
 
-/// What a time does to a joint: `t`, and `t` and `t²/2` over `M̄`.
+/// Coefficients of a joint's motion over a time: `t`, `t/M̄` and `t²/(2 M̄)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Step<R> {
     pub(crate) t: R,
@@ -66,8 +66,8 @@ impl<R: Real> Step<R> {
 }
 
 impl<R: Real> Expected<R> {
-    /// The joint after a step under a torque \[N·m\] beside its feed-forward: exact for a `φ` that holds, as the torque
-    /// does, its mean over the step. `φ̂` is that mean.
+    /// State after a step under a torque \[N·m\], less its feed-forward: exact where `φ` and the torque are
+    /// equal to their means over the step. `φ̂` is that mean.
     #[must_use]
     pub(crate) fn after(self, by: &Step<R>, torque: R) -> Self {
         let [phi, d1, d2] = self.phi;
@@ -109,7 +109,7 @@ pub(crate) fn entry<R: Real, const K: usize>(of: &[R; K], at: u8, later: u8) -> 
     of.get(usize::from(at.saturating_sub(later))).copied().unwrap_or(R::ZERO)
 }
 
-/// What the torques on their way come to.
+/// Weighted sum of the torques on their way \[N·m\].
 pub(crate) fn weighed<R: Real>(
     weights: &[R; PENDING_MAX],
     values: &[R; PENDING_MAX],

@@ -46,8 +46,9 @@ impl MotionLimits {
 /// a'²/2J + a'T/2 + v' ≤ V                                               so that |v| never passes V
 /// ```
 ///
-/// `B = 0.8 A`; `s = (v − q̇_d)/w` within 0 … 1: as much of the braking as the motion is fast. `d` and `v` are taken where
-/// they are once the acceleration relative to the target has gone. These limits hold for every reference, to rounding. Close to the target the loop is linear and stable.
+/// `B = 0.8 A`; `s = (v − q̇_d)/w` within 0 … 1: as much of the braking as the motion is fast. `d` and `v`
+/// are taken where they are once the acceleration relative to the target has gone. These limits hold for
+/// every reference, to rounding. Close to the target the loop is linear and stable.
 ///
 /// ```
 /// use phihat::{MotionLimits, Reference, Shaper};
@@ -176,7 +177,7 @@ impl<R: Real> Shaper<R> {
         if square > R::ZERO { square.sqrt() - step } else { -step }
     }
 
-    /// Whether the step from `now` to `target` is itself within all limits, and a motion.
+    /// Returns true if the step from `now` to `target` is within all limits, and is a motion.
     fn keeps(&self, now: &Reference<R>, target: &Reference<R>) -> bool {
         let half = R::from_f64(0.5);
         let t = self.period;

@@ -1,6 +1,6 @@
-//! Where a law's velocity and torque come from.
+//! Sources of the velocity and torque of a law.
 
-/// Where the velocity that the law is fed comes from.
+/// Source of the velocity that the law uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum VelocitySource {
     /// The velocity at the sample, measured.
@@ -9,12 +9,12 @@ pub enum VelocitySource {
     Differenced,
 }
 
-/// Which torque the observer form of the law is fed.
+/// Torque that the observer form of the law uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum TorqueSource {
     /// The torque that acted: mean over the interval just ended, behind the drive.
     #[default]
     Applied,
-    /// The torque that the drive was told over that interval.
+    /// The torque that was commanded to the drive over that interval.
     Demanded,
 }

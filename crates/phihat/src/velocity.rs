@@ -35,7 +35,7 @@ pub struct VelocityFilter<R> {
     gain: R,
 }
 
-/// What [`VelocityFilter`] remembers.
+/// State of a [`VelocityFilter`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct VelocityState<R> {
     last: Option<(R, R)>,

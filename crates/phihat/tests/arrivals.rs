@@ -1,5 +1,6 @@
-//! Which samples are fresh, and over which time they are integrated. Wrong at the edges of the rules that the options
-//! state: age, window of sequence numbers, shortest and longest interval, samples lost of the last 64.
+//! Fresh samples, and the time over which they are integrated. Wrong at the edges of the rules that the
+//! options state: age, window of sequence numbers, shortest and longest interval, samples lost of
+//! the last 64.
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
 use crate::arm::{Arm, FIRST, T, T_NS, at};
@@ -78,7 +79,8 @@ fn a_sequence_number_counts_within_its_window() {
 
 #[test]
 fn an_interval_is_integrated_in_one_two_or_three_steps_or_not_at_all() {
-    // Of the estimator of first order: φ̂ ← φ̂ + α (h (τ − φ̂) − M̄ Δq̇ h/Δt), once per step of h, none longer than 1.5 T.
+    // Of the estimator of first order: φ̂ ← φ̂ + α (h (τ − φ̂) − M̄ Δq̇ h/Δt), once per step of h, none
+    // longer than 1.5 T.
     let alpha = -(-70.0 * T).exp_m1() / T;
     for (elapsed, steps) in [
         (T_NS / 20 - 1, 0),

@@ -122,7 +122,7 @@ fn a_reference_counts_as_shaped_where_the_one_in_force_is_another() {
     assert!(shaped > 100 && passed > 500, "{shaped} {passed}");
 }
 
-/// What is left at `s` of a torque that fades: the cubic that is flat at both ends.
+/// Share left at `s` of a torque that fades: the cubic that is flat at both ends.
 fn left(s: f64) -> f64 {
     if s < 1.0 { 1.0 - s * s * (3.0 - 2.0 * s) } else { 0.0 }
 }
@@ -220,7 +220,7 @@ fn in_a_funnel(funnel: Funnel) -> (Joint, impl Fn(u32) -> f64) {
     (joint, move |k| r#final + (initial - r#final) * (-f64::from(k) * T / decay_s).exp())
 }
 
-/// What the funnel demands at a width.
+/// Torque demand of the funnel at a width \[N·m\].
 fn demanded(psi: f64, m: &Measurement<f64>, at: &Reference<f64>) -> f64 {
     let most = 1.0 + -(-55.0 * T).exp_m1() / T / 40.0;
     let g = (1.0 / (1.0 - ((m.q - at.q) / psi).powi(2))).min(most);
@@ -461,7 +461,8 @@ fn a_change_of_order_form_or_inertia_goes_on_where_the_torque_was() {
     }
 }
 
-/// Where a rate limit acts, what the old gains took for `φ` is handed over, and not what the limit left of their torque.
+/// If a rate limit acts, the estimate `φ̂` of the old gains is handed over, not the rest of their torque
+/// behind the limit.
 #[test]
 fn in_the_printed_form_an_estimate_is_handed_over_behind_a_rate_limit() {
     let literal = |a| {

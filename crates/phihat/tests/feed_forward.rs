@@ -1,6 +1,6 @@
-//! Torque that is fed forward under supervision: it may come, go, be right, wrong or absurd, and the torque goes on from
-//! where it was. The oracle is the plant's own load, and the same arm without feed-forward. Wrong if φ̂ and what is fed do not make up one another wherever
-//! something holds the arm.
+//! Torque that is fed forward under supervision: it may come, go, be right, wrong or absurd, and the torque
+//! goes on from where it was. The oracle is the plant's own load, and the same arm without feed-forward.
+//! Wrong if φ̂ and the feed-forward do not add up to the holding torque wherever something holds the arm.
 #![allow(clippy::large_types_passed_by_value, reason = "tests: a panic is the report")]
 
 use std::collections::VecDeque;
@@ -43,7 +43,7 @@ fn gains(r: f64, share: f64, delay: usize) -> JointGains<f64> {
     JointGains::from_positions(&design).unwrap().with_limits(limits)
 }
 
-/// What the arm is loaded with at a position: gravity.
+/// Load of the arm at a position: gravity \[N·m\].
 fn gravity(q: f64) -> f64 {
     6.0 * (q - 0.4).cos()
 }
@@ -52,7 +52,7 @@ fn gravity(q: f64) -> f64 {
 struct Bench {
     arm: Supervisor<f64, 1>,
     state: SupervisorState<f64, 1>,
-    /// What of `gravity` acts.
+    /// Load that acts, as a function of the position \[N·m\].
     load: fn(f64) -> f64,
     q: f64,
     dq: f64,
@@ -290,8 +290,9 @@ fn a_stop_holds_the_whole() {
     }
 }
 
-/// A feed-forward has just begun or ended where the arm is stopped, by what teaches something and by what does not, and then nothing is measured any more: what holds it is the
-/// load that was there all the time.
+/// A feed-forward has just begun or ended where the arm is stopped, by faults that `φ̂` may contain and by
+/// others, and then nothing is measured any more: the torque that holds it is the load that was there all the
+/// time.
 #[test]
 fn what_was_known_before_a_stop_is_the_whole_whenever_a_feed_forward_comes_or_goes() {
     for (before, after) in
@@ -440,7 +441,8 @@ fn other_forms_take_no_notice_and_gains_change_across_forms() {
 
 #[test]
 fn near_the_end_of_its_range_the_whole_does_not_grow_outward() {
-    // In the soft zone with gravity outward, which is fed forward at once and too strongly: φ̂ alone would have to grow outward.
+    // In the soft zone with gravity outward, which is fed forward at once and too strongly: φ̂ alone would
+    // have to grow outward.
     let range = JointRange { lower: -1.0, upper: 0.22, soft: 0.1, braking: 5.0 };
     let joint = JointOptions { range: Some(range), ..JointOptions::default() };
     let ends = [0.0, -9.0].map(|most| {
@@ -464,7 +466,8 @@ fn near_the_end_of_its_range_the_whole_does_not_grow_outward() {
 
 #[test]
 fn a_schedule_waits_for_what_is_left_of_the_whole() {
-    // Start gains are given up where the mean mismatch φ − φ̂ is below 1 N·m: with 40 N·m fed it would never be, were φ̂ not the whole.
+    // Start gains are given up where the mean mismatch φ − φ̂ is below 1 N·m: with a feed-forward of 40 N·m
+    // it would never be, were φ̂ not the whole.
     let joint = JointOptions { start: Some(gains(0.96, 0.3, 1)), ..JointOptions::default() };
     let mut bench = Bench::new(joint, constant);
     let mut raised = None;
@@ -481,7 +484,8 @@ fn a_schedule_waits_for_what_is_left_of_the_whole() {
     assert!(bench.largest_step < 0.1, "{}", bench.largest_step);
 }
 
-/// A drawn day: modes, lost samples, joint options; with one feed-forward that comes, goes, is refused, or with one that jumps.
+/// A drawn day: modes, lost samples, joint options; with one feed-forward that comes, goes, is refused, or
+/// with one that jumps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Fed {
     Never,

@@ -30,7 +30,7 @@ fn gains<R: Real>(a: &[f64], form: Form, limited: bool) -> JointGains<R> {
 
 type Signals<R> = (Measurement<R>, Reference<R>);
 
-/// What a healthy joint says and is asked.
+/// Measurement and reference of a healthy joint.
 fn good<R: Real>(k: u32) -> Signals<R> {
     let t = f64::from(k) * T;
     let n = |x: f64| R::from_f64(x);
@@ -127,7 +127,8 @@ fn f06_one_garbage_joint_refuses_the_whole_arm() {
     }
 }
 
-/// What is just admitted, whatever its sequence, never makes the observer refuse a good sample afterwards.
+/// A sample that is just admitted, whatever the sequence, never makes the observer refuse a good sample
+/// afterwards.
 fn the_largest_admitted_never_disable<R: Real>(period: f64, a: &[f64]) {
     let design = JointDesign { inertia: 50.0, kp: 1e4, kd: 200.0, a, period, form: Form::Observer };
     let law = JointGains::<R>::new(&design).unwrap();

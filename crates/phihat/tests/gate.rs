@@ -1,4 +1,5 @@
-//! The gate. Wrong if a torque leaves that is not finite, beyond its range or its rate, or if drives give an arm more energy in a time than is stated.
+//! The gate. Wrong if a torque leaves that is not finite, beyond its range or its rate, or if drives give an
+//! arm more energy in a time than is stated.
 
 use crate::arm::Dice;
 use phihat::{Command, GainError, Gate, Limits, Measurement, Outlet, Status, Tank};
@@ -62,7 +63,8 @@ fn what_is_within_every_limit_passes_to_the_last_bit() {
     }
 }
 
-/// A joint of 0.5 kg·m² that is driven with all that it has, without a rate limit: what the drives give is the joint's kinetic energy.
+/// A joint of 0.5 kg·m² that is driven with all that it has, without a rate limit: what the drives give is
+/// the joint's kinetic energy.
 #[test]
 fn f33_no_more_energy_leaves_within_any_time_than_is_stated() {
     for (most, within) in [(0.5, 0.05), (2.0, 0.1), (10.0, 1.0)] {
@@ -206,7 +208,7 @@ fn f33_the_tank_is_filled_drained_and_shared_as_stated() {
     assert!(spared.iter().all(|n| *n > 10), "{spared:?}");
 }
 
-/// What became of a torque before the gate is told as well as what becomes of it there.
+/// The limits that acted before the gate are reported as well as those of the gate.
 #[test]
 fn what_was_limited_before_stays_said() {
     let told = |status: Status, tau: f64| {

@@ -1,5 +1,6 @@
-//! The law of the reference governor, sample by sample. Wrong if it brakes by another curve than the one it states, if a
-//! step is no motion, if it is slower than its limits allow, or if a reference beyond one limit alone passes.
+//! The law of the reference governor, sample by sample. Wrong if it brakes by another curve than the one it
+//! states, if a step is no motion, if it is slower than its limits allow, or if a reference beyond one limit
+//! alone passes.
 
 use crate::arm::{Dice, T};
 use phihat::{MotionLimits, Reference, Shaper};

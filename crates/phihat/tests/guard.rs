@@ -1,5 +1,5 @@
-//! What the guard lets in. Wrong if a bad, late, lost, stale, frozen or wrapped sample moves the arm more than its
-//! bar, if good ones are refused, or if what goes out is not finite and within limits.
+//! Samples that the guard admits. Wrong if a bad, late, lost, stale, frozen or wrapped sample moves the arm
+//! more than its bar, if good ones are refused, or if a torque is not finite and within limits.
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 #![allow(
     clippy::cast_possible_truncation,

@@ -5,7 +5,7 @@
 use crate::support::{Loop, gains};
 use phihat::{Delay, Form, Reference};
 
-/// Whether the response to a push has died down (true) or grown (false).
+/// Returns true if the response to a push has died down, false if it has grown.
 fn settles(a: &[f64], inertia: f64, delay: usize) -> bool {
     let mut joint = Loop::new(gains(a, 1e-3, Form::Literal), inertia, 1e-3);
     joint.delay = Delay::new(delay).unwrap();

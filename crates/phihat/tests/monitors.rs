@@ -1,5 +1,5 @@
-//! When an arm is stopped, to the sample: the guard's edges, and the monitors against what they state, reckoned from the
-//! whole past in place of a recursion. Wrong if one fires early, late or never.
+//! When an arm is stopped, to the sample: the guard's edges, and the monitors against what they state,
+//! reckoned from the whole past in place of a recursion. Wrong if one fires early, late or never.
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
 use crate::arm::{Dice, FIRST, SECOND};
@@ -260,7 +260,8 @@ fn an_oscillation_is_found_at_the_sample_that_its_rule_says() {
     assert!(found > 20 && quiet > 20, "{found} {quiet}");
 }
 
-/// Covariance of torques and velocity steps of the past, and variance of the torques: means over all samples at first, over some 16 later.
+/// Covariance of torques and velocity steps of the past, and variance of the torques: means over all samples
+/// at first, over some 16 later.
 pub(crate) fn spread(past: &[(f64, f64)]) -> (f64, f64) {
     // From the last sample back: what the later ones leave of each. Beyond 700 that is less than rounding.
     let mut left = 1.0;
@@ -282,7 +283,7 @@ pub(crate) fn spread(past: &[(f64, f64)]) -> (f64, f64) {
     (both, weighted(&|p| (p.0 - torque).powi(2)))
 }
 
-/// Whether the last of the past speak for a drive that does not push.
+/// Returns true if the last samples show a drive that does not push.
 fn suspicious(past: &[(f64, f64)], excitation: f64) -> bool {
     let (both, square) = spread(past);
     // A twentieth of what the nominal inertia would do.
@@ -329,7 +330,8 @@ fn a_drive_is_judged_at_the_sample_that_its_rule_says() {
     assert!(found > 20 && healthy > 40, "{found} {healthy}");
 }
 
-/// Whatever an arm does that was not seen for long, it is to be stopped; an arm in motion is judged all the same, and so is the first sample of all.
+/// Whatever an arm does that was not seen for long, it is to be stopped; an arm in motion is judged all the
+/// same, and so is the first sample of all.
 #[test]
 fn after_a_hundred_samples_missed_a_stopped_arm_may_be_as_fast_as_it_is() {
     let options = JointOptions { velocity_max: Some(3.0), ..JointOptions::default() };
@@ -359,7 +361,8 @@ fn after_a_hundred_samples_missed_a_stopped_arm_may_be_as_fast_as_it_is() {
     assert!(implausible(&mut first, ModeRequest::Idle));
 }
 
-/// What was fast already may be twice as fast at the next sample: that is a fault to act on, not a sample to refuse.
+/// A joint that is fast already may be twice as fast at the next sample: that is a fault to act on, not a
+/// sample to refuse.
 #[test]
 fn a_joint_that_is_fast_may_become_twice_as_fast() {
     let options = JointOptions { velocity_max: Some(3.0), ..JointOptions::default() };
@@ -401,7 +404,8 @@ fn a_joint_is_stopped_at_the_third_sample_beyond_its_speed() {
     assert_eq!(run(&[-3.0; 20]), None);
 }
 
-/// Half of the torque limit beyond what was commanded lately, on both sides; what is further off is none that the drive can give.
+/// Half of the torque limit beyond what was commanded lately, on both sides; what is further off is none that
+/// the drive can give.
 #[test]
 fn a_measured_torque_is_believed_near_what_was_commanded_lately() {
     let law = gains(400.0, 40.0, FIRST).with_limits(Limits::new(Some(20.0), None, T).unwrap());

@@ -1,4 +1,5 @@
-//! What is refused before an arm starts. Wrong if an option passes that means nothing, if a sound one does not, or if the message does not say which joint, option and value.
+//! Options that are refused before an arm starts. Wrong if an option passes that means nothing, if a sound
+//! one does not, or if the message does not say which joint, option and value.
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
 use crate::arm::{FIRST, T_NS, gains};
@@ -131,7 +132,7 @@ fn limits_of_a_motion_or_of_a_stop_that_mean_nothing_are_refused() {
     assert_eq!(error.to_string(), "joint 3: start gains need the form of the running gains");
 }
 
-/// What happened at a sample is a set: what is put in twice is in it once.
+/// The events of a sample are a set: an event that is put in twice is in it once.
 #[test]
 fn events_are_a_set() {
     let some = Events::MISSED | Events::AGED;

@@ -11,7 +11,7 @@ use phihat::{
 const KP: f64 = 400.0;
 const KD: f64 = 40.0;
 const RANGE: JointRange = JointRange { lower: -0.8, upper: 1.2, soft: 0.1, braking: 8.0 };
-/// How far a reference may go: a quarter of the soft zone from the ends.
+/// Limits of a reference \[rad\]: a quarter of the soft zone from the ends.
 const ENDS: [f64; 2] = [RANGE.lower + 0.25 * RANGE.soft, RANGE.upper - 0.25 * RANGE.soft];
 
 /// A joint with this range that tracks; a reference is blended within a sample.
@@ -26,7 +26,7 @@ fn tracking(a: &[f64], rate: Option<f64>) -> Joint {
     joint
 }
 
-/// Where room and outward speed are once the torque has come down to braking: small steps of a joint whose torque falls
+/// Room and outward speed once the torque has come down to braking: small steps of a joint whose torque falls
 /// from `push` above the estimate by `rate`.
 fn once_braking(room: f64, outward: f64, push: f64, rate: f64) -> (f64, f64) {
     let time = (push + INERTIA * RANGE.braking) / rate;
@@ -140,7 +140,8 @@ fn no_torque_passes_that_could_not_be_braked_before_the_end() {
     assert!(capped.iter().all(|n| *n > 1000) && beyond.iter().all(|n| *n > 50) && free > 1000);
 }
 
-/// Just before the room from which on a torque is capped nothing acts, and just behind it something does, at any torque rate, speed and torque before, at both ends.
+/// Just before the room from which on a torque is capped nothing acts, and just behind it something does, at
+/// any torque rate, speed and torque before, at both ends.
 #[test]
 fn a_torque_is_capped_from_the_room_on_that_braking_takes() {
     let mut dice = Dice(61);

@@ -1,5 +1,6 @@
-//! Start gains in the printed form. Wrong if a change of order or of `a_0` gave another torque than the integrals, summed
-//! here by hand, give from (9) and (10), if it stepped the torque, or if one joint changed without the other.
+//! Start gains in the printed form. Wrong if a change of order or of `a_0` gave another torque than the
+//! integrals, summed here by hand, give from (9) and (10), if it stepped the torque, or if one joint changed
+//! without the other.
 
 use crate::joint::{INERTIA, Joint, T, T_NS, outer};
 use phihat::{

@@ -1,5 +1,6 @@
-//! What a stopped arm believes: samples after a gap, sensors that failed and are sound again, what held it before. Wrong if it answers a sample that says nothing yet, if it
-//! goes on without sensors that it has or with ones that it has not, or if it holds what has just been learnt from that which stops it.
+//! Trust of a stopped arm in samples after a gap, in sensors that failed and are sound again, and in an
+//! earlier holding torque. Wrong if it answers a sample that shows nothing yet, if it goes on without sensors
+//! that it has or with ones that it has not, or if it holds a torque estimated from the cause of the stop.
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
 use crate::arm::FIRST;
@@ -69,7 +70,8 @@ fn the_brakes_of_a_moving_arm_whose_link_is_lost_are_asked_for_once_the_torque_i
 
 #[test]
 fn after_a_gap_the_law_waits_until_the_velocity_is_how_the_joint_goes() {
-    // Told by a torque that is held, and not answered anew. Off by so much [rad/s] is another motion, and off by 0.5 rad/s is not yet.
+    // Told by a torque that is held, and not answered anew. Off by so much [rad/s] is another motion, and off
+    // by 0.5 rad/s is not yet.
     for (off, waits) in [(0.0, 1), (0.49, 1), (-0.49, 1), (0.51, 100), (-0.51, 100), (2.0, 100)] {
         for missing in [1, 4] {
             let (mut joint, m) = standing(&Options::new(T_NS));
@@ -134,7 +136,8 @@ fn blinded(joint: &mut Joint, bad: Measurement<f64>) -> Answer<f64, 1> {
     answer
 }
 
-/// After its sensors failed: the torque that held the joint, and damping, for a hundred sound samples; then what is expected.
+/// After its sensors failed: the torque that held the joint, and damping, for a hundred sound samples; then
+/// what is expected.
 #[test]
 fn sensors_that_are_sound_for_a_hundred_samples_are_believed_again() {
     for jumped in [false, true] {
@@ -176,7 +179,7 @@ fn sensors_that_are_sound_for_a_hundred_samples_are_believed_again() {
     }
 }
 
-/// What comes after a sample.
+/// Sample that follows another one.
 type Next = fn(Measurement<f64>) -> Measurement<f64>;
 
 #[test]
@@ -261,7 +264,8 @@ fn closed_brakes_take_over_from_the_law_with_the_torque_that_held_the_arm_until_
     }
 }
 
-/// How old what a stopped arm holds is, in samples: of a joint whose load grows, stopped after so many samples by what is seen or by what is learnt.
+/// Age of the torque that a stopped arm holds \[samples\]: of a joint whose load grows, stopped after so many
+/// samples by a fault that `φ̂` does not contain, or by one that it does.
 fn age(after: u32, learnt: bool) -> u32 {
     let (mut joint, mut m) = standing(&Options::new(T_NS));
     let mut mean = LOAD;
@@ -301,7 +305,8 @@ fn age(after: u32, learnt: bool) -> u32 {
 fn what_holds_a_stopped_arm_is_from_before_what_stopped_it() {
     // A link that is lost has taught nothing: what was known at the last sample holds the arm.
     assert_eq!([700, 813].map(|after| age(after, false)), [0, 0]);
-    // A push may have been learnt for a quarter of a second, and is not for two; which of both depends on when it comes.
+    // φ̂ may have followed a push for a quarter of a second, and has not for two; which of both depends on
+    // when it comes.
     let ages: Vec<u32> = (700..1200).step_by(10).map(|after| age(after, true)).collect();
     println!("{ages:?}");
     assert!(ages.iter().all(|age| (250..=500).contains(age)), "{ages:?}");

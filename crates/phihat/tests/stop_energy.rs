@@ -1,7 +1,9 @@
-//! What a stop does to an arm of coupled joints. Wrong if the drives give energy to an arm that they should stop, or leave it in motion.
+//! Energy of an arm of coupled joints in a stop. Wrong if the drives give energy to an arm that they should
+//! stop, or leave it in motion.
 //!
-//! The arm is the test's own: `M q̈ = τ − G sin(q + p) − friction + push` with a constant, coupled `M`, integrated in eighths of a sample. Energy is
-//! counted from what the drives truly gave and what gravity truly took.
+//! The arm is the test's own: `M q̈ = τ − G sin(q + p) − friction + push` with a constant, coupled `M`,
+//! integrated in eighths of a sample. Energy is counted from what the drives truly gave and what gravity
+//! truly took.
 #![allow(
     clippy::large_types_passed_by_value,
     clippy::needless_range_loop,
@@ -24,7 +26,7 @@ const STEPS: usize = 8;
 /// True over nominal inertia of the drawn arms.
 const RATIO: [f64; 2] = [0.5, 2.0];
 
-/// What goes wrong.
+/// Event of a case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Event {
     /// A person's stop.
@@ -149,7 +151,7 @@ fn gains(case: &Case, inertia: f64) -> JointGains<f64> {
     gains.unwrap().with_limits(limits)
 }
 
-/// What came of a case.
+/// Result of a case.
 #[derive(Debug, Default)]
 struct Outcome {
     fault: Option<Fault>,
@@ -158,7 +160,7 @@ struct Outcome {
     given: f64,
     rests: bool,
     stopped: bool,
-    /// Sum of what the joints may give back.
+    /// Sum of the energies that the joints may give back \[J\].
     reserves: f64,
     /// The torque ended at zero.
     released: bool,
@@ -352,7 +354,8 @@ fn case(dice: &mut Dice) -> Case {
     }
 }
 
-/// What must be true of a case in which drives do what they are told; the reserves' sum \[J\].
+/// Checks a case in which drives follow their commands: at rest in the end, and no more work than the
+/// reserves \[J\].
 fn judge(seed: u64, case: &Case, outcome: &Outcome) {
     let told = || format!("case {seed}: {case:?} {outcome:?}");
     assert!(!outcome.stopped || outcome.rests, "it still moves: {}", told());

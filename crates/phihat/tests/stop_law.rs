@@ -1,5 +1,7 @@
-//! A stop sample by sample, of a joint that is where the test says. Wrong if it begins elsewhere or at another speed, if the drive may give more energy than (Q1) says or less, or if
-//! a drive is let go, tried or taken back at another sample than the rule says. The rule is written down here once more, with sums over the past in place of recursions.
+//! A stop sample by sample, of a joint that is where the test says. Wrong if it begins elsewhere or at
+//! another speed, if the drive may give more energy than (Q1) says or less, or if a drive is let go, tried or
+//! taken back at another sample than the rule says. The rule is written down here once more, with sums over
+//! the past in place of recursions.
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
 use crate::arm::{Dice, FIRST};
@@ -14,7 +16,8 @@ const KP: f64 = 400.0;
 const KD: f64 = 40.0;
 const LOAD: f64 = 5.0;
 const STOP: MotionLimits = MotionLimits { velocity: 1.0, acceleration: 2.0, jerk: 40.0 };
-/// Least mean square of the torque that a drive is judged by: this, squared, at first motion, and a sixteenth of it in a stop.
+/// Least mean square of the torque that a drive is judged by: this, squared, at first motion, and a sixteenth
+/// of it in a stop.
 const EXCITATION: f64 = 3.0;
 const TORQUE_MAX: f64 = 40.0;
 
@@ -46,15 +49,16 @@ fn moving(speed: f64, limits: Limits<f64>, hold_samples: u32) -> (Joint, Measure
     (joint, m)
 }
 
-/// What a stop does with a joint's torque, by the words of its documentation.
+/// A stop of one joint, computed from the words of its documentation.
 struct ByHand {
-    /// What held the joint before \[N·m\].
+    /// Torque that held the joint before \[N·m\].
     known: f64,
-    /// What the drive may give \[J\].
+    /// Energy that the drive may give \[J\].
     reserve: f64,
-    /// Where the joint stands, and for how many samples.
+    /// Position of rest \[rad\], and number of samples near it.
     place: (f64, u32),
-    /// Samples in which a torque was held back since the stop began, and how often it began anew for that.
+    /// Samples in which a torque was held back since the stop began, and number of times that it began anew
+    /// for that.
     held_back: u32,
     anew: u32,
     begun: bool,
@@ -63,7 +67,7 @@ struct ByHand {
     peak: f64,
     past: Vec<(f64, f64)>,
     row: u32,
-    /// Samples since the drive was let go, and what came of the trial that runs.
+    /// Samples since the drive lost its torque, and the results of the trial that runs.
     let_go: Option<u32>,
     trial: Vec<(f64, f64)>,
     taken_back: bool,
@@ -71,7 +75,7 @@ struct ByHand {
     told: f64,
 }
 
-/// What is expected of one sample.
+/// Expected result of one sample.
 #[derive(Debug, PartialEq)]
 struct Want {
     tau: f64,
@@ -248,7 +252,8 @@ fn stopped(speed: f64, world: impl Fn(u32) -> World, samples: u32, seed: u64) ->
         assert!((tau - want.tau).abs() < 1e-8 * (1.0 + want.tau.abs()), "{}", context());
         assert_eq!(told.contains(Events::HELD_BACK), want.held_back, "{}", context());
         assert_eq!(told.contains(Events::LET_GO), want.let_go, "{}", context());
-        // At rest, after half a second, or where the drive drives: let go, or faster for more samples than a torque is held for.
+        // At rest, after half a second, or where the drive drives: let go, or faster for more samples than a
+        // torque is held for.
         braked |= m.dq.abs() <= 0.05
             || k >= 500
             || hand.let_go.is_some()
@@ -355,7 +360,8 @@ fn a_stop_begins_where_the_joint_is_at_the_speed_that_it_goes() {
     }
 }
 
-/// Speeds at which a stop drives, to the last bit: halved is what brakes a joint that is faster than it may be, for as long as it stays at 98 % of its largest speed.
+/// Speeds at which a stop drives, to the last bit: halved is what brakes a joint that is faster than it may
+/// be, for as long as it stays at 98 % of its largest speed.
 #[test]
 fn a_joint_is_faster_beyond_a_speed_and_while_it_keeps_most_of_it() {
     for (speeds, tau_applied, halved) in [

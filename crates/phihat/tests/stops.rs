@@ -1,5 +1,5 @@
-//! What a stopped arm does, and when its brakes are asked for. Wrong if torque stays where a drive does not do what it is
-//! told, if a moving arm loses its torque, or if the brakes are late.
+//! Behaviour of a stopped arm, and the request for its brakes. Wrong if torque stays where a drive does not
+//! follow its command, if a moving arm loses its torque, or if the brakes are late.
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
 use crate::arm::{Arm, FIRST, SECOND, T, T_NS, at};
@@ -282,7 +282,8 @@ fn an_armed_arm_begins_anew() {
     }
 }
 
-/// A quarter of what the limits give the nominal inertia; what the outer loop gives it at 0.2 rad where there are none; and the jerk no faster than that loop.
+/// A quarter of what the limits give the nominal inertia; what the outer loop gives it at 0.2 rad where there
+/// are none; and the jerk no faster than that loop.
 #[test]
 fn a_stop_takes_a_quarter_of_the_limits_or_what_the_outer_loop_gives() {
     let with = |torque: Option<f64>, rate: Option<f64>, inertia: f64| {
@@ -309,7 +310,8 @@ fn a_stop_takes_a_quarter_of_the_limits_or_what_the_outer_loop_gives() {
     }
 }
 
-/// The feedback of a stop is no more than what the rate limit ρ takes back before a joint of M̄/4 has turned round, and in 10 ms: (Q2).
+/// The feedback of a stop is no more than what the rate limit ρ takes back before a joint of M̄/4 has turned
+/// round, and in 10 ms: (Q2).
 #[test]
 fn a_stop_asks_for_no_torque_that_could_not_be_taken_back_in_time() {
     const RATE: f64 = 300.0;
@@ -334,7 +336,8 @@ fn a_stop_asks_for_no_torque_that_could_not_be_taken_back_in_time() {
     }
 }
 
-/// A velocity damps as far as the positions bear it out: as it is within twice what they say, else no more than that, and not at all against them.
+/// A velocity damps as far as the positions bear it out: as it is within twice what they say, else no more
+/// than that, and not at all against them.
 #[test]
 fn what_damps_is_a_velocity_that_positions_bear_out() {
     for (goes, says, counts) in [
@@ -367,7 +370,8 @@ fn what_damps_is_a_velocity_that_positions_bear_out() {
     }
 }
 
-/// Gains with lower limits: they hold from the next sample on, and a stop takes its deceleration from them, unless one was stated.
+/// Gains with lower limits: they hold from the next sample on, and a stop takes its deceleration from them,
+/// unless one was stated.
 #[test]
 fn after_a_change_of_gains_a_lower_torque_limit_holds_and_a_stop_keeps_to_it() {
     let stated = MotionLimits { velocity: 1.0, acceleration: 6.0, jerk: 300.0 };

@@ -1,4 +1,5 @@
-//! What the limits and monitors are for. Wrong if a joint winds up, runs into its stop, hunts, shakes or runs away.
+//! Limits and monitors in closed loop. Wrong if a joint winds up, runs into its stop, hunts, shakes or runs
+//! away.
 
 use crate::arm::{Arm, Dice, FIRST, SECOND, T, T_NS, at, gains};
 use phihat::{

@@ -143,8 +143,8 @@ fn joint(
     JointGains::new(&design).unwrap().with_limits(checked(limits))
 }
 
-/// A law from positions, and what its line begins with. The first number that corrects is in \[1\], the others in as many
-/// \[1/s\] more each.
+/// A law from positions, and what its line begins with. The first number that corrects is in \[1\], the
+/// others in as many \[1/s\] more each.
 fn seen(
     draw: &mut Draw,
     (order, delay): (usize, usize),

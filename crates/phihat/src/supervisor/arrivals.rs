@@ -23,7 +23,7 @@ pub struct Stamp {
     pub t_ns: u64,
 }
 
-/// What counts as fresh.
+/// Conditions for a fresh sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ArrivalRules {
     pub(crate) period_ns: u64,
@@ -31,7 +31,7 @@ pub(crate) struct ArrivalRules {
     pub(crate) window: u64,
 }
 
-/// What is remembered of the samples before.
+/// State of the arrival check: the last stamp, and counts of missed samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Arrivals {
     pub(crate) last: Option<Stamp>,

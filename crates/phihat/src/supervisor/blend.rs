@@ -42,7 +42,7 @@ impl<R: Real> Blend<R> {
     }
 }
 
-/// What is left at `s` in \[0, 1\] of a torque that fades: 1 at 0, 0 at 1, flat at both ends.
+/// Share left at `s` in \[0, 1\] of a torque that fades: 1 at 0, 0 at 1, flat at both ends.
 pub(crate) fn fade<R: Real>(s: R) -> R {
     let left = R::from_f64(1.0) - s;
     left * left * (R::from_f64(1.0) + R::from_f64(2.0) * s)

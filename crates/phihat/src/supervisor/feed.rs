@@ -1,34 +1,35 @@
-//! Torque that is fed forward beside the reference: φ̂ is then what is left.
+//! Feed-forward torque in addition to the reference: φ̂ is then the rest.
 
 use super::memory::JointMemory;
 use super::moment::Moment;
 use crate::{JointGains, Real, Reference};
 
-/// What the law is told at a sample.
+/// Inputs of the law at a sample: reference and feed-forward.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Told<R> {
     /// The reference in force, with `τ_ff/M̄` in its acceleration.
     pub(crate) reference: Reference<R>,
     /// `τ_ff` \[N·m\].
     pub(crate) fed: R,
-    /// By how much that is more than at the last sample.
+    /// Increase of `τ_ff` since the last sample \[N·m\].
     pub(crate) more: R,
 }
 
 impl<R: Real> Told<R> {
-    /// A reference, and nothing beside it: all that laws of the other forms are told.
+    /// A reference without feed-forward: the input of laws of the other forms.
     pub(crate) fn bare(reference: &Reference<R>) -> Self {
         Self { reference: *reference, fed: R::ZERO, more: R::ZERO }
     }
 }
 
 impl<R: Real> JointMemory<R> {
-    /// What a law from positions is told of a reference.
+    /// Input of a law from positions: the reference with the feed-forward.
     ///
     /// # Law
     ///
-    /// `q̈_d + τ_ff/M̄`. Where a feed-forward begins, at the first sample of the law or later, `φ̂` gives up what it brings;
-    /// where it ends, `φ̂` takes it over ([`JointState::feed`](crate::JointState)): `φ̂ + τ_ff` is what it was, and so is the torque.
+    /// `q̈_d + τ_ff/M̄`. Where a feed-forward begins, at the first sample of the law or later, `φ̂` is
+    /// reduced by it; where it ends, `φ̂` takes it over ([`JointState::feed`](crate::JointState)):
+    /// `φ̂ + τ_ff` is what it was, and so is the torque.
     #[inline]
     pub(crate) fn tell(
         &mut self,
@@ -53,7 +54,7 @@ impl<R: Real> JointMemory<R> {
         told
     }
 
-    /// From here on so much is fed forward \[N·m\]; what `φ̂` was before gives it up.
+    /// Sets the feed-forward \[N·m\]; the stored means of `φ̂` are reduced by the increase.
     fn feed_from(&mut self, fed: R) {
         let more = fed - self.fed;
         self.steady = self.steady - more;
@@ -63,13 +64,14 @@ impl<R: Real> JointMemory<R> {
         self.fed = fed;
     }
 
-    /// `φ̂` takes over what is fed forward.
+    /// `φ̂` takes over the feed-forward.
     pub(crate) fn take_over_feed(&mut self) {
         self.law.feed(-self.fed);
         self.unfed();
     }
 
-    /// The law does not run any more, or stops the arm: `φ̂` is the whole, until it is told again.
+    /// Ends the feed-forward where the law does not run any more, or stops the arm: the stored means of `φ̂`
+    /// are then the whole.
     pub(crate) fn unfed(&mut self) {
         if self.feeds {
             self.feed_from(R::ZERO);

@@ -13,11 +13,11 @@ use crate::{Command, Events, Fault, Form, JointGains, Measurement, Real, Referen
 /// nominal inertia still does, a dead drive or a closed brake does not.
 pub(crate) const LEAST_ACCELERATION: f64 = 0.05;
 
-/// What one joint's sample brought.
+/// Events and fault of one joint's sample.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct JointNews {
     pub(crate) events: Events,
-    /// What stops the arm at the next sample.
+    /// Fault that stops the arm at the next sample.
     pub(crate) fault: Option<Fault>,
 }
 
@@ -112,7 +112,7 @@ impl<R: Real> JointRules<R> {
         }
     }
 
-    /// What the estimator knows with this sample, where it may learn from it.
+    /// Estimate after this sample: unchanged in the dead zone, not grown outward in a soft zone.
     fn know<S: Built>(
         &self,
         memory: &JointMemory<R>,
@@ -143,7 +143,7 @@ impl<R: Real> JointRules<R> {
         next
     }
 
-    /// What the demand and the motion say about faults.
+    /// Monitors the oscillation of the demand, and at first motion the response to the torque.
     #[allow(clippy::inline_always, reason = "saves twenty instructions of a sample of 7 joints")]
     #[inline(always)]
     fn monitor(
@@ -167,7 +167,7 @@ impl<R: Real> JointRules<R> {
         fault
     }
 
-    /// Whether the joint does not accelerate the way the torque pushes.
+    /// Returns [`Fault::Actuation`] if the joint does not accelerate the way the torque pushes.
     pub(crate) fn actuates(
         &self,
         memory: &mut JointMemory<R>,

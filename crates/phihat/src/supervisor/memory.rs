@@ -1,4 +1,4 @@
-//! What a supervised arm remembers between samples; owned by the caller.
+//! State of a supervised arm between samples; owned by the caller.
 
 use super::arrivals::Arrivals;
 use super::blend::{Blend, fade};
@@ -6,14 +6,14 @@ use super::monitor::{Actuation, Frozen, Oscillation};
 use super::stopping::Stopping;
 use crate::{Command, Fault, JointState, Measurement, Mode, ModeRequest, Real, Reference};
 
-/// What a supervisor remembers of the arm as a whole: mode, fault, counters.
+/// State of the arm as a whole: mode, fault, counters.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ArmState {
     pub(crate) arrivals: Arrivals,
     pub(crate) mode: Mode,
     pub(crate) request: ModeRequest,
     pub(crate) fault: Option<(Fault, usize)>,
-    /// What the law noticed at the last sample.
+    /// Fault that the law detected at the last sample.
     pub(crate) pending: Option<(Fault, usize)>,
     /// Samples since the mode was entered.
     pub(crate) in_mode: u32,
@@ -30,25 +30,26 @@ pub struct ArmState {
     pub(crate) feeds: bool,
     /// References refused in a row.
     pub(crate) bad_references: u32,
-    /// What may still act on the joints' torque.
+    /// Control that may still act on the joints' torque.
     pub(crate) trust: Trust,
-    /// The brakes were asked for in this stop, and for how many samples already.
+    /// Samples since the brakes were requested in this stop; `None`: they were not.
     pub(crate) braking: Option<u32>,
     /// Samples since `JointMemory::before_now` was written.
     pub(crate) block: u32,
-    /// Samples for which what comes after a gap is waited for at most; and whether what was missed came and could not be believed.
+    /// Samples left to wait for a sound velocity after a gap; and true if the missed samples came but were
+    /// refused.
     pub(crate) gap: u8,
     pub(crate) jumped: bool,
-    /// What sensors that are sound again are good for: where a position jumped, it may be off for good.
+    /// Trust once the sensors are sound again: a position that jumped may stay wrong.
     pub(crate) regains: Trust,
     /// Samples of a stop in a row whose positions and velocities agree.
     pub(crate) sound: u32,
 }
 
-/// What may still act on the joints' torque in a stop.
+/// Control that may still act on the joints' torque in a stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(crate) enum Trust {
-    /// Torque does not do what it says: none.
+    /// None: the drive does not follow its command.
     Nothing,
     /// Positions could not be believed: the torque that held the arm before, and damping.
     Damper,
@@ -60,7 +61,7 @@ pub(crate) enum Trust {
 }
 
 impl Fault {
-    /// Whether `φ̂` may have learnt what is to be stopped: then what holds the arm is what it was before.
+    /// Returns true if `φ̂` may contain the cause of the stop: an earlier `φ̂` then holds the arm.
     pub(crate) fn is_learnt(self) -> bool {
         match self {
             Self::LinkLost
@@ -79,7 +80,7 @@ impl Fault {
         }
     }
 
-    /// What may act once this was found.
+    /// Control that may still act after this fault.
     pub(crate) fn leaves(self) -> Trust {
         match self {
             Self::Actuation => Trust::Nothing,
@@ -103,7 +104,7 @@ impl ArmState {
     }
 }
 
-/// What a supervisor remembers of one joint: law, last sample, reference, monitors.
+/// State of one joint: law, last sample, reference, monitors.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointMemory<R> {
     pub(crate) law: JointState<R>,
@@ -115,7 +116,7 @@ pub struct JointMemory<R> {
     pub(crate) asked: Reference<R>,
     /// The caller's last finite feed-forward \[N·m\].
     pub(crate) fed_asked: R,
-    /// What of the torque the law was last told to feed forward beside `M̄ q̈_d`, and whether there was a feed-forward.
+    /// Feed-forward at the last sample in addition to `M̄ q̈_d` \[N·m\]; and true if there was one.
     pub(crate) fed: R,
     pub(crate) feeds: bool,
     /// The pose that is held.
@@ -166,12 +167,12 @@ impl<R: Real> JointMemory<R> {
         self.law.tau
     }
 
-    /// What is taken for `φ` \[N·m\], as the last command says it: the estimate `φ̂` and, beside it, [`Self::feed_forward`].
+    /// Estimate of `φ` in the last command \[N·m\]: `φ̂` plus [`Self::feed_forward`].
     pub fn phi_hat(&self) -> R {
         whole(self.law.phi_hat, self.fed)
     }
 
-    /// What of [`Self::phi_hat`] is fed forward \[N·m\]; the rest is estimated.
+    /// Feed-forward part of [`Self::phi_hat`] \[N·m\]; the rest is estimated.
     pub fn feed_forward(&self) -> R {
         self.fed
     }
@@ -187,7 +188,7 @@ impl<R: Real> JointMemory<R> {
         self.offset_age = 0;
     }
 
-    /// What is left of it at this sample; `rate` is the share per sample.
+    /// Rest of that torque at this sample \[N·m\]; `rate` is the share per sample.
     pub(crate) fn fading(&mut self, rate: R) -> R {
         if self.offset == R::ZERO {
             return self.offset;
@@ -203,7 +204,7 @@ impl<R: Real> JointMemory<R> {
     }
 }
 
-/// `φ̂ + τ_ff`: to the bit `φ̂` where nothing is fed.
+/// `φ̂ + τ_ff`: bit for bit `φ̂` without a feed-forward.
 pub(crate) fn whole<R: Real>(phi_hat: R, fed: R) -> R {
     if fed == R::ZERO { phi_hat } else { phi_hat + fed }
 }

@@ -89,7 +89,7 @@ pub struct Supervisor<R, const N: usize> {
     joints: [JointRules<R>; N],
 }
 
-/// What a [`Supervisor`] remembers between samples; owned by the caller.
+/// State of a [`Supervisor`] between samples; owned by the caller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SupervisorState<R, const N: usize> {
     /// The arm's part.

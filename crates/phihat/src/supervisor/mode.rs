@@ -1,6 +1,6 @@
 //! The modes of an arm, and the only way from one to another.
 
-/// What an arm does: the modes of the supervisor.
+/// Mode of the supervisor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum Mode {
     /// No torque. The brakes are on, or the robot holds itself.
@@ -33,8 +33,8 @@ impl Mode {
     }
 }
 
-/// What the caller wants at this sample: a level, not an edge, except that [`Self::Arm`] counts only when it
-/// is new, so that nothing moves again by itself after a stop.
+/// Mode that the caller requests at this sample: a level, not an edge, except that [`Self::Arm`] counts only
+/// when it is new, so that nothing moves again by itself after a stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum ModeRequest {
     /// No torque; from [`Mode::Armed`] and [`Mode::SafeStop`] only.
@@ -50,13 +50,13 @@ pub enum ModeRequest {
     Stop,
 }
 
-/// What decides about the next mode: the request, and what is true at this sample. See [`next_mode`].
+/// Inputs of [`next_mode`]: the request, and the conditions at this sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[allow(clippy::struct_excessive_bools, reason = "a set of independent facts")]
 pub struct ModeEvents {
-    /// What the caller wants.
+    /// Mode that the caller requests.
     pub request: ModeRequest,
-    /// Whether it wanted something else at the sample before.
+    /// True if the request of the last sample was another one.
     pub request_is_new: bool,
     /// Something is wrong at this sample.
     pub fault: bool,
@@ -68,7 +68,7 @@ pub struct ModeEvents {
     pub start_matches: bool,
 }
 
-/// What is to be done where a mode is entered.
+/// Action on entering a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum Action {
     /// Nothing changes.
@@ -131,12 +131,12 @@ impl Refusal {
     }
 }
 
-/// The mode from now on, and what entering it asks for: the answer of [`next_mode`].
+/// The mode from now on, and the action on entering it: the result of [`next_mode`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Transition {
     /// The mode from now on.
     pub mode: Mode,
-    /// What entering it asks for.
+    /// Action on entering it.
     pub action: Action,
     /// Why the request was not granted, if it was not.
     pub refusal: Option<Refusal>,
@@ -194,7 +194,7 @@ pub fn next_mode(mode: Mode, events: ModeEvents) -> Transition {
     }
 }
 
-/// What stands in the way of arming.
+/// Reason why the arm cannot be armed; `None`: it can be.
 fn blocked(mode: Mode, events: ModeEvents) -> Option<Refusal> {
     // From idle a caller may ask until the arm is ready; after a stop it has to ask anew.
     if mode == Mode::SafeStop && !events.request_is_new {

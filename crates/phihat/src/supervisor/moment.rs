@@ -1,8 +1,8 @@
-//! What every joint's law has to know of the arm at a sample.
+//! State of the arm at a sample that the laws of all joints use.
 
 use crate::joint::Interval;
 
-/// What the law is for.
+/// Task of the law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Aim {
     /// It holds a pose.
@@ -14,13 +14,13 @@ pub(crate) enum Aim {
 }
 
 impl<R> Moment<R> {
-    /// Whether the law brings the arm to rest.
+    /// Returns true if the law brings the arm to rest.
     pub(crate) fn stops(&self) -> bool {
         self.aim == Aim::Stop
     }
 }
 
-/// Where the arm stands, for every joint the same.
+/// State of the arm at a sample, the same for every joint.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Moment<R> {
     pub(crate) interval: Interval<R>,

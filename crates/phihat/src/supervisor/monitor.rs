@@ -126,7 +126,7 @@ impl<R: Real> Actuation<R> {
         self.suspicion >= samples
     }
 
-    /// Whether the joint accelerated the way the torque pushed.
+    /// Returns true if the joint accelerated the way the torque pushed.
     pub(crate) fn follows(&self, gain: R) -> bool {
         self.both > gain * self.square
     }

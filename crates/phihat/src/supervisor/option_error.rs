@@ -9,30 +9,30 @@ use crate::GainError;
 pub enum OptionError {
     /// An option is out of its range.
     Value {
-        /// Which.
+        /// Name of the option.
         option: &'static str,
         /// Value of the option.
         value: f64,
-        /// What would be valid.
+        /// Valid values.
         valid: &'static str,
         /// Place of the joint; 0 for options of the whole arm.
         joint: usize,
     },
     /// A joint's gains are for another sample period.
     Period {
-        /// Which joint.
+        /// Place of the joint.
         joint: usize,
     },
     /// Start gains are of another form of the law than the running gains.
     Form {
-        /// Which joint.
+        /// Place of the joint.
         joint: usize,
     },
     /// A limit of the reference governor.
     Motion {
-        /// Which joint.
+        /// Place of the joint.
         joint: usize,
-        /// What is wrong with it.
+        /// Error of the limit.
         error: GainError,
     },
 }

@@ -1,4 +1,4 @@
-//! What a user sets, with defaults.
+//! Options of a supervised arm, with defaults.
 
 use super::funnel::Funnel;
 use super::range::JointRange;
@@ -25,18 +25,20 @@ pub struct Options {
     pub rest_velocity: f64,
     /// Largest distance between pose and reference at which tracking starts \[rad\].
     pub start_mismatch_max: f64,
-    /// How long a change of reference or of gains is blended over \[s\].
+    /// Blend time of a change of reference or of gains \[s\].
     pub blend_s: f64,
-    /// Damping in [`Mode::Armed`](crate::Mode::Armed) and [`Mode::SafeStop`](crate::Mode::SafeStop), as a share of `K_d`.
+    /// Damping in [`Mode::Armed`](crate::Mode::Armed) and [`Mode::SafeStop`](crate::Mode::SafeStop), as a
+    /// share of `K_d`.
     pub stop_damping: f64,
-    /// After this time in a stop the brakes are asked for even if the arm still moves \[s\].
+    /// Time in a stop after which the brakes are requested even if the arm still moves \[s\].
     pub stop_s: f64,
-    /// How long a torque may stay at its limit without a break before the arm is stopped \[s\]; `None`: for ever.
+    /// Longest time of a torque at its limit without a break before the arm is stopped \[s\]; `None`: no
+    /// bound.
     pub saturation_s: Option<f64>,
     /// Wrong times between samples, of the last 64, that stop the arm.
     pub clock_max: u32,
-    /// How long the brakes take from the request for them until they hold the arm \[s\]: the law gives way then. `None`: there are none, and the law
-    /// holds the arm for as long as it is measured.
+    /// Time from the request for the brakes until they hold the arm \[s\]: the law gives way then. `None`:
+    /// there are no brakes, and the law holds the arm for as long as it is measured.
     pub brake_s: Option<f64>,
     /// When to change between start gains and running gains; used where a joint has start gains.
     pub schedule: Schedule,
@@ -70,9 +72,9 @@ impl Options {
 /// When the running gains replace the start gains, and when they give way again.
 ///
 /// The mismatch `φ − φ̂`, averaged over some 50 ms, must stay below `settled` (root mean square) in every
-/// joint for `dwell_s`: then the running gains take over, in all joints at once. Beyond `disturbed` in any joint for as
-/// long the start gains come back. A change never steps the torque. In the literal form `φ̂` is handed over, and what the
-/// lower integrals knew of its rate is not: the rate of the torque may step.
+/// joint for `dwell_s`: then the running gains take over, in all joints at once. Beyond `disturbed` in any
+/// joint for as long the start gains come back. A change never steps the torque. In the literal form `φ̂` is
+/// handed over, and what the lower integrals knew of its rate is not: the rate of the torque may step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Schedule {
     /// \[N·m\]
@@ -102,9 +104,10 @@ pub struct Schedule {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointOptions<R> {
-    /// Largest |q̇| \[rad/s\]: a joint that is faster is stopped. A jump to a higher velocity, or further than it leads to, is not plausible.
+    /// Largest |q̇| \[rad/s\]: a joint that is faster is stopped. A jump to a higher velocity, or a step in
+    /// position beyond it, is not plausible.
     pub velocity_max: Option<f64>,
-    /// Where the joint may be.
+    /// Position limits of the joint.
     pub range: Option<JointRange>,
     /// Largest |e| while the law runs \[rad\]; beyond it the arm stops.
     pub error_stop: Option<f64>,
@@ -113,8 +116,8 @@ pub struct JointOptions<R> {
     pub frozen_travel: Option<f64>,
     /// Limits that every reference is shaped to.
     pub motion: Option<MotionLimits>,
-    /// Deceleration and jerk of a stop; `velocity` does not count. `None`: a quarter of what the torque limits give the nominal inertia, or what the outer loop
-    /// gives it at an error of 0.2 rad.
+    /// Deceleration and jerk of a stop; `velocity` does not count. `None`: a quarter of what the torque
+    /// limits give the nominal inertia, or what the outer loop gives it at an error of 0.2 rad.
     pub stop: Option<MotionLimits>,
     /// Inside this |e| \[rad\], with the reference at rest, the estimate is held: no hunting under stiction, at
     /// the price of this much error.

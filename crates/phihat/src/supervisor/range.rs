@@ -29,10 +29,10 @@ pub(crate) struct RangeRules<R> {
     /// Hard limits.
     lower: R,
     upper: R,
-    /// Where the soft zones begin.
+    /// Inner ends of the soft zones \[rad\].
     soft_lower: R,
     soft_upper: R,
-    /// How far a reference may go.
+    /// Limits of a reference \[rad\].
     reference_lower: R,
     reference_upper: R,
     soft: R,
@@ -84,12 +84,12 @@ impl<R: Real> RangeRules<R> {
         }
     }
 
-    /// Whether a position is beyond a hard limit.
+    /// Returns true if a position is beyond a hard limit.
     pub(crate) fn left(&self, q: R) -> bool {
         q > self.upper || q < self.lower
     }
 
-    /// Where a reference is kept off the hard limits, if it has to be.
+    /// Reference position moved away from a hard limit \[rad\]; `None`: it is far enough from both.
     pub(crate) fn keep(&self, q: R) -> Option<R> {
         if q > self.reference_upper {
             Some(self.reference_upper)
@@ -107,8 +107,8 @@ impl<R: Real> RangeRules<R> {
         if outward { before } else { now }
     }
 
-    /// What a torque demand has to come down to so that outward velocity stays within the braking distance,
-    /// if it has to. `last`: the torque before.
+    /// Torque demand reduced so that the joint can brake before its limit \[N·m\]; `None`: no reduction.
+    /// `last`: the torque of the last sample.
     ///
     /// ```text
     /// upper side: τ ≤ φ̂ + M̄ (K_d (v − q̇) − b q̇/v),  v = √(2 b (q_max − q));  τ ≤ 0 at q_max
@@ -134,7 +134,8 @@ impl<R: Real> RangeRules<R> {
         None
     }
 
-    /// Whether neither end is near, for sure: a bound, for both sides, on what [`Self::ceiling`] reckons.
+    /// Returns true if [`Self::ceiling`] is certainly `None` on both sides, by a bound that is faster to
+    /// compute.
     fn is_easy(&self, above: R, below: R, dq: R, push: R) -> bool {
         let room = if above < below { above } else { below };
         let push = push.abs();

@@ -1,4 +1,4 @@
-//! What a sample brought: values, never a panic and never a log line.
+//! Report on a sample: values, never a panic and never a log line.
 
 use core::ops::{BitOr, BitOrAssign};
 
@@ -62,7 +62,7 @@ events! {
     HELD_BACK = 19, "held-back";
     /// A measured torque is none that the drive can give: the last command counts in its place.
     TORQUE_REFUSED = 20, "torque-refused";
-    /// In a stop: a drive does not do what it is told, and its joint is let go.
+    /// In a stop: a drive does not follow its command, and its joint gets no torque.
     LET_GO = 21, "let-go";
 }
 
@@ -70,7 +70,7 @@ impl Events {
     /// The empty set: nothing happened.
     pub const NONE: Self = Self(0);
 
-    /// Whether all of `other` are in the set.
+    /// Returns true if all of `other` are in the set.
     pub fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
@@ -80,7 +80,7 @@ impl Events {
         Self::ALL.iter().filter(move |(event, _)| self.contains(*event)).map(|(_, name)| *name)
     }
 
-    /// Whether the set is empty.
+    /// Returns true if the set is empty.
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }
@@ -178,16 +178,17 @@ impl Fault {
     }
 }
 
-/// What a supervisor says of one sample, beside the torques.
+/// Report of a supervisor on one sample, in addition to the torques.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Report {
     /// The mode from this sample on.
     pub mode: Mode,
-    /// What stopped the arm, and the joint (0 where it is the whole arm); kept until it is armed again.
+    /// Fault that stopped the arm, and the joint (0 where it is the whole arm); stored until the arm is armed
+    /// again.
     pub fault: Option<(Fault, usize)>,
     /// Why the request was not granted.
     pub refusal: Option<Refusal>,
-    /// What happened at this sample.
+    /// Events at this sample.
     pub events: Events,
     /// The brakes should be closed.
     pub brake: bool,

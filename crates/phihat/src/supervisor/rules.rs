@@ -8,17 +8,17 @@ use super::stopping::StopRules;
 use crate::joint::Interval;
 use crate::{JointGains, JointOptions, OptionError, Options, Real, Shaper};
 
-/// How long the mean of `φ̂` that a shaken arm holds, and the mean mismatch of a schedule, are taken over \[s\]: long
-/// against the noise of a differentiated velocity, short against the 0.1 s for which a schedule waits. A mean is at most
-/// as short as one sample.
+/// Averaging time of the mean `φ̂` that a shaken arm holds, and of the mean mismatch of a schedule \[s\]:
+/// long against the noise of a differentiated velocity, short against the 0.1 s for which a schedule waits. A
+/// mean is at most as short as one sample.
 const AVERAGING_S: f64 = 0.05;
 
-/// What is known from up to this long ago, and up to twice as long, is from before what stops the arm now \[s\]: a push has thrown an arm off
-/// its reference within a tenth of it.
+/// Least age of the `φ̂` that a stop may hold, at most twice as long \[s\]: it is from before the cause of
+/// the stop, since a push moves an arm off its reference within a tenth of this time.
 const BEFORE_S: f64 = 0.25;
 
-/// How long after the law took over a joint is watched for a wrong sign, a dead drive or a closed brake \[s\]: the
-/// torque has to vary in that time, later it may rest and says nothing.
+/// Time after the start of the law in which a joint is watched for a wrong sign, a dead drive or a closed
+/// brake \[s\]: the torque has to vary in that time; later it may be constant and shows nothing.
 const FIRST_MOTION_S: f64 = 0.25;
 
 /// Longest sample period \[ns\]: one second, so that no count of samples overflows.
@@ -28,7 +28,7 @@ const PERIOD_MAX_NS: u64 = 1_000_000_000;
 /// two rates differ.
 const PERIOD_TOLERANCE: f64 = 1e-6;
 
-/// Samples whose loss is remembered: a word of 64 bits.
+/// Samples whose loss is stored: a word of 64 bits.
 const HISTORY: u32 = u64::BITS;
 
 /// [`Options`], checked, in the running scalar.
@@ -56,7 +56,7 @@ pub struct ArmRules<R> {
     pub(crate) saturation_samples: u32,
     /// Samples from the request for the brakes until they are closed; `None`: there are none.
     pub(crate) brake_samples: Option<u32>,
-    /// Samples after which what was known is from before.
+    /// Samples between two stored values of `φ̂`.
     pub(crate) block: u32,
 }
 
@@ -65,7 +65,7 @@ pub struct ArmRules<R> {
 pub struct JointRules<R> {
     /// Start gains, running gains; twice the same where there are no start gains.
     pub(crate) gains: [JointGains<R>; 2],
-    /// Whether there are start gains.
+    /// True if there are start gains.
     pub(crate) scheduled: bool,
     pub(crate) velocity_max: R,
     pub(crate) range: Option<RangeRules<R>>,
@@ -73,7 +73,7 @@ pub struct JointRules<R> {
     pub(crate) frozen_travel: Option<R>,
     pub(crate) shaper: Option<Shaper<R>>,
     pub(crate) stop: StopRules<R>,
-    /// How far a measured torque may be off what was commanded \[N·m\].
+    /// Largest deviation of a measured torque from the commanded one \[N·m\].
     pub(crate) torque_slack: R,
     /// Distance in which the shaper stops, at its velocity limit, per velocity: `v/2A + A/2J`.
     pub(crate) stopping: [R; 2],
@@ -259,7 +259,7 @@ impl<R: Real> JointRules<R> {
         self.in_force(true)
     }
 
-    /// Whether gains are for the sample period of these.
+    /// Checks that gains are for the sample period of these.
     pub(crate) fn fits(&self, joint: usize, gains: &JointGains<R>) -> Result<(), OptionError> {
         let difference = (gains.period - self.running().period).abs();
         let same = difference <= R::from_f64(PERIOD_TOLERANCE) * self.running().period;

@@ -9,29 +9,29 @@ use crate::{Command, JointState, Measurement, Mode, Real};
 /// a quarter of the nominal inertia then sees no more of it than the nominal one does otherwise.
 const SHAKEN_DAMPING: f64 = 0.25;
 
-/// What a missed sample leaves of the feedback torque, once it fades to `φ̂`. Per missed sample, as `hold_samples` and
-/// `stop_samples` around it are counted: between the defaults of 5 and 20, 4 % of it are left when the arm stops, at any
-/// rate.
+/// Share of the feedback torque that is left after a missed sample, once it fades to `φ̂`. Per missed sample,
+/// as `hold_samples` and `stop_samples` around it are counted: between the defaults of 5 and 20, 4 % of it
+/// are left when the arm stops, at any rate.
 const FADE_PER_MISS: f64 = 0.8;
 
-/// How a joint rests.
+/// Damping, spring and holding torque of a joint while the law does not run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rest<R> {
     /// Share of `K_d` that damps.
     damping: R,
-    /// Whether a spring holds it, too.
+    /// True if a spring acts as well.
     spring: bool,
     /// Share of the held torque that is still there.
     held: R,
-    /// Samples missed in a row for which the last torque is held.
+    /// True while so few samples in a row are missed that the last torque is held.
     hold: bool,
-    /// The caller says what holds the arm.
+    /// True if the caller gives a feed-forward.
     feeds: bool,
 }
 
 impl<R: Real> ArmRules<R> {
-    /// How joints rest at this sample: the torque fades where there is no measurement for long, and goes at
-    /// once where the drive does not do what it is told.
+    /// Damping and holding torque at this sample: the torque fades where there is no measurement for long,
+    /// and is zero at once where the drive does not follow its command.
     pub(crate) fn stop(&self, state: &ArmState, fresh: bool) -> Rest<R> {
         let one = R::from_f64(1.0);
         let hold = state.arrivals.misses <= self.hold_samples;
@@ -78,14 +78,16 @@ impl<R: Real> JointRules<R> {
         let damping = gains.inertia * rate;
         let before = memory.measured;
         let moved = m.q - before.q;
-        // A spring, so that the joint does not creep; a joint of a quarter of the nominal inertia and more does not swing on it.
+        // A spring, so that the joint does not creep; a joint of a quarter of the nominal inertia and more
+        // does not swing on it.
         if rest.spring {
             let spring = R::from_f64(0.25) * rate * damping;
             memory.held = (memory.held - spring * moved).saturate(gains.limits.torque());
         }
         let fed = if rest.feeds { memory.fed_asked } else { R::ZERO };
         let phi_hat = fed + (memory.held - fed) * rest.held;
-        // A velocity that is frozen, or left over from a jump, would drive the joint instead of damping it: what the positions say as well counts.
+        // A velocity that is frozen, or left over from a jump, would drive the joint instead of damping it:
+        // what the positions say as well counts.
         let gone = moved / gains.period;
         let velocity = if gone * m.dq > R::ZERO {
             if m.dq.abs() < R::from_f64(2.0) * gone.abs() { m.dq } else { gone }
@@ -124,7 +126,7 @@ impl<R: Real> JointRules<R> {
         answer
     }
 
-    /// What is left of the feedback fades to a torque that is known.
+    /// Fades the rest of the feedback to a known torque.
     fn towards(&self, memory: &mut JointMemory<R>, known: R) -> (Command<R>, JointNews) {
         let mut news = JointNews::default();
         let measured = memory.measured;

@@ -11,16 +11,19 @@ use crate::{Events, Form, JointGains, Measurement, Real, Reference};
 /// Share of the largest speed below which a joint does not get faster: the rest is noise.
 const SLOWER_SHARE: f64 = 0.98;
 
-/// Share of the excitation at first motion that is enough in a stop: a rate limit leaves less of it, and the joint is fast.
+/// Share of the excitation at first motion that is enough in a stop: a rate limit leaves less of it, and the
+/// joint is fast.
 const PROBED_EXCITATION: f64 = 1.0 / 16.0;
 
-/// Samples with half of the torque, and with the whole, by which a drive is told from a push; a power of two.
+/// Samples with half of the torque, and with the whole, that distinguish a drive fault from a push; a power
+/// of two.
 const PROBED_SAMPLES: u32 = 16;
 
 /// Samples in a row in which such a joint does not follow its torque that are a fault.
 const PROBED_SUSPICIOUS: u32 = 8;
 
-/// Samples after which a drive that was let go is tried for the first time, and for how many samples, 8 with a small torque and 8 without in turn: the first and the last are powers of two.
+/// Samples after which a drive without torque is tried for the first time, and number of samples of a trial,
+/// 8 with a small torque and 8 without in turn: the first and the last are powers of two.
 const TRIED_FIRST: u32 = 64;
 const TRIED_SAMPLES: u32 = 48;
 const TRIED_HALF: u32 = 8;
@@ -31,7 +34,7 @@ const LEARNS_BELOW: f64 = 0.1;
 /// Share of the time that the mean of 50 ms takes: a fifth of a second.
 const LEARNS_SLOWER: f64 = 0.25;
 
-/// How often a stop began anew before that is done.
+/// Number of times that a stop began anew before the holding torque is estimated again.
 const SINKS: u32 = 2;
 
 /// Samples in which the reserve held the torque back after which the stop begins anew from where the joint is.
@@ -92,13 +95,15 @@ impl<R: Real> JointRules<R> {
         self.stop.profile.step(&memory.reference, &rest)
     }
 
-    /// Whether a stop that makes a joint faster does so because the drive does not do what it is told; and the torque that finds it out.
+    /// Torque that tests, where a joint gets faster in a stop, if its drive follows the command; zero once it
+    /// does not \[N·m\].
     ///
     /// # Method
     ///
-    /// From the sample on at which the joint is faster than at the stop, it is watched as at first motion; and what brakes is halved for 16 samples of 32, since
-    /// a torque that stays at its limit says nothing. A push that is stronger than the drive makes a joint faster as well, and then torque still
-    /// pushes the way it should.
+    /// From the sample on at which the joint is faster than at the stop, it is watched as at first motion;
+    /// and what brakes is halved for 16 samples of 32, since a torque that stays at its limit says nothing. A
+    /// push that is stronger than the drive makes a joint faster as well, and then torque still pushes the
+    /// way it should.
     pub(crate) fn probed(
         &self,
         memory: &mut JointMemory<R>,
@@ -138,8 +143,9 @@ impl<R: Real> JointRules<R> {
         if half { known + R::from_f64(0.5) * (limited - known) } else { demand }
     }
 
-    /// The torque of a drive that did not do what it was told: none, and now and then, ever more seldom, the small one that a first motion is judged by, against the motion, by which a joint that
-    /// something had only pushed is taken back.
+    /// Torque of a drive that did not follow its command: zero, and at times, ever more seldom, the small
+    /// torque by which a first motion is judged, against the motion. A joint that was only pushed follows it
+    /// and is taken back.
     fn tried_again(
         &self,
         memory: &mut JointMemory<R>,
@@ -159,7 +165,7 @@ impl<R: Real> JointRules<R> {
         }
         // Twice what a watched joint needs at least.
         let gain = R::from_f64(2.0 * LEAST_ACCELERATION) * gains.inertia_inverse * gains.period;
-        // What it was told, not what it says that it does: a wire that is turned round turns that, too.
+        // The commanded torque, not the reported one: a reversed wire changes the sign of that, too.
         let step = m.dq - memory.measured.dq;
         memory.actuation.take((memory.law.tau, step), gain, (R::ZERO, u32::MAX));
         let judged = (since + 1).is_multiple_of(2 * TRIED_HALF);
@@ -181,8 +187,9 @@ impl<R: Real> JointRules<R> {
     ///
     /// # Law
     ///
-    /// With `τ_0` the torque that held the arm before, and `Δq` how far the joint went since the last sample, the drive's work on the joint is
-    /// exactly `(τ_applied − τ_0) Δq`: the torque is constant over a sample.
+    /// With `τ_0` the torque that held the arm before, and `Δq` the motion of the joint since the last
+    /// sample, the drive's work on the joint is exactly `(τ_applied − τ_0) Δq`: the torque is constant over a
+    /// sample.
     ///
     /// ```text
     /// E ← min(E_max, E − (τ_applied − τ_0) Δq),   E = 0 at the stop
@@ -198,8 +205,8 @@ impl<R: Real> JointRules<R> {
         news: &mut JointNews,
     ) -> R {
         let moved = m.q - memory.measured.q;
-        // Where nothing pushed and a joint that all but stands sinks time and again, what held it before does not hold it here: it sank before it was
-        // measured again.
+        // Where nothing pushed and a joint that all but stands sinks time and again, what held it before does
+        // not hold it here: it sank before it was measured again.
         if memory.stopping.learns
             && memory.stopping.anew >= SINKS
             && m.dq.abs() <= R::from_f64(LEARNS_BELOW)

@@ -1,15 +1,16 @@
-//! What stops one joint, and what it remembers of it.
+//! Rules and state of a safe stop of one joint.
 
 use crate::{JointGains, MotionLimits, Real, Reference, Shaper};
 
-/// Share of the torque limit, and of the rate limit, that the deceleration of the nominal inertia takes: the rest is for gravity, for an
-/// inertia twice the nominal one, and for feedback.
+/// Share of the torque limit, and of the rate limit, that the deceleration of the nominal inertia takes: the
+/// rest is for gravity, for an inertia twice the nominal one, and for feedback.
 const TORQUE_SHARE: f64 = 0.25;
 
 /// Error of the outer loop that the default deceleration corresponds to where no torque limit is stated \[rad\].
 const STOPPING_ERROR: f64 = 0.2;
 
-/// Largest speed that a stop may begin at for its profile to be exact \[rad/s\]; beyond it the profile brakes all the same.
+/// Largest speed that a stop may begin at for its profile to be exact \[rad/s\]; beyond it the profile brakes
+/// all the same.
 const FASTEST: f64 = 1e4;
 
 /// Speed of the nominal inertia whose kinetic energy a stopped drive may give back at most \[rad/s\].
@@ -18,12 +19,12 @@ pub(crate) const RESERVE_SPEED: f64 = 0.2;
 /// Time in which a rate limit takes back the feedback of a joint at rest \[s\].
 const SMALL_S: f64 = 0.01;
 
-/// Samples over which a joint has to stand for it to rest, and the speed that it may have in them on average \[rad/s\]: the noise of an encoder drains the reserve
-/// of a joint that is held.
+/// Samples over which a joint has to stand for it to rest, and the speed that it may have in them on average
+/// \[rad/s\]: the noise of an encoder drains the reserve of a joint that is held.
 pub(crate) const REST_SAMPLES: u32 = 64;
 const REST_SPEED: f64 = 0.02;
 
-/// What stops one joint.
+/// Profile and energy reserve of a safe stop of one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StopRules<R> {
     pub(crate) profile: Shaper<R>,
@@ -33,7 +34,7 @@ pub(crate) struct StopRules<R> {
     stopping: [R; 2],
     /// `½ M̄ v²` \[J\].
     pub(crate) reserve: R,
-    /// How far a joint goes that rests \[rad\].
+    /// Largest motion of a joint at rest, within [`REST_SAMPLES`] \[rad\].
     pub(crate) rest_travel: R,
     /// `2 ρ M̄/4`; infinite without a rate limit.
     unloading: R,
@@ -41,7 +42,7 @@ pub(crate) struct StopRules<R> {
     small: R,
 }
 
-/// What a joint remembers of its stop.
+/// State of a safe stop of one joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Stopping<R> {
     /// The law is under way from a measured state to rest.
@@ -50,18 +51,19 @@ pub(crate) struct Stopping<R> {
     pub(crate) reserve: R,
     /// Samples in which the reserve held the torque back, since the stop began anew.
     pub(crate) held_back: u32,
-    /// How often it began anew for that.
+    /// Number of times that the stop began anew for that reason.
     pub(crate) anew: u32,
-    /// What holds the joint is learnt where it stands: nothing pushes it that would be taken for gravity.
+    /// True if the holding torque may be estimated again at rest: nothing pushes the joint that would be
+    /// taken for gravity.
     pub(crate) learns: bool,
-    /// Where the joint was, and for how many samples it has been there.
+    /// Position of rest \[rad\], and number of samples near it.
     pub(crate) rest: (R, u32),
     /// Speed beyond which the stop is one that drives \[rad/s\], and samples in a row beyond it.
     pub(crate) fastest: R,
     pub(crate) faster: u32,
     /// The largest speed since then \[rad/s\].
     pub(crate) peak: R,
-    /// Samples since the drive did not do what it was told: it is without torque; 0: it does.
+    /// Samples since the drive did not follow its command and lost its torque; 0: it follows.
     pub(crate) let_go: u32,
     /// It was let go and taken back: that happens once.
     pub(crate) taken_back: bool,
@@ -98,8 +100,8 @@ impl<R: Real> StopRules<R> {
         }
     }
 
-    /// Largest torque of the feedback at a velocity \[N·m\]: one that the rate limit `ρ` can take back before a joint of a quarter of the nominal inertia has turned
-    /// round, and what it takes back in 10 ms.
+    /// Largest torque of the feedback at a velocity \[N·m\]: one that the rate limit `ρ` can take back before
+    /// a joint of a quarter of the nominal inertia has turned round, and what it takes back in 10 ms.
     ///
     /// ```text
     /// √(2 ρ M̄/4 |q̇|) + ρ · 10 ms                                                                   (Q2)
@@ -112,7 +114,7 @@ impl<R: Real> StopRules<R> {
         }
     }
 
-    /// Where a joint that moves so will be at rest, a little further than the profile needs.
+    /// Position at which a joint with this motion comes to rest, a little beyond that of the profile \[rad\].
     pub(crate) fn rest_from(&self, at: &Reference<R>) -> R {
         let [square, linear] = self.stopping;
         at.q + at.dq * (square * at.dq.abs() + linear)
@@ -120,8 +122,10 @@ impl<R: Real> StopRules<R> {
 }
 
 impl<R: Real> JointGains<R> {
-    /// The deceleration and jerk of a safe stop \[rad/s², rad/s³\] where [`JointOptions::stop`](crate::JointOptions::stop) states none: a quarter of what the torque and rate
-    /// limits give the nominal inertia, or, without limits, what `K_p` gives at an error of 0.2 rad. It comes to rest from a speed `v` after `v²/2A + vA/2J`.
+    /// The deceleration and jerk of a safe stop \[rad/s², rad/s³\] where
+    /// [`JointOptions::stop`](crate::JointOptions::stop) states none: a quarter of what the torque and rate
+    /// limits give the nominal inertia, or, without limits, what `K_p` gives at an error of 0.2 rad. It comes
+    /// to rest from a speed `v` after `v²/2A + vA/2J`.
     pub fn stop_limits(&self) -> MotionLimits {
         allowed(self, self.period.to_f64())
     }

@@ -17,7 +17,8 @@ use crate::{
 /// Judges one sample and computes the torques of an arm, whose number of joints may be known at run time only.
 ///
 /// The slices of rules, memories and commands belong together; joints beyond the shortest are left alone. A
-/// sample, reference or feed-forward list of another length is refused like one that is not finite or beyond ±2³² (4.3e9).
+/// sample, reference or feed-forward list of another length is refused like one that is not finite or beyond
+/// ±2³² (4.3e9).
 ///
 /// # What happens
 ///
@@ -25,9 +26,9 @@ use crate::{
 /// 2. Faults and the request go through [`next_mode`].
 /// 3. The law, or what the mode asks for, gives a torque; range, rate and torque limits let it out.
 ///
-/// Without a fresh sample the torque is held, after `hold_samples` it fades to `φ̂` (with what was fed forward last), after `stop_samples`
-/// the arm stops. In a stop the law brings the arm to rest and holds it there; without measurements the torque goes to what held the arm
-/// before.
+/// Without a fresh sample the torque is held, after `hold_samples` it fades to `φ̂` (with what was fed
+/// forward last), after `stop_samples` the arm stops. In a stop the law brings the arm to rest and holds it
+/// there; without measurements the torque goes to what held the arm before.
 pub fn supervise<R: Real>(
     rules: Rules<'_, R>,
     memories: Memories<'_, R>,
@@ -93,7 +94,7 @@ pub fn supervise<R: Real>(
 }
 
 impl<R: Real> ArmRules<R> {
-    /// Whether a stop asks for the brakes: once it does, it goes on to.
+    /// Returns true if a stop requests the brakes; the request stays for the rest of the stop.
     fn brakes(&self, state: &mut ArmState, memories: &[JointMemory<R>], rests: bool) -> bool {
         let late = state.in_mode >= self.stop_samples_max;
         let blind = state.arrivals.misses > self.hold_samples;
@@ -107,7 +108,7 @@ impl<R: Real> ArmRules<R> {
         state.braking.is_some()
     }
 
-    /// Whether the law answers a fresh sample.
+    /// Returns true if the law computes the torque of a fresh sample.
     fn law_runs(&self, state: &ArmState) -> bool {
         match state.mode {
             Mode::Holding | Mode::Tracking => true,
@@ -120,7 +121,8 @@ impl<R: Real> ArmRules<R> {
     }
 }
 
-/// Whether this sample comes after a gap: it says where the arm is, and not how it got there; nor does a velocity that is not how it goes.
+/// Returns true after a gap, until the velocities agree with the positions (100 samples at most): such a
+/// sample gives the position of the arm, not its motion since the last one.
 fn after_a_gap<R: Real>(
     arm: &ArmRules<R>,
     state: &mut ArmState,
@@ -143,11 +145,12 @@ fn after_a_gap<R: Real>(
     gap
 }
 
-/// Longest that a velocity after a gap is waited for \[samples\], and how far it may be off what the positions say \[rad/s\].
+/// Longest wait for a velocity that agrees with the positions after a gap \[samples\], and the largest
+/// difference that counts as agreement \[rad/s\].
 const GAP_SAMPLES: u8 = 100;
 const GAP_VELOCITY: f64 = 0.5;
 
-/// Whether every joint went in the last sample as far as its velocity says.
+/// Returns true if the motion of every joint over the last sample agrees with its velocity.
 fn goes_as_it_says<R: Real>(
     arm: &ArmRules<R>,
     memories: &[JointMemory<R>],
@@ -158,13 +161,13 @@ fn goes_as_it_says<R: Real>(
     joints.all(|(memory, m)| (m.q - memory.measured.q - m.dq * arm.period).abs() <= most)
 }
 
-/// Samples in a row whose positions and velocities agree, after which sensors that could not be believed are believed again; and the speed
-/// below which a joint may stand still \[rad/s\].
+/// Samples in a row whose positions and velocities agree, after which sensors that could not be believed are
+/// believed again; and the speed below which a joint may stand still \[rad/s\].
 const SOUND_SAMPLES: u32 = 100;
 const STANDING: f64 = 0.02;
 
-/// Sensors that failed and are sound again are better than none: the law goes on with the stop. Where a position jumped, and may be off for
-/// good, a spring does, which counts from where the joint is.
+/// Sensors that failed and are sound again are better than none: the law goes on with the stop. Where a
+/// position jumped, and may stay wrong, a spring does, which acts from the present position.
 fn believe_again<R: Real>(
     arm: &ArmRules<R>,
     state: &mut ArmState,
@@ -190,8 +193,8 @@ fn believe_again<R: Real>(
     }
 }
 
-/// Keeps what the joints know for a later stop: it is from before what will have caused that. In a stop the brakes are closed after a while, and the
-/// torque that held the arm until then is held.
+/// Stores `φ̂` of the joints for a later stop, from before its cause. Once the brakes are closed in a stop,
+/// the torque that held the arm until then is held.
 fn remember_before<R: Real>(
     arm: &ArmRules<R>,
     state: &mut ArmState,
@@ -241,7 +244,7 @@ fn measured<R: Real>(
     *new.unwrap_or(&memory.measured)
 }
 
-/// What every joint's law has to know of the arm.
+/// State of the arm at this sample that the laws of all joints use.
 fn moment<R: Real>(
     arm: &ArmRules<R>,
     state: &ArmState,
@@ -311,7 +314,7 @@ struct Place<'a, R> {
 }
 
 impl<R: Real> Place<'_, R> {
-    /// The joint's torque, and what it brought.
+    /// Writes the joint's torque and returns the events of its sample.
     #[allow(clippy::inline_always, reason = "a call each would cost a hundred instructions")]
     #[inline(always)]
     fn follow<S: Built>(
@@ -395,7 +398,7 @@ fn enter(state: &mut ArmState, mode: Mode, action: Action) {
     state.mode = mode;
 }
 
-/// What a joint's sample brought; what the law noticed becomes a fault at the next sample.
+/// Events of a joint's sample; a fault that the law detected stops the arm at the next sample.
 fn note<R: Real>(
     state: &mut ArmState,
     joint: usize,

@@ -1,4 +1,4 @@
-//! What one joint's sample says about faults, before the law runs; and whether its torque can be true.
+//! Faults in one joint's sample before the law runs, and the check of its measured torque.
 
 use super::memory::JointMemory;
 use super::monitor::Frozen;
@@ -12,14 +12,16 @@ const FOLLOWED_SHARE: f64 = 0.2;
 /// Samples in a row above the velocity limit that make a joint too fast: one may be noise.
 const FAST_SAMPLES: u32 = 3;
 
-/// Share per sample in which a torque that was commanded stops to be one that the drive may still give: a drive of 5 Hz at 1 kHz.
+/// Share per sample by which a torque commanded earlier is forgotten, as one that the drive may still give: a
+/// drive of 5 Hz at 1 kHz.
 const FORGOTTEN_SHARE: f64 = 1.0 / 32.0;
 
-/// Share of the torque limit by which a measured torque may be off what was commanded: ripple, friction ahead of the sensor, gain.
+/// Share of the torque limit by which a measured torque may be off what was commanded: ripple, friction ahead
+/// of the sensor, gain.
 const TORQUE_SLACK: f64 = 0.5;
 
 impl<R: Real> JointRules<R> {
-    /// What this joint's sample says about faults.
+    /// Fault in this joint's sample, if any.
     pub(crate) fn watch(
         &self,
         memory: &mut JointMemory<R>,
@@ -56,8 +58,9 @@ impl<R: Real> JointRules<R> {
     ///
     /// # Method
     ///
-    /// Between the least and the largest torque commanded lately, and half of the torque limit beyond either; where there is no limit,
-    /// the outer loop's torque at 1 rad and twice what was commanded. A torque outside of it is replaced by the last command.
+    /// Between the least and the largest torque commanded lately, and half of the torque limit beyond either;
+    /// where there is no limit, the outer loop's torque at 1 rad and twice what was commanded. A torque
+    /// outside of it is replaced by the last command.
     #[inline]
     pub(crate) fn believed(
         &self,
@@ -76,7 +79,7 @@ impl<R: Real> JointRules<R> {
 }
 
 impl<R: Real> JointGains<R> {
-    /// How far a measured torque may be off what was commanded \[N·m\].
+    /// Largest deviation of a measured torque from the commanded one \[N·m\].
     pub(crate) fn torque_slack(&self) -> R {
         let limit = self.limits.torque();
         if limit.is_finite() { R::from_f64(TORQUE_SLACK) * limit } else { self.inertia * self.kp }
