@@ -62,7 +62,7 @@
 #define PHIHAT_FORM_LITERAL 1
 
 /**
- * Form of the law: an observer that sees the position and the torque that acted. See phihat_joint.
+ * Form of the law: an observer from the position and the torque that acted. See phihat_joint.
  */
 #define PHIHAT_FORM_POSITIONS 2
 
@@ -132,7 +132,7 @@
 #define PHIHAT_MODE_SAFE_STOP 4
 
 /**
- * What a call came to.
+ * Result of a call.
  */
 typedef enum phihat_status {
   /**
@@ -193,9 +193,9 @@ typedef struct phihat_supervisor phihat_supervisor;
 /**
  * Gains and limits of one joint. What a form does not use is not looked at.
  *
- * PHIHAT_FORM_OBSERVER and PHIHAT_FORM_LITERAL use `a`. PHIHAT_FORM_POSITIONS uses the members from `correction` on
- * instead, l = correction, v = velocity_correction, g = share, d = delay_samples, and of each section c = section_rates,
- * b = section_weights_per_s2; at sample k:
+ * PHIHAT_FORM_OBSERVER and PHIHAT_FORM_LITERAL use `a`. PHIHAT_FORM_POSITIONS uses the members from
+ * `correction` on instead, l = correction, v = velocity_correction, g = share, d = delay_samples, and of
+ * each section c = section_rates, b = section_weights_per_s2; at sample k:
  *
  *   z     = estimates of e, de, phi, ... at the last sample, carried on by the torque that acted less its ff
  *   nu    = q - q_des - z_e
@@ -248,9 +248,9 @@ typedef struct phihat_joint {
    */
   double torque_rate_max_nm_s;
   /**
-   * What one radian that the joint is farther than expected adds to the estimate of e [1], of de [1/s], of
-   * phi/M [1/s^2] and of its derivatives: entry i in [1/s^i], order + 2 entries. From the third on they are
-   * negative.
+   * Corrections of the estimates of e [1], of de [1/s], of phi/M [1/s^2] and of its derivatives per radian
+   * that the joint is farther than expected: entry i in [1/s^i], order + 2 entries. From the third on they
+   * are negative.
    */
   double correction[PHIHAT_CORRECTION_MAX];
   /**
@@ -276,13 +276,13 @@ typedef struct phihat_joint {
    */
   double section_rates[PHIHAT_SECTIONS_MAX][2];
   /**
-   * b_0, b_1 of each section: what its x and its y weigh in the torque that is wanted, per M [1/s^2].
+   * b_0, b_1 of each section: weights of its x and its y in the wanted torque, per M [1/s^2].
    */
   double section_weights_per_s2[PHIHAT_SECTIONS_MAX][2];
 } phihat_joint;
 
 /**
- * What was wrong, for people and programs.
+ * Description of an error, for people and programs.
  */
 typedef struct phihat_error {
   /**
@@ -290,7 +290,7 @@ typedef struct phihat_error {
    */
   size_t size;
   /**
-   * Which joint, from 0; SIZE_MAX where none is meant.
+   * Joint of the error, from 0; SIZE_MAX where none is meant.
    */
   size_t joint;
   /**
@@ -308,7 +308,7 @@ typedef struct phihat_error {
 } phihat_error;
 
 /**
- * What the sensors say at a sample, and what the arm shall do.
+ * Measurements and references of all joints at a sample.
  */
 typedef struct phihat_sample {
   /**
@@ -349,7 +349,7 @@ typedef struct phihat_sample {
 } phihat_sample;
 
 /**
- * Where the answer goes.
+ * Arrays for the commands of all joints.
  */
 typedef struct phihat_command {
   /**
@@ -375,7 +375,7 @@ typedef struct phihat_command {
 } phihat_command;
 
 /**
- * What one joint is guarded by; phihat_guard_default() fills it with "nothing".
+ * Limits and monitors of one joint; phihat_guard_default() fills it with "nothing is judged".
  */
 typedef struct phihat_guard {
   /**
@@ -383,8 +383,8 @@ typedef struct phihat_guard {
    */
   size_t size;
   /**
-   * Largest speed [rad/s]: a joint that is faster is stopped, and a jump to a higher speed, or further than it leads to, is refused. INFINITY: not
-   * judged.
+   * Largest speed [rad/s]: a joint that is faster is stopped, and a jump to a higher speed, or a step in
+   * position beyond it, is refused. INFINITY: not judged.
    */
   double velocity_max_rad_s;
   /**
@@ -442,7 +442,7 @@ typedef struct phihat_guard {
 } phihat_guard;
 
 /**
- * How an arm is supervised; phihat_supervision_default() fills it.
+ * Options of a supervised arm; phihat_supervision_default() fills it.
  */
 typedef struct phihat_supervision {
   /**
@@ -486,7 +486,7 @@ typedef struct phihat_supervision {
    */
   double start_mismatch_max_rad;
   /**
-   * How long a change of reference is blended over [s].
+   * Blend time of a change of reference [s].
    */
   double blend_s;
   /**
@@ -494,22 +494,23 @@ typedef struct phihat_supervision {
    */
   double stop_damping;
   /**
-   * After this time in a stop the brakes are asked for even if the arm still moves [s].
+   * Time in a stop after which the brakes are requested even if the arm still moves [s].
    */
   double stop_s;
   /**
-   * How long a torque may stay at its limit without a break before the arm is stopped [s]; INFINITY, or 0: for ever.
+   * Longest time of a torque at its limit without a break before the arm is stopped [s]; INFINITY, or 0:
+   * no bound.
    */
   double saturation_s;
   /**
-   * How long the brakes take from the request for them until they hold the arm [s]; the law gives way then. INFINITY, or 0: there are none, and the
-   * law holds a stopped arm for as long as it is measured.
+   * Time from the request for the brakes until they hold the arm [s]; the law gives way then. INFINITY, or
+   * 0: there are no brakes, and the law holds a stopped arm for as long as it is measured.
    */
   double brake_closing_s;
 } phihat_supervision;
 
 /**
- * Which sample it is, and what is asked.
+ * Number and time of a sample, and the request of the caller.
  */
 typedef struct phihat_request {
   /**
@@ -529,7 +530,7 @@ typedef struct phihat_request {
    */
   uint64_t now_ns;
   /**
-   * Torques that hold the arm [N m], heeded when it is armed; null: those of the last stop, or zero.
+   * Torques that hold the arm [N m], used when it is armed; null: those of the last stop, or zero.
    */
   const double *preset;
   /**
@@ -537,16 +538,17 @@ typedef struct phihat_request {
    */
   uint32_t mode;
   /**
-   * Torque that is known to be needed along the reference in force, beside inertia times ddq_des [N m], one entry per joint,
-   * as the gravity of a description; null: none. A law from positions estimates what is left, and starts and stops being fed
-   * without a step in torque; the other forms take no notice. One that is not finite is refused, and the last one held. phi_hat
-   * of the command is the whole: what is estimated, and this.
+   * Feed-forward torque along the reference in force, in addition to inertia times ddq_des [N m], one
+   * entry per joint, as the gravity of a description; null: none. A law from positions estimates the rest,
+   * and the feed-forward begins and ends without a step in torque; the other forms do not use it. One that
+   * is not finite is refused, and the last one held. phi_hat of the command is the sum of the estimate and
+   * this.
    */
   const double *feed_forward;
 } phihat_request;
 
 /**
- * What a sample brought.
+ * Report on a sample.
  */
 typedef struct phihat_report {
   /**
@@ -554,11 +556,12 @@ typedef struct phihat_report {
    */
   size_t size;
   /**
-   * Which joint the fault is about; SIZE_MAX without a fault.
+   * Joint of the fault, from 0; SIZE_MAX without a fault.
    */
   size_t fault_joint;
   /**
-   * What stopped the arm, kept until it is armed again, as in "link-lost"; null without a fault.
+   * Fault that stopped the arm, stored until the arm is armed again, as in "link-lost"; null without a
+   * fault.
    */
   const char *fault;
   /**
@@ -588,7 +591,7 @@ typedef struct phihat_report {
 } phihat_report;
 
 /**
- * What a phihat_gate lets out.
+ * Limits of a phihat_gate.
  */
 typedef struct phihat_gate_limits {
   /**
@@ -608,7 +611,8 @@ typedef struct phihat_gate_limits {
    */
   const double *torque_rate_max_nm_s;
   /**
-   * The most energy that all drives together may give the arm within energy_window_s, positive [J]; INFINITY: no limit.
+   * The most energy that all drives together may give the arm within energy_window_s, positive [J];
+   * INFINITY: no limit.
    */
   double energy_max_j;
   /**
@@ -697,8 +701,8 @@ enum phihat_status phihat_controller_update(struct phihat_controller *controller
 
 /**
  * Takes over a moving or loaded arm without a bump: the torque that the next phihat_controller_update()
- * commands continues `tau`, the torque that acts now [N m]; beyond a joint's largest torque it counts as that.
- * Where the sample or tau is not finite, or beyond +-2^32 (4.3e9), nothing changes and the answer is
+ * commands continues `tau`, the torque that acts now [N m]; beyond a joint's largest torque it counts as
+ * that. If the sample or tau is not finite, or beyond +-2^32 (4.3e9), nothing changes and the answer is
  * PHIHAT_STATUS_REFUSED.
  *
  * # Safety
@@ -732,9 +736,9 @@ enum phihat_status phihat_supervision_default(uint64_t period_ns,
  * Makes a supervised controller, idle. Allocates; not for the control loop.
  *
  * @param joints      Gains and limits, one per joint.
- * @param guards      What each joint is guarded by, one per joint; null: as phihat_guard_default() says.
+ * @param guards      Limits and monitors, one per joint; null: as phihat_guard_default() sets them.
  * @param count       Number of joints, at least 1.
- * @param supervision How the arm is supervised.
+ * @param supervision Options of the supervised arm.
  * @param supervisor  Receives the handle; free it with phihat_supervisor_destroy().
  * @param error       Receives what was wrong; set its size first. May be null.
  *
@@ -781,9 +785,10 @@ const char *phihat_event_text(uint32_t bit);
 /**
  * Makes a gate, behind drives that give no torque yet. Allocates; not for the control loop.
  *
- * A gate is the last thing before a torque leaves: behind gravity compensation, feed-forward and all else that computes on it.
+ * A gate is the last thing before a torque leaves: behind gravity compensation, feed-forward and all else
+ * that computes on it.
  *
- * @param limits What it lets out.
+ * @param limits Limits of the gate.
  * @param gate   Receives the handle; free it with phihat_gate_destroy().
  * @param error  Receives what was wrong; set its size first. May be null.
  *
@@ -805,8 +810,8 @@ enum phihat_status phihat_gate_create(const struct phihat_gate_limits *limits,
 void phihat_gate_destroy(struct phihat_gate *gate);
 
 /**
- * From here on the rate counts from `tau`, the torques with which something else holds the arm, one per joint [N m]. What is not finite changes
- * nothing.
+ * From here on the rate counts from `tau`, the torques with which something else holds the arm, one per
+ * joint [N m]. A value that is not finite changes nothing.
  *
  * # Safety
  *
@@ -816,10 +821,12 @@ enum phihat_status phihat_gate_hold(struct phihat_gate *gate,
                                     const double *tau);
 
 /**
- * Lets the torques of a sample out; call it once per period, and send what it leaves in `command`, whatever it answers. Real time.
+ * Lets the torques of a sample out; call it once per period, and send what it leaves in `command`, whatever
+ * it answers. Real time.
  *
- * `command->tau` holds what is asked for, and then what may be sent: finite, within range and rate, and, where an energy is limited, scaled down along the
- * motion. A torque that is not finite becomes the last one, and its joint has the flag PHIHAT_REFUSED.
+ * `command->tau` holds the requested torques, and then those that may be sent: finite, within range and
+ * rate, and, where an energy is limited, scaled down along the motion. A torque that is not finite becomes
+ * the last one, and its joint has the flag PHIHAT_REFUSED.
  *
  * @param gate    The handle.
  * @param q       Measured position, one per joint [rad]; what is not finite counts as the last one.

@@ -1,4 +1,4 @@
-//! What C hands over, turned into references or refused; and panics kept inside.
+//! Pointers of C, turned into references or refused; no panic leaves the library.
 
 use core::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -24,8 +24,8 @@ pub(crate) unsafe fn structure<'a, T>(at: *const T) -> Result<&'a T, Refusal> {
     Ok(unsafe { &*at })
 }
 
-/// A copy of the `index`-th of an array of structures, each with its size: that of this header, or one of `older`, those
-/// of headers in which the structure ended earlier. What is missing is zero then.
+/// A copy of the `index`-th of an array of structures, each with its size: that of this header, or one of
+/// `older`, those of headers in which the structure ended earlier. What is missing is zero then.
 ///
 /// # Safety
 ///

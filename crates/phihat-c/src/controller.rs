@@ -165,8 +165,8 @@ pub unsafe extern "C" fn phihat_controller_update(
 }
 
 /// Takes over a moving or loaded arm without a bump: the torque that the next phihat_controller_update()
-/// commands continues `tau`, the torque that acts now [N m]; beyond a joint's largest torque it counts as that.
-/// Where the sample or tau is not finite, or beyond +-2^32 (4.3e9), nothing changes and the answer is
+/// commands continues `tau`, the torque that acts now [N m]; beyond a joint's largest torque it counts as
+/// that. If the sample or tau is not finite, or beyond +-2^32 (4.3e9), nothing changes and the answer is
 /// PHIHAT_STATUS_REFUSED.
 ///
 /// # Safety

@@ -5,7 +5,7 @@ use core::fmt::{self, Write};
 
 use phihat::{Gain, GainError, OptionError};
 
-/// What a call came to.
+/// Result of a call.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
@@ -31,13 +31,13 @@ pub enum Status {
     BadOption = 8,
 }
 
-/// What was wrong, for people and programs.
+/// Description of an error, for people and programs.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct phihat_error {
     /// sizeof(phihat_error).
     pub size: usize,
-    /// Which joint, from 0; SIZE_MAX where none is meant.
+    /// Joint of the error, from 0; SIZE_MAX where none is meant.
     pub joint: usize,
     /// The value that was refused; NAN where none is meant.
     pub value: f64,
@@ -116,7 +116,7 @@ impl Refusal {
         Self { member: Member(name, None), value, ..self }
     }
 
-    /// As the caller gets it.
+    /// The error as the caller gets it.
     pub(crate) fn told(&self) -> phihat_error {
         let mut error = phihat_error {
             size: size_of::<phihat_error>(),
@@ -144,7 +144,7 @@ impl Refusal {
     }
 }
 
-/// Which member an error is about, and its value; `estimator` is the one that has the estimator's coefficients.
+/// Member that an error is about, and its value; `estimator` is the one with the estimator's coefficients.
 fn blamed(error: GainError, estimator: &'static str) -> (Member, f64) {
     let none = f64::NAN;
     let (name, index, value) = match error {

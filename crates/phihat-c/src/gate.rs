@@ -16,7 +16,7 @@ pub struct phihat_gate {
     held: Vec<f64>,
 }
 
-/// What a phihat_gate lets out.
+/// Limits of a phihat_gate.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct phihat_gate_limits {
@@ -28,7 +28,8 @@ pub struct phihat_gate_limits {
     pub torque_max_nm: *const f64,
     /// Largest change of tau per time, positive, one per joint [N m/s]; INFINITY: no limit.
     pub torque_rate_max_nm_s: *const f64,
-    /// The most energy that all drives together may give the arm within energy_window_s, positive [J]; INFINITY: no limit.
+    /// The most energy that all drives together may give the arm within energy_window_s, positive [J];
+    /// INFINITY: no limit.
     pub energy_max_j: f64,
     /// The time that energy_max_j is counted in, positive [s]; not looked at without one.
     pub energy_window_s: f64,
@@ -38,9 +39,10 @@ pub struct phihat_gate_limits {
 
 /// Makes a gate, behind drives that give no torque yet. Allocates; not for the control loop.
 ///
-/// A gate is the last thing before a torque leaves: behind gravity compensation, feed-forward and all else that computes on it.
+/// A gate is the last thing before a torque leaves: behind gravity compensation, feed-forward and all else
+/// that computes on it.
 ///
-/// @param limits What it lets out.
+/// @param limits Limits of the gate.
 /// @param gate   Receives the handle; free it with phihat_gate_destroy().
 /// @param error  Receives what was wrong; set its size first. May be null.
 ///
@@ -105,8 +107,8 @@ pub unsafe extern "C" fn phihat_gate_destroy(gate: *mut phihat_gate) {
     }
 }
 
-/// From here on the rate counts from `tau`, the torques with which something else holds the arm, one per joint [N m]. What is not finite changes
-/// nothing.
+/// From here on the rate counts from `tau`, the torques with which something else holds the arm, one per
+/// joint [N m]. A value that is not finite changes nothing.
 ///
 /// # Safety
 ///
@@ -128,10 +130,12 @@ pub unsafe extern "C" fn phihat_gate_hold(gate: *mut phihat_gate, tau: *const f6
     unsafe { answer(core::ptr::null_mut(), call) }
 }
 
-/// Lets the torques of a sample out; call it once per period, and send what it leaves in `command`, whatever it answers. Real time.
+/// Lets the torques of a sample out; call it once per period, and send what it leaves in `command`, whatever
+/// it answers. Real time.
 ///
-/// `command->tau` holds what is asked for, and then what may be sent: finite, within range and rate, and, where an energy is limited, scaled down along the
-/// motion. A torque that is not finite becomes the last one, and its joint has the flag PHIHAT_REFUSED.
+/// `command->tau` holds the requested torques, and then those that may be sent: finite, within range and
+/// rate, and, where an energy is limited, scaled down along the motion. A torque that is not finite becomes
+/// the last one, and its joint has the flag PHIHAT_REFUSED.
 ///
 /// @param gate    The handle.
 /// @param q       Measured position, one per joint [rad]; what is not finite counts as the last one.

@@ -1,4 +1,4 @@
-//! What a supervised arm is guarded by, as C states it.
+//! Options of a supervised arm, as C states them.
 
 use core::mem::offset_of;
 
@@ -7,14 +7,14 @@ use phihat::{JointOptions, JointRange, MotionLimits, Options};
 use crate::border::write_structure;
 use crate::error::{Refusal, Status};
 
-/// What one joint is guarded by; phihat_guard_default() fills it with "nothing".
+/// Limits and monitors of one joint; phihat_guard_default() fills it with "nothing is judged".
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct phihat_guard {
     /// sizeof(phihat_guard).
     pub size: usize,
-    /// Largest speed [rad/s]: a joint that is faster is stopped, and a jump to a higher speed, or further than it leads to, is refused. INFINITY: not
-    /// judged.
+    /// Largest speed [rad/s]: a joint that is faster is stopped, and a jump to a higher speed, or a step in
+    /// position beyond it, is refused. INFINITY: not judged.
     pub velocity_max_rad_s: f64,
     /// Hard limits of the position [rad], beyond which the arm stops; -INFINITY and INFINITY: none.
     pub position_min_rad: f64,
@@ -46,7 +46,7 @@ pub struct phihat_guard {
     pub first_motion_nm: f64,
 }
 
-/// How an arm is supervised; phihat_supervision_default() fills it.
+/// Options of a supervised arm; phihat_supervision_default() fills it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct phihat_supervision {
@@ -70,16 +70,17 @@ pub struct phihat_supervision {
     pub rest_velocity_rad_s: f64,
     /// Largest distance between pose and reference at which tracking starts [rad].
     pub start_mismatch_max_rad: f64,
-    /// How long a change of reference is blended over [s].
+    /// Blend time of a change of reference [s].
     pub blend_s: f64,
     /// Damping while armed and in a stop, as a share of K_d, 0 to 1.
     pub stop_damping: f64,
-    /// After this time in a stop the brakes are asked for even if the arm still moves [s].
+    /// Time in a stop after which the brakes are requested even if the arm still moves [s].
     pub stop_s: f64,
-    /// How long a torque may stay at its limit without a break before the arm is stopped [s]; INFINITY, or 0: for ever.
+    /// Longest time of a torque at its limit without a break before the arm is stopped [s]; INFINITY, or 0:
+    /// no bound.
     pub saturation_s: f64,
-    /// How long the brakes take from the request for them until they hold the arm [s]; the law gives way then. INFINITY, or 0: there are none, and the
-    /// law holds a stopped arm for as long as it is measured.
+    /// Time from the request for the brakes until they hold the arm [s]; the law gives way then. INFINITY, or
+    /// 0: there are no brakes, and the law holds a stopped arm for as long as it is measured.
     pub brake_closing_s: f64,
 }
 
@@ -210,7 +211,7 @@ fn stated(seconds: f64) -> Option<f64> {
     (!is_none(seconds) && seconds.to_bits() != 0).then_some(seconds)
 }
 
-/// Whether a value says "no limit".
+/// Returns true if a value states "no limit".
 fn is_none(x: f64) -> bool {
     x.is_infinite() && x > 0.0
 }

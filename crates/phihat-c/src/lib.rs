@@ -6,7 +6,8 @@
 //! # Guarantee
 //!
 //! - No panic crosses the border: it would become [`Status::Internal`].
-//! - Only [`phihat_controller_create`], [`phihat_supervisor_create`] and [`phihat_gate_create`] allocate, only their counterparts free.
+//! - Only [`phihat_controller_create`], [`phihat_supervisor_create`] and [`phihat_gate_create`] allocate,
+//!   only their counterparts free.
 //! - A call that does not answer [`Status::Ok`] or [`Status::Refused`] has written nothing but its
 //!   `phihat_error`.
 //!

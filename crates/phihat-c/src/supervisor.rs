@@ -51,7 +51,7 @@ pub struct phihat_supervisor {
     commands: Vec<Command<f64>>,
 }
 
-/// Which sample it is, and what is asked.
+/// Number and time of a sample, and the request of the caller.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct phihat_request {
@@ -63,14 +63,15 @@ pub struct phihat_request {
     pub t_ns: u64,
     /// Now, by the same clock [ns].
     pub now_ns: u64,
-    /// Torques that hold the arm [N m], heeded when it is armed; null: those of the last stop, or zero.
+    /// Torques that hold the arm [N m], used when it is armed; null: those of the last stop, or zero.
     pub preset: *const f64,
     /// PHIHAT_REQUEST_IDLE, _ARM, _HOLD, _TRACK or _STOP: a level, repeated at every sample.
     pub mode: u32,
-    /// Torque that is known to be needed along the reference in force, beside inertia times ddq_des [N m], one entry per joint,
-    /// as the gravity of a description; null: none. A law from positions estimates what is left, and starts and stops being fed
-    /// without a step in torque; the other forms take no notice. One that is not finite is refused, and the last one held. phi_hat
-    /// of the command is the whole: what is estimated, and this.
+    /// Feed-forward torque along the reference in force, in addition to inertia times ddq_des [N m], one
+    /// entry per joint, as the gravity of a description; null: none. A law from positions estimates the rest,
+    /// and the feed-forward begins and ends without a step in torque; the other forms do not use it. One that
+    /// is not finite is refused, and the last one held. phi_hat of the command is the sum of the estimate and
+    /// this.
     pub feed_forward: *const f64,
 }
 
@@ -79,15 +80,16 @@ impl phihat_request {
     pub(crate) const OLDER: &[usize] = &[offset_of!(Self, feed_forward)];
 }
 
-/// What a sample brought.
+/// Report on a sample.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct phihat_report {
     /// sizeof(phihat_report).
     pub size: usize,
-    /// Which joint the fault is about; SIZE_MAX without a fault.
+    /// Joint of the fault, from 0; SIZE_MAX without a fault.
     pub fault_joint: usize,
-    /// What stopped the arm, kept until it is armed again, as in "link-lost"; null without a fault.
+    /// Fault that stopped the arm, stored until the arm is armed again, as in "link-lost"; null without a
+    /// fault.
     pub fault: *const core::ffi::c_char,
     /// Why the request was not granted, as in "not-at-rest"; null if it was.
     pub refusal: *const core::ffi::c_char,
@@ -106,9 +108,9 @@ pub struct phihat_report {
 /// Makes a supervised controller, idle. Allocates; not for the control loop.
 ///
 /// @param joints      Gains and limits, one per joint.
-/// @param guards      What each joint is guarded by, one per joint; null: as phihat_guard_default() says.
+/// @param guards      Limits and monitors, one per joint; null: as phihat_guard_default() sets them.
 /// @param count       Number of joints, at least 1.
-/// @param supervision How the arm is supervised.
+/// @param supervision Options of the supervised arm.
 /// @param supervisor  Receives the handle; free it with phihat_supervisor_destroy().
 /// @param error       Receives what was wrong; set its size first. May be null.
 ///

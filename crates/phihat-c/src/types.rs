@@ -15,7 +15,7 @@ pub const PHIHAT_SECTIONS_MAX: usize = 2;
 pub const PHIHAT_FORM_OBSERVER: u32 = 0;
 /// Form of the law: the paper's integrals of the error, for reproduction; winds up under saturation.
 pub const PHIHAT_FORM_LITERAL: u32 = 1;
-/// Form of the law: an observer that sees the position and the torque that acted. See phihat_joint.
+/// Form of the law: an observer from the position and the torque that acted. See phihat_joint.
 pub const PHIHAT_FORM_POSITIONS: u32 = 2;
 
 /// Flag of a command: the torque limit acted.
@@ -27,9 +27,9 @@ pub const PHIHAT_REFUSED: u32 = 4;
 
 /// Gains and limits of one joint. What a form does not use is not looked at.
 ///
-/// PHIHAT_FORM_OBSERVER and PHIHAT_FORM_LITERAL use `a`. PHIHAT_FORM_POSITIONS uses the members from `correction` on
-/// instead, l = correction, v = velocity_correction, g = share, d = delay_samples, and of each section c = section_rates,
-/// b = section_weights_per_s2; at sample k:
+/// PHIHAT_FORM_OBSERVER and PHIHAT_FORM_LITERAL use `a`. PHIHAT_FORM_POSITIONS uses the members from
+/// `correction` on instead, l = correction, v = velocity_correction, g = share, d = delay_samples, and of
+/// each section c = section_rates, b = section_weights_per_s2; at sample k:
 ///
 ///   z     = estimates of e, de, phi, ... at the last sample, carried on by the torque that acted less its ff
 ///   nu    = q - q_des - z_e
@@ -64,9 +64,9 @@ pub struct phihat_joint {
     pub torque_max_nm: f64,
     /// Largest change of tau, positive [N m/s]; INFINITY: no limit.
     pub torque_rate_max_nm_s: f64,
-    /// What one radian that the joint is farther than expected adds to the estimate of e [1], of de [1/s], of
-    /// phi/M [1/s^2] and of its derivatives: entry i in [1/s^i], order + 2 entries. From the third on they are
-    /// negative.
+    /// Corrections of the estimates of e [1], of de [1/s], of phi/M [1/s^2] and of its derivatives per radian
+    /// that the joint is farther than expected: entry i in [1/s^i], order + 2 entries. From the third on they
+    /// are negative.
     pub correction: [f64; PHIHAT_CORRECTION_MAX],
     /// The same per rad/s of the measured velocity, entry i in [1/s^(i-1)]; all zero: this law uses a velocity only
     /// where it starts or takes over. A number has to be there always, and phihat_supervisor judges it.
@@ -81,7 +81,7 @@ pub struct phihat_joint {
     /// c_0, c_1 of each section, per sample [1]: its poles are z = 1 + w with w^2 + c_1 w + c_0 = 0, inside of the
     /// circle where 0 < c_0 < c_1 and 2 c_1 < 4 + c_0.
     pub section_rates: [[f64; 2]; PHIHAT_SECTIONS_MAX],
-    /// b_0, b_1 of each section: what its x and its y weigh in the torque that is wanted, per M [1/s^2].
+    /// b_0, b_1 of each section: weights of its x and its y in the wanted torque, per M [1/s^2].
     pub section_weights_per_s2: [[f64; 2]; PHIHAT_SECTIONS_MAX],
 }
 
@@ -91,7 +91,7 @@ impl phihat_joint {
     pub(crate) const OLDER: &[usize] = &[offset_of!(Self, correction), offset_of!(Self, sections)];
 }
 
-/// What the sensors say at a sample, and what the arm shall do.
+/// Measurements and references of all joints at a sample.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct phihat_sample {
@@ -116,7 +116,7 @@ pub struct phihat_sample {
     pub ddq_des: *const f64,
 }
 
-/// Where the answer goes.
+/// Arrays for the commands of all joints.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct phihat_command {

@@ -1,4 +1,5 @@
-//! The gate of the header. Wrong if it lets out what the core's would not, or if a pointer or a number that is none gets by.
+//! The gate of the header. Wrong if it lets out what the core's would not, or if a pointer or a number that
+//! is none gets by.
 #![allow(unsafe_code, reason = "plays the part of a C program")]
 
 use core::ptr::{null, null_mut};

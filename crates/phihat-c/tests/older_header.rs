@@ -1,6 +1,6 @@
-//! Programs that were compiled with older headers: the first, whose phihat_joint had no member from `correction` on, and
-//! the second, whose had none from `sections` on. Wrong if one is refused, gets another torque than before, or has more
-//! read than it handed over.
+//! Programs that were compiled with older headers: the first, whose phihat_joint had no member from
+//! `correction` on, and the second, whose had none from `sections` on. Wrong if one is refused, gets another
+//! torque than before, or has more read than it handed over.
 #![allow(unsafe_code, reason = "plays the part of a C program")]
 
 use core::ptr::{null, null_mut};

@@ -24,7 +24,7 @@ fn error() -> phihat_error {
     phihat_error { size, joint: 0, value: 0.0, member: [1; 32], text: [1; 192] }
 }
 
-/// What both ways to run a law say to these joints.
+/// Status and error for these joints, of the controller and of the supervisor.
 fn made(joints: &[phihat_joint]) -> [(Status, phihat_error); 2] {
     let (mut bare, mut supervised) = (null_mut(), null_mut());
     let mut why = [error(), error()];
@@ -47,7 +47,7 @@ fn text(of: &[c_char]) -> String {
     unsafe { CStr::from_ptr(of.as_ptr()) }.to_string_lossy().into_owned()
 }
 
-/// What is changed, the member that is told and its value.
+/// Change of a joint, the reported member and its value.
 type Case = (fn(&mut phihat_joint), &'static str, f64);
 
 fn refused_by_name(joint: phihat_joint, (change, member, value): Case) {

@@ -1,5 +1,5 @@
-//! What the header says of PHIHAT_STATUS_REFUSED: every joint holds, and no joint remembers the sample. Wrong if an arm
-//! that saw garbage answers the next good sample otherwise than one that did not.
+//! PHIHAT_STATUS_REFUSED, as the header states it: every joint holds, and no joint remembers the sample.
+//! Wrong if an arm that saw garbage answers the next good sample otherwise than one that did not.
 #![allow(unsafe_code, reason = "plays the part of a C program")]
 
 use core::ptr::null_mut;

@@ -1,4 +1,4 @@
-//! What the tests' C programs have in common.
+//! Common parts of the tests' C programs.
 #![allow(dead_code, reason = "each test file uses its part")]
 #![allow(unsafe_code, reason = "plays the part of a C program")]
 
@@ -75,7 +75,7 @@ pub(crate) fn sample(joints: usize, of: [*const f64; 6]) -> phihat_sample {
     phihat_sample { size, joints, q, dq, tau_applied, q_des, dq_des, ddq_des }
 }
 
-/// Where torques go, and nothing else.
+/// A command with an array for torques only.
 pub(crate) fn command(tau: &mut [f64]) -> phihat_command {
     phihat_command {
         size: size_of::<phihat_command>(),
