@@ -150,12 +150,12 @@ impl Controller {
     fn phi_hat<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_iter(py, self.commands.iter().map(|command| command.phi_hat))
     }
-    /// Whether the torque limit acted on the last torque.
+    /// True if the torque limit acted on the last torque.
     #[getter]
     fn saturated<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         PyArray1::from_iter(py, self.commands.iter().map(|command| command.status.saturated))
     }
-    /// Whether the torque-rate limit acted on the last torque.
+    /// True if the torque-rate limit acted on the last torque.
     #[getter]
     fn rate_limited<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         PyArray1::from_iter(py, self.commands.iter().map(|command| command.status.rate_limited))

@@ -57,7 +57,7 @@ pub(crate) fn study(py: Python<'_>, error: &StudyError) -> PyErr {
     fill().map_or_else(|why| why, |()| raise(py, "StudyError", &error.to_string(), &carried))
 }
 
-/// What is wrong in a document: no file and line, but the way to the key.
+/// Error in a document: without file and line, but with the path of the key.
 pub(crate) fn study_document(py: Python<'_>, error: &StudyError) -> PyErr {
     let carried = PyDict::new(py);
     let fill = || {

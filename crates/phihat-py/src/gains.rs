@@ -169,7 +169,7 @@ impl Gains {
     fn rate_hz(&self) -> f64 {
         self.inner.rate_hz
     }
-    /// How the gains were found, in words.
+    /// Method by which the gains were computed, in words.
     #[getter]
     fn method(&self) -> &str {
         &self.inner.method
@@ -209,8 +209,8 @@ impl Gains {
     fn window(&self) -> Option<Vec<(f64, f64)>> {
         self.certified(|joint| joint.window.as_ref().map(|window| (window.low, window.high)))
     }
-    /// Coupled gains at frozen postures, each a matrix with a row per joint that moves and a column per joint that is hit; None
-    /// where nothing is claimed.
+    /// Coupled gains at frozen postures, each a matrix with a row per joint that moves and a column per joint
+    /// that is hit; None where nothing is claimed.
     #[getter]
     fn coupled<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let certificate = self.inner.certificate.as_ref();
@@ -236,7 +236,7 @@ impl Gains {
         format!("Gains({n} joints, {rate} Hz{certified})")
     }
 
-    /// What notebooks show: the law of every joint, and what is promised of it.
+    /// Table for notebooks: the law of every joint, and its certified bounds.
     fn _repr_html_(&self) -> String {
         let certificate = self.inner.certificate.as_ref();
         let rows = self.inner.joints.iter().enumerate().map(|(i, joint)| {

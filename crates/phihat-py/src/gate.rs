@@ -109,17 +109,17 @@ impl Gate {
         Ok(())
     }
 
-    /// Whether the torque limit or the energy acted on the last torque.
+    /// True if the torque limit or the energy acted on the last torque.
     #[getter]
     fn saturated<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         PyArray1::from_iter(py, self.commands.iter().map(|command| command.status.saturated))
     }
-    /// Whether the torque-rate limit acted on the last torque.
+    /// True if the torque-rate limit acted on the last torque.
     #[getter]
     fn rate_limited<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         PyArray1::from_iter(py, self.commands.iter().map(|command| command.status.rate_limited))
     }
-    /// Whether the last torque was not finite, and the one before it stands in its place.
+    /// True if the last torque was not finite, and was replaced by the one before it.
     #[getter]
     fn refused<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         PyArray1::from_iter(py, self.commands.iter().map(|command| command.status.refused))

@@ -1,6 +1,7 @@
 //! The compiled half of the Python package `phihat`: it translates, and computes nothing.
 //!
-//! What a Python user reads is in `python/phihat/`; the types of this half are in `python/phihat/_phihat.pyi`.
+//! The interface for Python users is in `python/phihat/`; the types of this half are in
+//! `python/phihat/_phihat.pyi`.
 #![forbid(unsafe_code)]
 #![allow(rustdoc::broken_intra_doc_links, reason = "texts that Python shows: [s] is a unit")]
 #![allow(clippy::needless_pass_by_value, reason = "arguments of a Python function arrive by value")]

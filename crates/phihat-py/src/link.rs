@@ -22,7 +22,7 @@ use crate::raised::plain;
 use crate::run::Trace;
 use crate::{failure, json};
 
-/// What a drive is told: the keyword arguments of `phihat.drive`.
+/// Arguments of a drive: the keyword arguments of `phihat.drive`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct DriveAsked {
@@ -116,7 +116,7 @@ fn taken(raised: &Raised) -> Option<PyErr> {
     raised.lock().unwrap_or_else(PoisonError::into_inner).take()
 }
 
-/// What the link raised, or why nothing was driven, with what would be valid.
+/// Exception of the link, or the reason why nothing was driven, with the valid values.
 fn refused(py: Python<'_>, why: DriveError, raised: &Raised) -> PyErr {
     if let Some(raised) = taken(raised) {
         return raised;
@@ -162,9 +162,9 @@ struct OwnLink {
     raised: Raised,
     /// Samples that came or were lost.
     samples: u64,
-    /// What was sent last \[N·m\].
+    /// Torques sent last \[N·m\].
     sent: Vec<f64>,
-    /// What went wrong in sending, which the next wait tells.
+    /// Error in sending, which the next wait reports.
     broken: Option<LinkFault>,
 }
 
@@ -196,7 +196,7 @@ impl OwnLink {
         Ok(Self { object, facts, raised, samples: 0, sent, broken: None })
     }
 
-    /// What the robot says; `None`: this sample is lost.
+    /// Reads a sample of the robot; `None`: this sample is lost.
     fn read(&self, py: Python<'_>) -> PyResult<Option<Told>> {
         let answer = self.object.bind(py).call_method0("read")?;
         if answer.is_none() {

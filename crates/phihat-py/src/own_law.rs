@@ -20,16 +20,16 @@ pub(crate) struct Declared {
     source: String,
     law: String,
     scalars: Vec<DeclaredScalar>,
-    /// What it is handed beyond positions.
+    /// True if the law gets the desired acceleration of the interval in which its torque acts.
     preview: bool,
     edition: String,
     make: Py<PyAny>,
 }
 
-/// What the law raised first, wherever it did.
+/// First exception that the law raised.
 pub(crate) type Raised = Arc<Mutex<Option<PyErr>>>;
 
-/// Keeps what is raised first.
+/// Stores the first exception.
 pub(crate) fn kept(raised: &Raised, why: PyErr) {
     raised.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why);
 }

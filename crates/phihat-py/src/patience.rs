@@ -7,11 +7,11 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-/// How often Python is asked whether a signal came.
+/// Interval at which Python is asked for signals.
 const TICK: Duration = Duration::from_millis(50);
 
-/// What some work comes to, done on a thread of its own without the interpreter's lock. Ctrl-C raises its exception within a
-/// twentieth of a second; the work is then left to its end, and nobody waits for it.
+/// Result of some work, done on a thread of its own without the interpreter's lock. Ctrl-C raises its
+/// exception within a twentieth of a second; the work is then left to its end, and nobody waits for it.
 pub(crate) fn patiently<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce() -> T + Send + 'static,
@@ -34,7 +34,7 @@ pub(crate) fn patiently<T: Send + 'static>(
     })
 }
 
-/// What a signal that came raises.
+/// Raises the exception of a signal that came.
 pub(crate) fn signals(py: Python<'_>) -> PyResult<()> {
     py.check_signals()
 }

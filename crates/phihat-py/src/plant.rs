@@ -66,14 +66,14 @@ impl Plant {
         self.with(py, |run| sample(py, run))?
     }
 
-    /// Whether no torque acts any more.
+    /// True if no torque acts any more.
     #[getter]
     fn done(&self) -> bool {
         let held = self.run.lock().unwrap_or_else(PoisonError::into_inner);
         held.as_ref().is_none_or(|run| run.run.is_over())
     }
 
-    /// Tells the torque of the sample that waits; answers with the next.
+    /// Applies the torque of the sample that waits; returns the next one.
     fn step(&self, py: Python<'_>, tau: &Bound<'_, PyAny>) -> PyResult<Py<Sample>> {
         let torque = Batch::read("tau", tau, &self.joint_names)?;
         if !torque.axes.is_empty() {

@@ -28,7 +28,7 @@ pub(crate) struct PositionGains {
     /// K_d of each joint [1/s].
     #[pyo3(get)]
     kd: Vec<f64>,
-    /// What an innovation of each joint's position corrects.
+    /// Correction by an innovation of each joint's position.
     #[pyo3(get)]
     correction: Vec<Vec<f64>>,
     /// Share of the way to the wanted torque per sample, of each joint [1].
@@ -37,7 +37,7 @@ pub(crate) struct PositionGains {
     /// Transport delay of each joint [samples].
     #[pyo3(get)]
     delay_samples: Vec<i64>,
-    /// What an innovation of each joint's velocity corrects; None: it is not used.
+    /// Correction by an innovation of each joint's velocity; None: it is not used.
     #[pyo3(get)]
     velocity_correction: Option<Vec<Vec<f64>>>,
     /// Sections of each joint's filter on the innovation: rates and weights; None: there is none.

@@ -12,7 +12,7 @@ use crate::patience::patiently;
 use crate::raised::plain;
 use crate::{failure, json, study};
 
-/// What rollouts are told: see `phihat.rollouts`.
+/// Arguments of rollouts: see `phihat.rollouts`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct RolloutsAsked {

@@ -79,7 +79,7 @@ pub(crate) fn report(py: Python<'_>, trace: PathBuf, page: PathBuf) -> PyResult<
     made.map(|_| ()).map_err(|e| failure::session(py, &e))
 }
 
-/// What a fault matrix is told: the keyword arguments of `phihat.faults`.
+/// Arguments of a fault matrix: the keyword arguments of `phihat.faults`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct FaultsAsked {
@@ -102,7 +102,7 @@ pub(crate) fn faults(py: Python<'_>, asked: FaultsAsked) -> PyResult<Bound<'_, P
     json::to_python(py, &answer.summary)
 }
 
-/// What a comparison is told: the keyword arguments of `phihat.compare`.
+/// Arguments of a comparison: the keyword arguments of `phihat.compare`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct CompareAsked {
@@ -224,7 +224,7 @@ impl Trace {
     fn metrics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         json::to_python(py, &self.done.figures())
     }
-    /// Whether every bound of the study held, and the run came to its end.
+    /// True if every bound of the study was satisfied, and the run came to its end.
     #[getter]
     fn within_spec(&self) -> bool {
         self.done.good()
@@ -240,19 +240,19 @@ impl Trace {
         let modes = &self.trace.supervision.as_ref()?.mode;
         Some(modes.iter().map(|mode| mode.name()).collect())
     }
-    /// What the supervisor noted at each sample; None where there was no supervisor.
+    /// Events of the supervisor at each sample; None where there was no supervisor.
     #[getter]
     fn events(&self) -> Option<Vec<Vec<&'static str>>> {
         let events = &self.trace.supervision.as_ref()?.events;
         Some(events.iter().map(|events| events.names().collect()).collect())
     }
-    /// What had stopped the arm at each sample, if anything; None where there was no supervisor.
+    /// Fault that had stopped the arm at each sample, if any; None where there was no supervisor.
     #[getter]
     fn fault(&self) -> Option<Vec<Option<&'static str>>> {
         let faults = &self.trace.supervision.as_ref()?.fault;
         Some(faults.iter().map(|fault| fault.map(phihat::Fault::name)).collect())
     }
-    /// Where the run came from, as in run.json.
+    /// Origin of the run, as in run.json.
     #[getter]
     fn run<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         json::to_python(py, &self.done.run)

@@ -1,11 +1,11 @@
-//! `phihat.Sample`: what a controller is handed at one sample.
+//! `phihat.Sample`: inputs of a controller at one sample.
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 type Array = Py<PyArray1<f64>>;
 
-/// What a controller is handed at one sample.
+/// Inputs of a controller at one sample.
 #[pyclass(frozen, get_all, module = "phihat")]
 #[derive(Debug)]
 pub(crate) struct Sample {

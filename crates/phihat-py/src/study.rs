@@ -46,7 +46,7 @@ fn text(py: Python<'_>, document: &str) -> PyResult<String> {
     toml::to_string(&document).map_err(|e| refuse(e.to_string()))
 }
 
-/// What a study says once it is resolved against its robot, as one document.
+/// A study resolved against its robot, as one document, and the robot.
 #[pyfunction]
 #[pyo3(signature = (path, document, name))]
 pub(crate) fn study_document<'py>(

@@ -214,12 +214,12 @@ impl Supervisor {
     fn period(&self) -> f64 {
         self.period_ns as f64 * 1e-9
     }
-    /// What the arm does: "idle", "armed", "holding", "tracking" or "safe-stop".
+    /// Mode of the arm: "idle", "armed", "holding", "tracking" or "safe-stop".
     #[getter]
     fn mode(&self) -> &'static str {
         self.report.mode.name()
     }
-    /// What stopped the arm, and the joint it is about; None if nothing did.
+    /// Fault that stopped the arm, and its joint; None if there is none.
     #[getter]
     fn fault(&self) -> Option<(&'static str, String)> {
         let (fault, joint) = self.report.fault?;
@@ -230,12 +230,12 @@ impl Supervisor {
     fn refusal(&self) -> Option<&'static str> {
         self.report.refusal.map(phihat::Refusal::name)
     }
-    /// What happened at the last step.
+    /// Events at the last step.
     #[getter]
     fn events(&self) -> Vec<&'static str> {
         self.report.events.names().collect()
     }
-    /// Whether the brakes should be closed.
+    /// True if the brakes should be closed.
     #[getter]
     fn brake(&self) -> bool {
         self.report.brake

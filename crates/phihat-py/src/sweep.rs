@@ -9,7 +9,7 @@ use pyo3::types::PyDict;
 
 use crate::{failure, json};
 
-/// What a sweep is told: the keyword arguments of `phihat.sweep`.
+/// Arguments of a sweep: the keyword arguments of `phihat.sweep`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct SweepAsked {
@@ -47,7 +47,7 @@ impl Watch for Told {
     }
 }
 
-/// Where the results go; a shard's into a folder of its own in there.
+/// Folder of the results; those of a shard go into a folder of its own in it.
 #[pyfunction]
 pub(crate) fn sweep_folder(py: Python<'_>, asked: SweepAsked) -> PyResult<PathBuf> {
     asked.options().folder().map_err(|why| failure::campaign(py, why))

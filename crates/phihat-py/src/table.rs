@@ -22,8 +22,8 @@ pub(crate) fn trace_file(py: Python<'_>, path: PathBuf) -> PyResult<(PathBuf, bo
     Ok((file, parquet))
 }
 
-/// The columns of a Parquet file by name: numbers, whole numbers and flags as arrays, texts as the different ones and of each row
-/// which one it has. Columns of other kinds are left out.
+/// The columns of a Parquet file by name: numbers, whole numbers and flags as arrays, texts as the different
+/// ones and of each row which one it has. Columns of other kinds are left out.
 #[pyfunction]
 pub(crate) fn parquet_columns(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let read = py.detach(|| whole(&path)).map_err(|why| failure::session(py, &why))?;

@@ -1,4 +1,5 @@
-//! The worlds behind `phihat.gym`: many runs of a study side by side, each of which waits for the torque of its next sample.
+//! The worlds behind `phihat.gym`: many runs of a study side by side, each of which waits for the torque of
+//! its next sample.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -21,7 +22,7 @@ use crate::{failure, study};
 /// Samples of all worlds together below which one thread does them: starting others would take longer.
 const ALONE: usize = 512;
 
-/// What a world's state is told as.
+/// Codes of a world's state.
 const RUNS: u8 = 0;
 const AT_ITS_END: u8 = 1;
 const DIVERGED: u8 = 2;
@@ -50,7 +51,7 @@ struct Held {
     abreast: Vec<Abreast>,
 }
 
-/// What every world is made from.
+/// Description from which every world is made.
 #[derive(Debug)]
 struct Maker {
     study: Box<Study>,
@@ -58,9 +59,9 @@ struct Maker {
     table: Table,
     inertia: Vec<f64>,
     gains: Option<phihat_design::Gains>,
-    /// Whether its law answers too, and what is told is added to it.
+    /// True if the law of the gains runs too, and the caller's torque is added to it.
     corrects: bool,
-    /// Whether every sample is kept.
+    /// True if every sample is recorded.
     records: bool,
 }
 
@@ -178,8 +179,8 @@ impl Worlds {
         Ok(())
     }
 
-    /// What every world senses and wants: positions, velocities, torques that acted, then wanted positions, velocities,
-    /// accelerations; one row per world, no numbers where none was begun.
+    /// Measurements and references of every world: positions, velocities, torques that acted, then wanted
+    /// positions, velocities, accelerations; one row per world, no numbers where none was begun.
     fn observed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let n = self.joint_names.len();
         let held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
@@ -201,8 +202,8 @@ impl Worlds {
         PyArray1::from_vec(py, all).reshape([worlds.len(), 6 * n])
     }
 
-    /// Time of the sample that waits [s], and how each world is: 0 it runs, 1 at its end, 2 diverged, 3 stopped by the robot's
-    /// interface.
+    /// Time of the sample that waits [s], and how each world is: 0 it runs, 1 at its end, 2 diverged, 3
+    /// stopped by the robot's interface.
     fn states<'py>(
         &self,
         py: Python<'py>,
@@ -325,7 +326,7 @@ impl Law {
     }
 }
 
-/// What a study has beside the law that makes its torque.
+/// Part of a study that makes torque in addition to the law, if any.
 fn beside_the_law(study: &Study) -> Option<&'static str> {
     let parts = [
         (study.supervisor.is_some(), "a supervisor"),
