@@ -1,4 +1,4 @@
-//! The client's side: one robot, told by torques.
+//! The client's side: one robot, commanded by torques.
 
 use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::net::{IpAddr, SocketAddr, TcpStream, ToSocketAddrs as _, UdpSocket};
@@ -14,10 +14,10 @@ use crate::request::{
 };
 use crate::state::{EXTERNAL, RobotMode, RobotState};
 
-/// How long a state may take, as in libfranka.
+/// Longest wait for a state, as in libfranka.
 pub const STATE_WAIT: Duration = Duration::from_secs(1);
 
-/// How long an answer may take.
+/// Longest wait for an answer.
 const ANSWER_WAIT: Duration = Duration::from_secs(10);
 
 /// States that a motion may take to begin or to end.
@@ -30,8 +30,8 @@ const MODEL_MOST: u64 = 16 << 20;
 ///
 /// # Cycle
 ///
-/// [`receive`](Self::receive) waits for the newest state, [`send_torque`](Self::send_torque) answers it. Time is the robot's: one number of a
-/// state more is 1 ms. Neither allocates.
+/// [`receive`](Self::receive) waits for the newest state, [`send_torque`](Self::send_torque) answers it. Time
+/// is the robot's: one number of a state more is 1 ms. Neither allocates.
 ///
 /// # Example
 ///
@@ -58,9 +58,9 @@ pub struct Client {
     tcp: TcpStream,
     udp: UdpSocket,
     robot: IpAddr,
-    /// Where commands go: whoever sent the first state.
+    /// Address to which commands are sent: the sender of the first state.
     sender: Option<SocketAddr>,
-    /// How long a state may take.
+    /// Longest wait for a state.
     patience: Duration,
     requests: u32,
     motion: Option<u32>,
@@ -80,8 +80,8 @@ impl Client {
         Self::connect_patient(host, protocol, STATE_WAIT)
     }
 
-    /// Connects to a robot whose states may take longer than libfranka waits: one that is simulated in lock-step, on a machine that
-    /// does other work.
+    /// Connects to a robot whose states may take longer than libfranka waits: one that is simulated in
+    /// lock-step, on a machine that does other work.
     ///
     /// # Errors
     ///
@@ -147,8 +147,8 @@ impl Client {
         self.state.as_ref()
     }
 
-    /// Asks for a motion that is told by torques, and waits until it runs. The state that shows it is the last one that needs no
-    /// answer.
+    /// Requests a motion that is commanded by torques, and waits until it runs. The state that shows it is
+    /// the last one that needs no answer.
     ///
     /// # Errors
     ///
@@ -203,7 +203,8 @@ impl Client {
         Ok(state)
     }
 
-    /// The next state that is newer than the last; `None`: there is none yet, or since `useless` packets come that are none.
+    /// The next state that is newer than the last; `None`: there is none yet, or since `useless` packets come
+    /// that are none.
     #[expect(clippy::disallowed_methods, reason = "how long a state may take is its subject")]
     fn take(&mut self, useless: &mut Option<Instant>) -> Result<Option<RobotState>, FciError> {
         loop {
@@ -336,8 +337,8 @@ impl Client {
         }
     }
 
-    /// Reads how a motion ended whose end a state showed: by a flag or a request of this client's, or because the robot had no more
-    /// of it.
+    /// Reads how a motion ended whose end a state showed: by a flag or a request of this client's, or because
+    /// the robot had no more of it.
     ///
     /// # Errors
     ///
@@ -449,7 +450,7 @@ fn open(host: &str) -> io::Result<TcpStream> {
     Err(last)
 }
 
-/// Whether a socket only says that there is nothing yet.
+/// Returns true if an error of a socket means that there are no data yet.
 pub(crate) fn is_no_data(why: &io::Error) -> bool {
     matches!(why.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut)
 }

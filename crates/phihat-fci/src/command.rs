@@ -15,12 +15,12 @@ pub struct RobotCommand {
     pub id: u64,
     /// Torques \[N·m\], without what the robot adds.
     pub tau: [f64; JOINTS],
-    /// Whether the motion ends with it.
+    /// True if the motion ends with it.
     pub finished: bool,
 }
 
 impl RobotCommand {
-    /// Reads a command. Motion beside the torque is not looked at.
+    /// Reads a command. Motion in addition to the torque is not used.
     ///
     /// # Errors
     ///

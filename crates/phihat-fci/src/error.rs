@@ -15,15 +15,15 @@ pub enum FciError {
     /// The system's network.
     #[error("{what}: {why}")]
     Network {
-        /// What was tried.
+        /// Operation that failed.
         what: Cow<'static, str>,
-        /// What the system says.
+        /// Error of the system.
         why: io::Error,
     },
     /// No state for as long as one may take.
     #[error("the robot sent no state for {} s", .0.as_secs_f64())]
     Silent(Duration),
-    /// The robot does not speak the version asked for.
+    /// The robot does not speak the requested version.
     #[error("the robot speaks version {robot} of the interface, asked for was version {asked}")]
     Version {
         /// The robot's.
@@ -36,27 +36,27 @@ pub enum FciError {
     Refused {
         /// The request's name.
         request: &'static str,
-        /// What stood in its answer.
+        /// Status of its answer.
         status: u8,
-        /// What it last stopped for.
+        /// Faults of its last stop.
         reasons: Faults,
     },
     /// The robot ended a motion by itself.
     #[error("the robot ended the motion (status {status}){}", shown(.reasons))]
     Aborted {
-        /// What stood in its answer.
+        /// Status of its answer.
         status: u8,
-        /// What for.
+        /// Faults that ended the motion.
         reasons: Faults,
     },
     /// A message that is none.
     #[error("{what} of {found}; valid: {valid}")]
     Message {
-        /// Which one, and what of it.
+        /// Name of the message and of its part.
         what: &'static str,
         /// The figure found.
         found: u64,
-        /// What it may be.
+        /// Valid values.
         valid: String,
     },
     /// The robot did not do what follows by the interface.

@@ -1,8 +1,8 @@
-//! What a robot says it stopped for.
+//! Faults for which a robot reports that it stopped.
 
 use core::fmt;
 
-/// How many there are.
+/// Number of faults.
 pub(crate) const COUNT: usize = 41;
 
 /// Names in the order of the wire, as libfranka prints them.
@@ -81,13 +81,13 @@ impl Faults {
         Self(1 << (reflex as u8))
     }
 
-    /// Whether there is none.
+    /// Returns true if the set is empty.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }
 
-    /// Whether this one is among them.
+    /// Returns true if `reflex` is in the set.
     #[must_use]
     pub fn has(self, reflex: Reflex) -> bool {
         self.0 >> (reflex as u8) & 1 == 1

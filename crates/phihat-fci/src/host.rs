@@ -14,20 +14,20 @@ use crate::state::Sensed;
 
 /// The world behind the interface.
 pub trait World {
-    /// What can go wrong in it.
+    /// Error of the world.
     type Error: From<FciError>;
 
-    /// A motion was asked for: the arm is at its start, and at rest.
+    /// A motion was requested: the arm is at its start, and at rest.
     ///
     /// # Errors
     ///
     /// There is no such world; serving ends.
     fn begin(&mut self) -> Result<(), Self::Error>;
 
-    /// What is measured now.
+    /// Measurements of this cycle.
     fn sensed(&mut self) -> Sensed;
 
-    /// Whether the command of this cycle gets lost on its way, whatever the client does.
+    /// Returns true if the command of this cycle is lost on its way, whatever the client does.
     fn loses_command(&mut self) -> bool {
         false
     }
@@ -35,28 +35,28 @@ pub trait World {
     /// One cycle goes by under these torques \[N·m\].
     fn step(&mut self, torque: &[f64; JOINTS]);
 
-    /// Whether the world of this motion has come to its end.
+    /// Returns true if the world of this motion has come to its end.
     fn is_over(&self) -> bool;
 
     /// A motion has ended. What takes long is for later: the client waits for a state that shows the end.
     ///
     /// # Errors
     ///
-    /// What is left of it cannot be kept; serving ends.
+    /// The results of the motion cannot be stored; serving ends.
     fn ended(&mut self, ending: Ending, packets: Packets) -> Result<(), Self::Error>;
 
-    /// Whether serving is to end: asked in every cycle, and where nobody is connected.
+    /// Returns true if serving is to end: called in every cycle, and while nobody is connected.
     fn is_done(&mut self) -> bool {
         false
     }
 
-    /// Something to tell.
+    /// Reports an event.
     fn told(&mut self, event: Event) {
         let _ = event;
     }
 }
 
-/// What happens to connections.
+/// Event of a connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Event {
@@ -70,26 +70,28 @@ pub enum Event {
     Gone,
 }
 
-/// Who makes time go on.
+/// Clock of the cycles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pace {
-    /// The client: the next state comes when the command for the last one came. A command that takes longer than this counts as lost.
+    /// The client: the next state comes when the command for the last one came. A command that takes longer
+    /// than this counts as lost.
     LockStep {
-        /// How long a command may take. libfranka waits 1 s for a state: a client that reads and never answers is shown its loss only
-        /// if this is shorter.
+        /// Longest time for a command. libfranka waits 1 s for a state: a client that reads and never answers
+        /// sees the loss only if this is shorter.
         patience: Duration,
     },
     /// The clock: a state per millisecond.
     RealTime,
 }
 
-/// How long a motion's first state waits for an answer that libfranka does not give.
+/// Time for which a motion's first state waits for an answer that libfranka does not give.
 const FIRST_WAIT: Duration = Duration::from_millis(20);
 
-/// How long the others wait for the first command: a client that looked at two states needs a third within the 1 s that it waits.
+/// Time for which the other states wait for the first command: a client that looked at two states needs a
+/// third within the 1 s that it waits.
 const START_WAIT: Duration = Duration::from_millis(500);
 
-/// How long the network is waited for at a time: between two looks at the connection.
+/// Time of one wait for the network: between two checks of the connection.
 const SLICE: Duration = Duration::from_millis(1);
 
 /// Most that counts as waited between two looks: while this process does not run, no client can answer it.
@@ -101,10 +103,10 @@ const PERIOD: Duration = Duration::from_millis(1);
 /// Packets looked at in one cycle.
 const PACKETS_MOST: u32 = 256;
 
-/// How far behind the clock cycles of real time may fall before they stop catching up.
+/// Largest lag of real-time cycles behind the clock; beyond it they do not catch up.
 const BEHIND_MOST: Duration = Duration::from_millis(100);
 
-/// How long a client may take to read an answer that is longer than what the system holds.
+/// Time for a client to read an answer that is longer than the buffer of the system.
 const ANSWER_MOST: Duration = Duration::from_secs(1);
 
 /// Cycles that a client gets to see the end of the last motion.
@@ -113,7 +115,7 @@ const GOODBYE: u32 = 50;
 /// Cycles that a client may take to say who it is.
 const CONNECT_MOST: u32 = 3000;
 
-/// Clients that wait to be told that they cannot be served.
+/// Largest number of clients that wait for the answer that they cannot be served.
 const REFUSED_MOST: usize = 8;
 
 /// Status of an answer to a request to connect, when another client is served.
@@ -127,9 +129,9 @@ pub struct Host {
     pace: Pace,
     side: RobotSide,
     answers: Vec<u8>,
-    /// Clients that cannot be served, until they are told so.
+    /// Clients that cannot be served, until they get that answer.
     refused: Vec<TcpStream>,
-    /// Who came when the client had gone: it is served next.
+    /// Client that came when the last one had gone: it is served next.
     next: Option<(TcpStream, SocketAddr)>,
 }
 
@@ -139,7 +141,7 @@ struct Session {
     tcp: TcpStream,
     from: SocketAddr,
     udp: UdpSocket,
-    /// Where states go.
+    /// Address to which states are sent.
     client: Option<SocketAddr>,
     /// When the last cycle of real time ended.
     tick: Option<Instant>,
@@ -148,7 +150,7 @@ struct Session {
     gone: bool,
 }
 
-/// What lay in the socket.
+/// Content of the socket.
 enum Packet {
     Nothing,
     /// From somebody who is not the client.
@@ -176,7 +178,7 @@ impl Host {
         Ok(Self { listener, address, pace, side, answers, refused: Vec::new(), next: None })
     }
 
-    /// Where it listens.
+    /// Address on which it listens.
     #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
@@ -271,7 +273,7 @@ impl Host {
         }
     }
 
-    /// Reads and answers what the client asks for.
+    /// Reads and answers the client's requests.
     fn requests<W: World>(&mut self, session: &mut Session, world: &mut W) -> Result<(), W::Error> {
         let mut bytes = [0; 512];
         let mut rest: &[u8] = match session.tcp.read(&mut bytes) {
@@ -386,8 +388,9 @@ impl Host {
         Ok(())
     }
 
-    /// Answers clients that cannot be served with a status that libfranka tells as a protocol error: it would wait for ever on a
-    /// connection that is only closed. Whoever comes after the client has gone is served next.
+    /// Answers clients that cannot be served with a status that libfranka reports as a protocol error: it
+    /// would wait for ever on a connection that is only closed. Whoever comes after the client has gone is
+    /// served next.
     fn refuse_others<W: World>(&mut self, session: &Session, world: &mut W) {
         while self.refused.len() < REFUSED_MOST
             && self.next.is_none()
@@ -430,7 +433,7 @@ impl Session {
         Ok(Self { tcp, from, udp, client: None, tick: None, silent: 0, gone: false })
     }
 
-    /// Whether the client has closed its connection, and nothing of what it sent is unread.
+    /// Returns true if the client has closed its connection, and nothing that it sent is unread.
     fn has_gone(&self) -> bool {
         match self.tcp.peek(&mut [0]) {
             Ok(length) => length == 0,

@@ -1,13 +1,15 @@
 //! The Franka Control Interface, for torque control: both sides of the wire.
 //!
-//! [`Client`] talks to a robot. [`RobotSide`] is the robot's side as a state machine, bytes in and bytes out; [`Host`] puts sockets around it
-//! and a [`World`] behind it, so that any program made for a Franka can be tested without one. Protocols 5 and 10, see [`Protocol`].
+//! [`Client`] talks to a robot. [`RobotSide`] is the robot's side as a state machine, bytes in and bytes out;
+//! [`Host`] puts sockets around it and a [`World`] behind it, so that any program made for a Franka can be
+//! tested without one. Protocols 5 and 10, see [`Protocol`].
 //!
 //! # Sequence
 //!
-//! TCP: Connect; one state comes by UDP; Move, answered by status 1; states show that the motion runs, and each is answered by UDP with its
-//! number and torques; a finish flag ends the motion, and the request gets its second answer, status 0. A robot that stops
-//! shows the reason in a state and in that answer (status 6 in version 5, 8 in version 10), and takes no motion until it has recovered.
+//! TCP: Connect; one state comes by UDP; Move, answered by status 1; states show that the motion runs, and
+//! each is answered by UDP with its number and torques; a finish flag ends the motion, and the request gets
+//! its second answer, status 0. A robot that stops shows the reason in a state and in that answer (status 6
+//! in version 5, 8 in version 10), and takes no motion until it has recovered.
 //!
 //! # Example
 //!
@@ -28,13 +30,13 @@
 //!
 //! # Not claimed
 //!
-//! Motion generators (positions, velocities, Cartesian), impedance, gripper, versions 6 to 9. Nothing here was tried on a real robot
-//! yet; what it was tried against is in `docs/reliability.md`.
+//! Motion generators (positions, velocities, Cartesian), impedance, gripper, versions 6 to 9. Nothing here
+//! was tried on a real robot yet; what it was tried against is in `docs/reliability.md`.
 //!
 //! # References
 //!
-//! libfranka and libfranka-common (Franka Robotics, Apache-2.0): `network.h`, `robot_impl.cpp`, `rbk_types.h`, `service_types.h`, `error.h`.
-//! Facts are taken from there, no code.
+//! libfranka and libfranka-common (Franka Robotics, Apache-2.0): `network.h`, `robot_impl.cpp`,
+//! `rbk_types.h`, `service_types.h`, `error.h`. Facts are taken from there, no code.
 #![forbid(unsafe_code)]
 
 mod client;

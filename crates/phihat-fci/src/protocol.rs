@@ -10,8 +10,8 @@ pub const PORT: u16 = 1337;
 ///
 /// # Wire layout
 ///
-/// All messages are packed and little-endian. UDP, robot to client: the state, 64-bit number of the message, then numbers (here one after
-/// the other), then the tail. UDP, client to robot: the command.
+/// All messages are packed and little-endian. UDP, robot to client: the state, 64-bit number of the message,
+/// then numbers (here one after the other), then the tail. UDP, client to robot: the command.
 ///
 /// | | `V5` | `V10` |
 /// |---|---|---|
@@ -22,8 +22,8 @@ pub const PORT: u16 = 1337;
 ///
 /// # References
 ///
-/// `rbk_types.h`, `service_types.h` and `error.h` of libfranka-common (Apache-2.0) for version 5; version 10 as official clients send and
-/// take it. Versions 6 to 9 are not spoken here.
+/// `rbk_types.h`, `service_types.h` and `error.h` of libfranka-common (Apache-2.0) for version 5; version 10
+/// as official clients send and take it. Versions 6 to 9 are not spoken here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Protocol {
     /// Version 5: libfranka 0.9, the Panda.
@@ -94,7 +94,7 @@ impl Protocol {
         }
     }
 
-    /// Where the tail of a state begins.
+    /// Offset of the tail of a state \[bytes\].
     pub(crate) const fn tail(self) -> usize {
         match self {
             Self::V5 => 2280,
@@ -102,8 +102,8 @@ impl Protocol {
         }
     }
 
-    /// The motion generator that a torque control asks for beside its torque: `None`; in version 5 there is no such word, and
-    /// libfranka asks for joint velocities, which stay zero.
+    /// The motion generator that a torque control requests in addition to its torque: `None`; in version 5
+    /// there is no such word, and libfranka requests joint velocities, which stay zero.
     pub(crate) const fn generator(self) -> u32 {
         match self {
             Self::V5 => 1,

@@ -2,8 +2,9 @@
 //!
 //! # Wire layout
 //!
-//! Header of 12 bytes: u32 command, u32 id, u32 size with the header; then so many bytes as the command has. An answer has the header with
-//! the request's command and id, then u8 status, then what the command answers with.
+//! Header of 12 bytes: u32 command, u32 id, u32 size with the header; then so many bytes as the command has.
+//! An answer has the header with the request's command and id, then u8 status, then what the command answers
+//! with.
 
 use crate::numbers::at;
 use crate::protocol::Protocol;
@@ -14,7 +15,7 @@ pub(crate) const HEADER: usize = 12;
 /// Bytes of the largest request: its length is the protocol's, not the client's.
 pub(crate) const REQUEST_MOST: usize = 428;
 
-/// What a client may ask for.
+/// Requests of a client.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Request {
     Connect,
@@ -22,7 +23,7 @@ pub(crate) enum Request {
     StopMove,
     Recovery,
     Model,
-    /// A limit of Cartesian space, which is answered with 153 bytes beside the status.
+    /// A limit of Cartesian space, which is answered with 153 bytes in addition to the status.
     CartesianLimit,
     /// A library of machine code, which is not served.
     Library,
@@ -94,7 +95,8 @@ impl Header {
     }
 }
 
-/// What a header asks for and how many bytes it has in all; `None`: nothing that there is, or of another size than it has.
+/// Request of a header, and its number of bytes with the header; `None`: an unknown request, or one of
+/// another size.
 pub(crate) fn asked(protocol: Option<Protocol>, header: Header) -> Option<(Request, usize)> {
     let (request, size) = *all(protocol).get(usize::try_from(header.command).ok()?)?;
     (u32::try_from(size) == Ok(header.size)).then_some((request, size))

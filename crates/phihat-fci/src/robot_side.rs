@@ -12,7 +12,8 @@ use crate::request::{
 };
 use crate::state::{EXTERNAL, NO_CONTROLLER, RobotMode, Said, Sensed, StateBytes};
 
-/// States at the start of a motion that need no answer: libfranka looks at one, to see the motion run, before its loop begins.
+/// States at the start of a motion that need no answer: libfranka looks at one, to see the motion run, before
+/// its loop begins.
 const UNANSWERED: u32 = 2;
 
 /// Slack of a rule on torque \[relative\]: what rounding leaves.
@@ -51,7 +52,7 @@ pub enum Mode {
     Closed,
     /// Connected, no motion.
     Idle,
-    /// A motion was asked for, its first command is awaited; the world stands.
+    /// A motion was requested, its first command is awaited; the world stands.
     Starting,
     /// Commands act.
     Moving,
@@ -86,7 +87,7 @@ impl fmt::Display for HangUp {
     }
 }
 
-/// What became of a packet.
+/// Use of a packet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Heard {
     /// It is the command of this cycle.
@@ -101,7 +102,7 @@ pub enum Heard {
     Unasked,
 }
 
-/// What a cycle came to.
+/// Result of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cycle {
     /// No motion, or none that has begun: the world stands.
@@ -116,7 +117,7 @@ pub enum Cycle {
     Reflex(Reflex),
 }
 
-/// How a motion ended.
+/// End of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
     /// The client finished it.
@@ -143,7 +144,7 @@ impl fmt::Display for Ending {
     }
 }
 
-/// How many packets came to what.
+/// Numbers of packets, by their use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Packets {
     /// Those that acted.
@@ -160,7 +161,7 @@ pub struct Packets {
     pub lost: u64,
 }
 
-/// A motion that was asked for.
+/// A motion that was requested.
 #[derive(Debug, Clone, Copy)]
 struct Motion {
     /// Number of its request.
@@ -169,7 +170,7 @@ struct Motion {
     generator: u8,
     /// States that nobody answered yet; `None`: its first command came.
     unanswered: Option<u32>,
-    /// Whether a state has shown it: before, there is nothing to answer.
+    /// True if a state has shown it: before, there is nothing to answer.
     shown: bool,
 }
 
@@ -177,13 +178,14 @@ struct Motion {
 ///
 /// # Cycle
 ///
-/// [`state`](Self::state) gives the bytes of the next state; [`command`](Self::command) takes packets; [`close`](Self::close) says what the
-/// cycle came to. [`tcp`](Self::tcp) takes the stream's bytes between cycles. Answers go into the buffer that the caller
-/// hands in: a motion ends with one that nobody asks for. Nothing in a cycle allocates but what that buffer has no room for.
+/// [`state`](Self::state) gives the bytes of the next state; [`command`](Self::command) takes packets;
+/// [`close`](Self::close) gives the result of the cycle. [`tcp`](Self::tcp) takes the stream's bytes between
+/// cycles. Answers go into the buffer that the caller passes: a motion ends with one that nobody requests.
+/// Nothing in a cycle allocates but what that buffer has no room for.
 ///
 /// # Guarantee
 ///
-/// Whatever bytes come, nothing panics, what is kept does not grow, and [`mode`](Self::mode) is one of five.
+/// Whatever bytes come, nothing panics, the stored data do not grow, and [`mode`](Self::mode) is one of five.
 #[derive(Debug)]
 pub struct RobotSide {
     rules: Rules,
@@ -196,7 +198,7 @@ pub struct RobotSide {
     begun_bytes: usize,
     id: u64,
     motion: Option<Motion>,
-    /// Whether it takes no motion any more.
+    /// True if it takes no motion any more.
     retired: bool,
     ended: Option<Ending>,
     errors: Faults,
@@ -204,7 +206,7 @@ pub struct RobotSide {
     fresh: Option<RobotCommand>,
     accepted: [f64; JOINTS],
     losses: u32,
-    /// One bit per cycle, the newest the lowest: whether it had a command.
+    /// One bit per cycle, the newest the lowest: 1 if it had a command.
     heard: u128,
     packets: Packets,
 }
@@ -274,24 +276,24 @@ impl RobotSide {
         self.hung_up
     }
 
-    /// What became of the packets so far.
+    /// Numbers of the packets so far, by their use.
     #[must_use]
     pub fn packets(&self) -> Packets {
         self.packets
     }
 
-    /// What it last stopped for.
+    /// Faults of its last stop.
     #[must_use]
     pub fn reflex_reason(&self) -> Faults {
         self.reflex_reason
     }
 
-    /// How the motion ended since this was asked last, if it did.
+    /// End of a motion since the last call, if one ended.
     pub fn ended(&mut self) -> Option<Ending> {
         self.ended.take()
     }
 
-    /// How many states at the start of a motion nobody has answered yet; `None`: it does not start.
+    /// Number of states at the start of a motion that are not answered yet; `None`: no motion starts.
     #[must_use]
     pub fn unanswered(&self) -> Option<u32> {
         self.motion.and_then(|motion| motion.unanswered)
@@ -314,8 +316,8 @@ impl RobotSide {
         self.fresh = None;
     }
 
-    /// Takes bytes of the stream, up to the end of one request; its answer is put behind `answers`. How many were taken: all of
-    /// them after a hang-up.
+    /// Takes bytes of the stream, up to the end of one request; its answer is put behind `answers`. Returns
+    /// the number of bytes taken: all of them after a hang-up.
     pub fn tcp(&mut self, bytes: &[u8], answers: &mut Vec<u8>) -> usize {
         if self.hung_up.is_some() {
             return bytes.len();
@@ -400,7 +402,7 @@ impl RobotSide {
         }
     }
 
-    /// Begins a motion that is told by torques; any other is refused.
+    /// Begins a motion that is commanded by torques; any other is refused.
     fn start(&mut self, header: Header, answers: &mut Vec<u8>) {
         let Some((protocol, _)) = self.client() else { return };
         let word = |place| at(&self.begun, place).map_or(u32::MAX, u32::from_le_bytes);
@@ -448,7 +450,8 @@ impl RobotSide {
         Cycle::Reflex(reflex)
     }
 
-    /// The next state; `None` where nobody is connected. A joint that is too fast stops the robot here, and the state says so.
+    /// The next state; `None` where nobody is connected. A joint that is too fast stops the robot here, and
+    /// the state says so.
     pub fn state(&mut self, sensed: &Sensed, answers: &mut Vec<u8>) -> Option<&[u8]> {
         self.id = self.id.wrapping_add(1);
         self.fresh = None;
@@ -561,7 +564,7 @@ impl RobotSide {
         if starts { Cycle::Still } else { Cycle::Lost(self.accepted) }
     }
 
-    /// Whether the rules bear a command.
+    /// Returns true if the rules allow a command.
     fn bears(&self, command: &RobotCommand, first: bool) -> bool {
         let single = match self.client() {
             Some((Protocol::V10, _)) => SINGLE,

@@ -8,7 +8,7 @@ use crate::protocol::{
     TORQUE, TORQUE_TOLD, VELOCITY, VELOCITY_TOLD,
 };
 
-/// What the robot is doing.
+/// Mode of the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum RobotMode {
@@ -16,7 +16,7 @@ pub enum RobotMode {
     Other = 0,
     /// Ready.
     Idle = 1,
-    /// In a motion that was asked for.
+    /// In a motion that was requested.
     Move = 2,
     /// Led by hand.
     Guiding = 3,
@@ -57,28 +57,28 @@ pub struct RobotState {
     pub tau_j: [f64; JOINTS],
     /// The torques accepted last \[N·m\], without what the robot adds.
     pub tau_j_d: [f64; JOINTS],
-    /// What generates motion: 0 nothing, else one more than what the motion asked for.
+    /// Motion generator: 0 none, else one more than the requested one.
     pub generator: u8,
-    /// What controls: 2 torques from outside, 3 nothing of the client's.
+    /// Controller: 2 external torques, 3 none of the client's.
     pub controller: u8,
-    /// What the robot is doing.
+    /// Mode of the robot.
     pub mode: RobotMode,
-    /// What is wrong now.
+    /// Present errors.
     pub errors: Faults,
-    /// What ended the last motion.
+    /// Faults that ended the last motion.
     pub reflex_reason: Faults,
     /// Share of the last 100 cycles that had a command.
     pub success_rate: f64,
 }
 
 impl RobotState {
-    /// Whether torques from outside act.
+    /// Returns true if external torques act.
     #[must_use]
     pub fn takes_torque(&self) -> bool {
         self.mode == RobotMode::Move && self.controller == EXTERNAL
     }
 
-    /// Whether no motion of a client's runs.
+    /// Returns true if no motion of a client runs.
     #[must_use]
     pub fn is_still(&self) -> bool {
         self.generator == 0 && self.controller != EXTERNAL
@@ -138,7 +138,7 @@ fn numbers(protocol: Protocol, bytes: &[u8], place: usize) -> Option<[f64; JOINT
     Some(all)
 }
 
-/// What a robot measures, as it is sent.
+/// Measurements of a robot, as they are sent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensed {
     /// Positions \[rad\].
@@ -151,7 +151,7 @@ pub struct Sensed {
     pub tau_j_d: [f64; JOINTS],
     /// Pose of the hand in the base's frame, column by column \[1, m\].
     pub pose: [f64; 16],
-    /// Whether this message reaches the client; where not, nothing is sent in this cycle.
+    /// True if this message reaches the client; if not, nothing is sent in this cycle.
     pub arrives: bool,
 }
 
@@ -166,7 +166,7 @@ impl Default for Sensed {
     }
 }
 
-/// What a state says of the robot beside what is measured.
+/// Fields of a state in addition to the measurements.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Said {
     pub(crate) id: u64,
@@ -209,7 +209,7 @@ impl StateBytes {
     /// The message of this cycle.
     pub(crate) fn fill(&mut self, sensed: &Sensed, said: &Said) -> &[u8] {
         put(&mut self.bytes, 0, &said.id.to_le_bytes());
-        // The pose is that which is wanted too: who tells torques wants no pose.
+        // The pose is the desired one too: a client that sends torques requests no pose.
         self.numbers(POSE, &sensed.pose);
         self.numbers(POSE + 16, &sensed.pose);
         self.numbers(TORQUE, &sensed.tau_j);

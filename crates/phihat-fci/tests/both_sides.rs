@@ -1,5 +1,5 @@
-//! Client and robot, with sockets between them, in lock-step. Wrong if a motion did not end as the interface says, if the same torques
-//! did not act twice, or if a client that comes second were not told so.
+//! Client and robot, with sockets between them, in lock-step. Wrong if a motion did not end as the interface
+//! says, if the same torques did not act twice, or if a client that comes second got no answer that says so.
 
 use std::net::Ipv4Addr;
 use std::thread::{self, JoinHandle};
@@ -17,10 +17,10 @@ const RULES: Rules = Rules {
     losses_max: Some(20),
 };
 
-/// What makes a robot stop.
+/// Action that makes a robot stop.
 type Provoke = fn(&mut Client);
 
-/// A robot that serves so many motions; what became of its world.
+/// A robot that serves so many motions; its address, and the thread that returns its world.
 fn robot(
     rules: Rules,
     patience_ms: u64,
@@ -39,13 +39,14 @@ fn robot(
     (address, served)
 }
 
-/// A client that waits a minute for a state: libfranka's 1 s would fail a test whose other thread does not get a processor for that
-/// long.
+/// A client that waits a minute for a state: libfranka's 1 s would fail a test whose other thread does not
+/// get a processor for that long.
 fn connected(address: &str, protocol: Protocol) -> Client {
     Client::connect_patient(address, protocol, Duration::from_mins(1)).unwrap()
 }
 
-/// Begins a motion; whether it runs. It does not where the robot stopped for want of commands before the client saw it begin.
+/// Begins a motion; returns true if it runs. It does not where the robot stopped for want of commands before
+/// the client saw it begin.
 fn begins(client: &mut Client) -> bool {
     match client.start_torque() {
         Ok(()) => true,

@@ -1,5 +1,5 @@
-//! Bytes of anybody. Wrong if any made a reader panic, if memory were taken by what a message claims, or if a client took an answer
-//! for what it is not.
+//! Bytes of anybody. Wrong if any made a reader panic, if memory were taken by what a message claims, or if a
+//! client took an answer for what it is not.
 
 use std::io::{Read as _, Write as _};
 use std::net::{TcpListener, UdpSocket};
@@ -103,7 +103,8 @@ fn a_version_that_is_not_spoken_is_told_which_is() {
     assert_eq!(why, "version 8 of the interface; spoken are 5 and 10");
 }
 
-/// A robot that answers the request to connect, sends one state, and answers the next request with these bytes; without any, it sends that state for ever.
+/// A robot that answers the request to connect, sends one state, and answers the next request with these
+/// bytes; without any, it sends that state for ever.
 fn liar(answer: Vec<u8>, state: usize) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap().to_string();

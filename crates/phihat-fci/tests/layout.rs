@@ -1,5 +1,5 @@
-//! Where numbers stand on the wire. Wrong if a field stood elsewhere than the headers of libfranka-common have it: the fields are listed here
-//! in their order, and places are sums of what comes before.
+//! Layout of numbers on the wire. Wrong if the place of a field differs from that in the headers of
+//! libfranka-common: the fields are listed here in their order, and places are sums of what comes before.
 
 use crate::support::{connect, start};
 use phihat_fci::{Protocol, Reflex, RobotCommand, RobotMode, RobotSide, RobotState, Rules, Sensed};

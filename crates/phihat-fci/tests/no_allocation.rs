@@ -1,4 +1,5 @@
-//! No cycle allocates. Wrong if 72,000 cycles took one allocation more than 1,000 do, on either side of the wire, with sockets or without.
+//! No cycle allocates. Wrong if 72,000 cycles took one allocation more than 1,000 do, on either side of the
+//! wire, with sockets or without.
 
 use std::net::Ipv4Addr;
 use std::thread;

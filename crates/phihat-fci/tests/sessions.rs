@@ -1,6 +1,7 @@
-//! A thousand random sessions: requests whole, cut, repeated and spoilt; commands lost, late, twice, cut, spoilt; connections that end anywhere.
-//! Wrong if a mode followed another that the table of docs/reliability.md does not have, if a torque acted that no command of that
-//! cycle had or that the rules do not bear, if an answer were no answer, or if recovery did not lead to a motion again.
+//! A thousand random sessions: requests whole, cut, repeated and spoilt; commands lost, late, twice, cut,
+//! spoilt; connections that end anywhere. Wrong if a mode followed another that the table of
+//! docs/reliability.md does not have, if a torque acted that no command of that cycle had or that the rules
+//! do not bear, if an answer were no answer, or if recovery did not lead to a motion again.
 
 use std::collections::BTreeMap;
 
@@ -53,7 +54,7 @@ impl Dice {
     }
 }
 
-/// What a session has seen so far.
+/// State of a session so far.
 struct Session {
     robot: RobotSide,
     answers: Vec<u8>,

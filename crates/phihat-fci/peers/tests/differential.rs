@@ -1,4 +1,5 @@
-//! `franka-rs` and this project's client under one law against one robot. Wrong if a torque that acted, or what was measured of it, differed in a bit.
+//! `franka-rs` and this project's client under one law against one robot. Wrong if a torque that acted, or
+//! what was measured of it, differed in a bit.
 
 #[path = "../../tests/support/mod.rs"]
 mod support;
