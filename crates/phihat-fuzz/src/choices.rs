@@ -1,6 +1,6 @@
 //! Bytes read as choices, one after the other.
 
-/// What is left of some bytes.
+/// Bytes that are not yet used for choices.
 #[derive(Debug)]
 pub struct Choices<'a>(core::slice::Iter<'a, u8>);
 
@@ -27,7 +27,7 @@ impl<'a> Choices<'a> {
         self.0.as_slice()
     }
 
-    /// Whether there is none left.
+    /// Returns true if no byte is left.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.len() == 0

@@ -7,15 +7,15 @@ use proptest::collection::vec;
 use proptest::prelude::any;
 use proptest::test_runner::{Config, RngSeed, TestCaseError, TestError, TestRunner};
 
-/// How many are drawn where `PHIHAT_FUZZ_CASES` does not say, and where `PHIHAT_ALL` is set.
+/// Number of drawn cases without `PHIHAT_FUZZ_CASES`, and that with `PHIHAT_ALL`.
 const CASES: u32 = 1_000;
 const ALL_CASES: u32 = 5_000;
 
-/// Plays up to `most` bytes, many times: `PHIHAT_FUZZ_CASES` says how often, `PHIHAT_FUZZ_SEED` which ones.
+/// Plays up to `most` bytes, many times: `PHIHAT_FUZZ_CASES` sets the number, `PHIHAT_FUZZ_SEED` the seed.
 ///
 /// # Errors
 ///
-/// What the play panicked with, and the shortest bytes found that make it.
+/// Message of the panic, and the shortest bytes found that cause it.
 ///
 /// # Panics
 ///

@@ -26,12 +26,12 @@ fn opening(protocol: Protocol) -> Vec<u8> {
     bytes
 }
 
-/// Bytes as states, commands, requests and packets, whole and spoilt: nothing panics, what acts keeps the rules, and what is
-/// answered is no more than what was asked.
+/// Bytes as states, commands, requests and packets, whole and spoilt: nothing panics, torques that act
+/// satisfy the rules, and answers are given to requests only.
 ///
 /// # Panics
 ///
-/// Where a promise is broken.
+/// If a promise is broken.
 pub fn fci(bytes: &[u8]) {
     let mut choices = Choices::of(bytes);
     let protocol = choices.of_all(&Protocol::ALL);

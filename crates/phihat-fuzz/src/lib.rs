@@ -50,7 +50,7 @@ pub fn seeds(target: &str, folder: &str, ending: &str) -> Vec<Vec<u8>> {
     seeds
 }
 
-/// Where what broke a target is kept.
+/// Folder of the stored inputs that broke a target.
 #[must_use]
 pub fn kept(target: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target)

@@ -2,7 +2,7 @@
 
 use crate::choices::Choices;
 
-/// What stands in place of a number.
+/// Replacements of a number.
 const NUMBERS: [&str; 24] = [
     "nan",
     "inf",
@@ -30,7 +30,7 @@ const NUMBERS: [&str; 24] = [
     "",
 ];
 
-/// What is put anywhere.
+/// Words inserted at any place.
 const WORDS: [&str; 28] = [
     "[", "]", "{", "}", "\"", "'", "=", ",", "\n", "\r", "\0", ".", "#", "<", ">", "</", "<!--",
     "&amp;", "&#0;", "]]>", "null", "true", "[[", "]]", "\u{feff}", "\u{202e}", "é", "\t",
@@ -51,7 +51,7 @@ pub fn mutated(seeds: &[Vec<u8>], recipe: &[u8]) -> Vec<u8> {
     text
 }
 
-/// What stands in place of bytes: sizes that are none, and the smallest steps.
+/// Replacements of bytes: invalid sizes, and the smallest steps.
 const BYTES: [u8; 8] = [0, 1, 0x15, 0x7f, 0x80, 0xf9, 0xfe, 0xff];
 
 /// A document made of a good one by a recipe, in which nothing moves: for documents that say where things are.

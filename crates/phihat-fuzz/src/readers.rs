@@ -14,7 +14,7 @@ use phihat_study::Study;
 
 use crate::project;
 
-/// Whether a message is one for people: not empty, no control characters but line ends and tabs.
+/// Returns true if a message is readable: not empty, no control characters but line ends and tabs.
 fn is_told(message: &str) -> bool {
     let plain = |c: char| !c.is_control() || c == '\n' || c == '\t';
     !message.trim().is_empty() && message.chars().all(plain)

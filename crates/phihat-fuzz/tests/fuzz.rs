@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use phihat_fuzz::{drawn, kept, mutated, overwritten, seeds};
 
-/// Processor time that nothing of 128 kB may take, however long it waits for a processor: a hundred times what the slowest takes. Work
-/// that is quadratic in its bytes takes more.
+/// Processor time that nothing of 128 kB may take, however long it waits for a processor: a hundred times
+/// what the slowest takes. Work that is quadratic in its bytes takes more.
 const SLOWEST: Duration = Duration::from_secs(2);
 
 /// The same of a compressed file, which may unfold to much more than it is.
@@ -22,14 +22,14 @@ fn tried(name: &str, target: fn(&[u8]), bytes: &[u8]) {
     assert!(took < most, "{name}: {} bytes take {took:?}", bytes.len());
 }
 
-/// How long this thread had a processor.
+/// Processor time of this thread.
 #[cfg(unix)]
 fn processor_time() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     Duration::new(time.tv_sec.unsigned_abs(), u32::try_from(time.tv_nsec).unwrap())
 }
 
-/// Where no processor time is to be had, none is bounded.
+/// Zero where the system gives no processor time: it is then not bounded.
 #[cfg(not(unix))]
 fn processor_time() -> Duration {
     Duration::ZERO
