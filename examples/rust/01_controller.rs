@@ -1,8 +1,8 @@
 //! 01: one joint under control.
 //!
-//! A pendulum of 2 kg on 0.4 m with dry friction. The controller knows neither mass, length, gravity nor friction:
-//! one nominal inertia, a bandwidth, and the torque that acted. The same in C and in Python: examples/c/01_controller.c,
-//! examples/python/01_controller.py.
+//! A pendulum of 2 kg on 0.4 m with dry friction. The controller knows neither mass, length, gravity nor
+//! friction: one nominal inertia, a bandwidth, and the torque that acted. The same in C and in Python:
+//! examples/c/01_controller.c, examples/python/01_controller.py.
 //!
 //! Run it: `cargo run -p phihat-examples --example 01_controller`
 

@@ -20,7 +20,7 @@ const LENGTH: f64 = 0.4;
 const INERTIA: f64 = MASS * LENGTH * LENGTH;
 const START: f64 = 0.4;
 
-/// What a person asks for: arm, hold, track; and after the stop, once the link is back, the same again.
+/// Requests of an operator: arm, hold, track; and after the stop, once the link is back, the same again.
 fn wish(k: u64) -> ModeRequest {
     match k {
         0..10 => ModeRequest::Arm,

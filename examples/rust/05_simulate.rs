@@ -65,7 +65,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Where the run came from: the page repeats it, so that a reader can make it again.
+/// Origin of the run: the page repeats it, so that a reader can make it again.
 fn origin(study: &Study) -> RunInfo {
     RunInfo {
         study: study.name.clone(),

@@ -44,7 +44,7 @@ const URDF: &str = r#"
 </robot>
 "#;
 
-/// What a URDF cannot say: the rotors' inertia, seen from the joint.
+/// Data that a URDF cannot contain: the rotors' inertia, reflected to the joint.
 const EXTRAS: &str = r#"
 name = "mine"
 description = "Two links in the vertical plane"

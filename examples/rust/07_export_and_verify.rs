@@ -62,7 +62,7 @@ fn designed() -> Result<Gains, Box<dyn Error>> {
     }
 }
 
-/// What a stranger does with the file: nothing is needed but its text.
+/// Verification by somebody else: nothing is needed but the text of the file.
 fn check(text: &str) -> Result<Verified, Box<dyn Error>> {
     let gains = Gains::from_json(text)?;
     let certificate = gains.certificate.as_ref().ok_or("the gains carry no certificate")?;
