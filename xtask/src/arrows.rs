@@ -1,5 +1,5 @@
-//! The crates: which may use which, and why each is one. ARCHITECTURE.md's table is made from this, and CI holds both against
-//! the manifests.
+//! The crates: which may use which, and why each is one. ARCHITECTURE.md's table is made from this, and CI
+//! holds both against the manifests.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -247,7 +247,7 @@ pub(crate) const PUBLISHED: [&str; 16] = [
     "phihat-cli",
 ];
 
-/// What a crate may not reach on any way: crates of ours and of others.
+/// Crates that a crate may not reach on any way, ours and others.
 const NEVER: [(&str, &[&str]); 4] = [
     ("phihat-certificate", &["phihat-design", "nalgebra", "microlp"]),
     ("phihat-sim", &["phihat-design"]),
@@ -292,8 +292,8 @@ pub(crate) fn bless(root: &Path) -> Result<(), String> {
     fs::write(root.join(DOCUMENT), text).map_err(|e| format!("{DOCUMENT}: {e}"))
 }
 
-/// Every arrow that the table does not allow, a core that depends on anything, a way where there may be none, and a document
-/// that says something else.
+/// Every arrow that the table does not allow, a core that depends on anything, a way where there may be none,
+/// and a document that says something else.
 pub(crate) fn wrong(root: &Path) -> Result<Vec<String>, String> {
     let metadata = metadata(root)?;
     let allowed: BTreeMap<_, _> = CRATES.into_iter().map(|(name, may, _)| (name, may)).collect();

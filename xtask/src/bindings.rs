@@ -8,7 +8,7 @@ use std::process::Command;
 use crate::shell::command;
 use crate::{book, programs, tools, venv};
 
-/// What every C and C++ program here is compiled with.
+/// Compiler flags of every C and C++ program here.
 const WARNINGS: [&str; 5] = ["-Wall", "-Wextra", "-Werror", "-pedantic", "-g"];
 
 /// Programs: source, and whether it takes the test vectors.
@@ -61,7 +61,8 @@ pub(crate) fn c(root: &Path) -> Result<(), String> {
     ros2(root, &library)
 }
 
-/// The ros2_control plugin, compiled against stand-ins for the headers of two releases, on records of the Rust supervisor.
+/// The ros2_control plugin, compiled against stand-ins for the headers of two releases, on records of the
+/// Rust supervisor.
 fn ros2(root: &Path, library: &str) -> Result<(), String> {
     let records = root.join("target/ros2").display().to_string();
     let status = Command::new("cargo")
@@ -99,7 +100,8 @@ fn ros2(root: &Path, library: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Checks types, tests, examples and the book's Python on the package as the gate's build left it; the wheel is tried by `--all`.
+/// Checks types, tests, examples and the book's Python on the package as the gate's build left it; the wheel
+/// is tried by `--all`.
 pub(crate) fn python(root: &Path) -> Result<(), String> {
     python_with(root, None)
 }
@@ -170,7 +172,8 @@ pub(crate) fn install(root: &Path, python: &str) -> Result<(), String> {
     if wheels.exists() {
         fs::remove_dir_all(&wheels).map_err(|e| e.to_string())?;
     }
-    // For this machine, as the command was just built: a wheel for others is built with `RUSTFLAGS=""`, which changes no bit.
+    // For this machine, as the command was just built: a wheel for others is built with `RUSTFLAGS=""`, which
+    // changes no bit.
     let build = ["-m", "maturin", "build", "--release", "--quiet", "--out"];
     let status = Command::new(python)
         .args(build)

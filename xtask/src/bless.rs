@@ -1,4 +1,4 @@
-//! What the README shows is what the program prints: written by `cargo xtask bless`, checked by the tests.
+//! Output of the program in the README: written by `cargo xtask bless`, checked by the tests.
 
 use std::fs;
 use std::path::Path;
@@ -15,10 +15,10 @@ const CLOSE: &str = "```\n";
 
 /// The reproduction of the paper that the repository keeps.
 const KEPT: &str = "docs/reproduction";
-/// What is made to be kept or compared; it stays in the build folder.
+/// Folder of a fresh reproduction, to be stored or compared, in the build folder.
 const FRESH: &str = "target/reproduction";
 
-/// Runs the main job and writes its output, the paper's reproduction, and what of the book is made.
+/// Runs the main job and writes its output, the paper's reproduction, and the generated parts of the book.
 pub(crate) fn run(root: &Path) -> Result<(), String> {
     reproduction(root)?;
     let (before, after) = frame(root)?;
@@ -62,8 +62,8 @@ pub(crate) fn comparison(root: &Path) -> Result<(), String> {
 const FRONTS: &str = "effort-pid,industrial-pid,super-twisting,disturbance-observer,adrc,time-delay,indi,computed-torque-integral,\
     momentum-observer,proposed-1,proposed-positions-1,proposed-positions-2,proposed-positions-designed";
 
-/// A part of the fronts on the planar arm and on the Panda, what was chosen on one tried on the other, and the pages kept. What was
-/// interrupted goes on where it was.
+/// A part of the fronts on the planar arm and on the Panda, what was chosen on one tried on the other, and
+/// the pages kept. What was interrupted goes on where it was.
 pub(crate) fn fronts(root: &Path) -> Result<(), String> {
     let arms = [
         ("table1", "10", "table1_panda", "report.html"),
@@ -81,7 +81,7 @@ pub(crate) fn fronts(root: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether a fresh reproduction says what the kept one does: verdicts, and numbers within their tolerance.
+/// Checks that a fresh reproduction agrees with the stored one: verdicts, and numbers within their tolerance.
 pub(crate) fn reproduced(root: &Path) -> Result<(), String> {
     let kept = format!("{KEPT}/reproduction.json");
     let verb = ["phihat", "reproduce", "--out", FRESH, "--against", &kept];
@@ -90,7 +90,7 @@ pub(crate) fn reproduced(root: &Path) -> Result<(), String> {
     })
 }
 
-/// Whether the README shows what a program prints now.
+/// Checks that the README shows the present output of a program.
 pub(crate) fn check(root: &Path, program: &Path) -> Result<(), String> {
     let (before, after) = frame(root)?;
     let printed = output(Command::new(program).args(MAIN_JOB).current_dir(root))?;
@@ -109,7 +109,7 @@ fn frame(root: &Path) -> Result<(String, String), String> {
     Ok((before.to_owned(), after.to_owned()))
 }
 
-/// What a command prints.
+/// Output of a command.
 fn output(command: &mut Command) -> Result<String, String> {
     let output = command.output().map_err(|e| format!("{command:?}: {e}"))?;
     if !output.status.success() {

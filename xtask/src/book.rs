@@ -84,11 +84,11 @@ impl Block {
     }
 }
 
-/// What of a page is run.
+/// Part of a page that is run.
 #[derive(Clone, Copy, PartialEq)]
 enum Part<'a> {
     Commands,
-    /// The commands, and what the page shows of their output becomes what they print now.
+    /// The commands, and the output that the page shows is replaced by the present one.
     Renewed,
     Python(&'a str, &'a Path),
 }
@@ -98,7 +98,8 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
     checked(root, |page| !LONG.iter().any(|long| page.ends_with(long)))
 }
 
-/// Runs the commands of the pages that [`check`] leaves out, and holds the figures that they make against those that are kept.
+/// Runs the commands of the pages that [`check`] leaves out, and compares the figures that they make with
+/// those that are stored.
 pub(crate) fn check_long(root: &Path) -> Result<(), String> {
     checked(root, |page| LONG.iter().any(|long| page.ends_with(long)))?;
     for (made, kept) in figures(root) {
@@ -202,7 +203,7 @@ fn pages(root: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(pages)
 }
 
-/// Where a document's links and pictures lead.
+/// Targets of a document's links and pictures.
 fn targets(markdown: &str) -> Vec<String> {
     let targets = Parser::new(markdown).filter_map(|event| match event {
         Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. }) => {
@@ -332,7 +333,7 @@ fn run(root: &Path, page: &Path, part: Part<'_>, program: &Path) -> Result<(), S
     if part == Part::Renewed { write(&path, &markdown) } else { Ok(()) }
 }
 
-/// Whether a block is one that something is done with.
+/// Checks that a block is of a known kind.
 fn understood(block: &Block) -> Result<(), String> {
     let known = |attribute: &String| match block.language.as_str() {
         "sh" => attribute == "not-run" || attribute.starts_with("exit="),

@@ -19,7 +19,8 @@ pub(crate) fn tools(root: &Path) -> Result<PathBuf, String> {
     Ok(folder)
 }
 
-/// The README's main job, whose output the README shows; then a short look at its report, at a page of each other kind, and at the studio.
+/// The README's main job, whose output the README shows; then a short look at its report, at a page of each
+/// other kind, and at the studio.
 pub(crate) fn short(root: &Path) -> Result<(), String> {
     let program = programs::program(root, "phihat-cli/phihat")?;
     bless::check(root, &program)?;
@@ -66,7 +67,8 @@ fn comparison(root: &Path) -> Result<String, String> {
     Ok(format!("{out}/report.html"))
 }
 
-/// The reports of the README and of two more studies, with traces as texts beside them, which the checks in a browser read; made where they are not there yet.
+/// The reports of the README and of two more studies, with traces as texts alongside, which the checks in a
+/// browser read; made where they are not there yet.
 pub(crate) fn reports(root: &Path) -> Result<Vec<String>, String> {
     let mut pages = Vec::new();
     for study in ["panda", "first", "panda_design"] {
@@ -115,8 +117,8 @@ pub(crate) fn every(root: &Path) -> Result<(), String> {
     studio(root, &folder)
 }
 
-/// `phihat studio` in a browser: the Panda under the gains of the main job, a study whose gains are stated, a record, an arm
-/// with a mesh, and a log.
+/// `phihat studio` in a browser: the Panda under the gains of the main job, a study whose gains are stated, a
+/// record, an arm with a mesh, and a log.
 fn studio(root: &Path, folder: &Path) -> Result<(), String> {
     let program = programs::program(root, "phihat-cli/phihat")?.display().to_string();
     let at = |path: &str| root.join(path).display().to_string();

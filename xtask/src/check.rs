@@ -167,8 +167,8 @@ fn edited_tests<'a>(workspace: &'a Workspace, files: &[String]) -> Vec<(&'a str,
         .collect()
 }
 
-/// Which of the crates can be tested soon; and which not, since their tests use crates that are built on them and would
-/// all be built again.
+/// The crates that can be tested soon; and those that cannot, since their tests use crates that are built on
+/// them and would all be built again.
 fn testable(
     workspace: &Workspace,
     changed: &BTreeSet<String>,
@@ -198,7 +198,7 @@ fn users(workspace: &Workspace, below: &BTreeSet<String>) -> BTreeSet<String> {
     }
 }
 
-/// What was not looked at, one line each.
+/// Parts that were not checked, one line each.
 fn left_out(
     workspace: &Workspace,
     files: &[String],

@@ -1,5 +1,5 @@
-//! What the workspace may stand on: licences, sources, versions side by side; offline, from the lock file and what is
-//! downloaded already.
+//! Dependencies that the workspace may have: licences, sources, versions side by side; offline, from the lock
+//! file and what is downloaded already.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -119,7 +119,7 @@ fn licences(root: &Path) -> Result<Vec<String>, String> {
     Ok(wrong)
 }
 
-/// Whether one alternative of an expression consists of allowed licences.
+/// Returns true if one alternative of an expression consists of allowed licences.
 fn allowed(expression: &str) -> bool {
     let flat = expression.replace(['(', ')'], "").replace('/', " OR ");
     // "a OR b AND c" as crates write it: "(a OR b) AND c".

@@ -1,4 +1,5 @@
-//! `cargo xtask dist`: what a release consists of, in `target/dist`; and the check that each part works where nothing else is.
+//! `cargo xtask dist`: the parts of a release, in `target/dist`; and the check that each part works where
+//! nothing else is.
 //!
 //! | file | what it is |
 //! |---|---|
@@ -21,10 +22,10 @@ const OUT: &str = "target/dist";
 /// Builds for other machines than this one have a folder of their own: they share nothing with the others.
 const BUILD: &str = "target/dist-build";
 
-/// What makes the wheel.
+/// Package that makes the wheel.
 const MATURIN: [&str; 1] = ["maturin==1.16.0"];
 
-/// What holds the workflow files against the schema of their makers.
+/// Package that checks the workflow files by the schema of their makers.
 const LINT: [&str; 1] = ["check-jsonschema==0.39.0"];
 
 /// Examples of Python that need nothing but what the wheel declares.
@@ -115,8 +116,9 @@ fn sums(out: &Path) -> Result<(), String> {
     write(&out.join("SHA256SUMS"), &text)
 }
 
-/// Makes all parts and tries each where nothing else is: the command runs the tutorial from its archive, the wheel runs examples in an
-/// environment that has only what it declares. The source packages are built alone by a step of their own.
+/// Makes all parts and tries each where nothing else is: the command runs the tutorial from its archive, the
+/// wheel runs examples in an environment that has only what it declares. The source packages are built alone
+/// by a step of their own.
 pub(crate) fn tried(root: &Path) -> Result<(), String> {
     run(root)?;
     let out = root.join(OUT);
@@ -145,7 +147,7 @@ pub(crate) fn tried(root: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether the workflow files say what their schema allows.
+/// Checks that the workflow files satisfy their schema.
 pub(crate) fn workflows(root: &Path) -> Result<(), String> {
     let python = venv::python(root, &tools::folder()?.join("workflows"), &LINT)?;
     let all: Vec<String> = files(&root.join(".github/workflows"), "yml")?

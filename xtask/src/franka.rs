@@ -1,5 +1,5 @@
-//! `cargo xtask franka`: peers of the Franka Control Interface that nobody here wrote: a client beside ours, and a simulated robot, which keeps
-//! the interface's rules, under `phihat drive`.
+//! `cargo xtask franka`: peers of the Franka Control Interface that nobody here wrote: a client in addition
+//! to ours, and a simulated robot, which keeps the interface's rules, under `phihat drive`.
 
 use std::path::Path;
 

@@ -5,13 +5,13 @@ use std::process::{Command, Stdio};
 
 use crate::shell::{read, write};
 
-/// Where the tables are kept, and between what.
+/// File of the tables, and the marks around them.
 const FILE: &str = "docs/laws.md";
 const BEGIN: &str = "<!-- tables, by cargo xtask laws -->\n";
 const END: &str = "<!-- end of tables -->";
 
-/// Measures, optimised. Told nothing, or only `--json FILE` or `--fresh`, it measures everything and keeps it in the docs;
-/// told a part, it prints that part.
+/// Measures, optimised. Without arguments, or with only `--json FILE` or `--fresh`, it measures everything
+/// and stores it in the docs; with the name of a part, it prints that part.
 pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
     let build = ["run", "--quiet", "--release", "-p", "phihat-compare", "--example", "laws", "--"];
     let output = Command::new("cargo")

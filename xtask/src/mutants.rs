@@ -1,4 +1,5 @@
-//! `cargo xtask mutants`: does a test fail where the code is changed? By cargo-mutants, settings in `.cargo/mutants.toml`.
+//! `cargo xtask mutants`: does a test fail where the code is changed? By cargo-mutants, settings in
+//! `.cargo/mutants.toml`.
 
 use std::path::Path;
 use std::process::Command;
@@ -14,7 +15,8 @@ const INSTALL: &str = "cargo-mutants is missing; `cargo install cargo-mutants --
 /// The part of the core's mutants that one commit tries, one in so many: six or seven of them.
 const ROTATION: u32 = 250;
 
-/// What a handful has to reach \[%\]: three survivors of six fail, which chance brings once in 2,000 commits where 97 % are killed.
+/// Least share of killed mutants in a handful \[%\]: three survivors of six fail, which chance brings once in
+/// 2,000 commits where 97 % are killed.
 const LEAST_OF_A_HANDFUL: f64 = 60.0;
 
 /// Tries a handful of the core's mutants, others at every commit; installs what it needs.
@@ -96,7 +98,7 @@ fn in_crate(file: &str, name: &str) -> bool {
     file.starts_with(&format!("crates/{name}/src/"))
 }
 
-/// Whether cargo has this command.
+/// Returns true if cargo has this command.
 fn is_there(command: &str) -> bool {
     let output = Command::new("cargo").args([command, "--version"]).output();
     output.is_ok_and(|output| output.status.success())

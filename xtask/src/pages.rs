@@ -5,10 +5,10 @@ use std::process::Command;
 
 use crate::programs;
 
-/// Where they are put.
+/// Folder of the pages.
 pub(crate) const FOLDER: &str = "out/screenshots/pages";
 
-/// A page in [`FOLDER`], what `--out` is told, and the words of the command.
+/// A page in [`FOLDER`], the value of `--out`, and the words of the command.
 pub(crate) type Made = (&'static str, &'static str, &'static str);
 
 /// Pages of tables and pictures.

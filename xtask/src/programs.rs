@@ -15,8 +15,8 @@ const PLACES: &str = "programs.json";
 pub(crate) const BENCHES: [&str; 6] =
     ["update", "instructions", "soak", "dynamics", "tube", "closed_loop"];
 
-/// Builds libraries, programs, examples, tests and benches of the workspace in one go, with one profile and the features that a user has by default, and
-/// notes where the programs are.
+/// Builds libraries, programs, examples, tests and benches of the workspace in one go, with one profile and
+/// the features that a user has by default, and notes where the programs are.
 pub(crate) fn build(root: &Path) -> Result<(), String> {
     if Command::new("clippy-driver").arg("--version").output().is_err() {
         return Err("clippy-driver is missing: rustup component add clippy".to_owned());
@@ -49,9 +49,10 @@ fn noted(root: &Path, more: &[&str]) -> Result<(), String> {
     write(&gate_folder(root)?.join(PLACES), &text)
 }
 
-/// Makes a cargo command compile as [`build`] does, and so use what it has compiled: crates of the workspace by clippy's driver, which is
-/// rustc with the lints, a warning being an error. A pass of clippy by itself would check every crate a second time, which takes
-/// as long as a third of the build. The driver leaves out some optimisations before LLVM's; results are the same to the bit.
+/// Makes a cargo command compile as [`build`] does, and so use what it has compiled: crates of the workspace
+/// by clippy's driver, which is rustc with the lints, a warning being an error. A pass of clippy by itself
+/// would check every crate a second time, which takes as long as a third of the build. The driver leaves out
+/// some optimisations before LLVM's; results are the same to the bit.
 pub(crate) fn like_the_build(command: &mut Command) -> &mut Command {
     // What `cargo clippy -- -Dwarnings` sets.
     command

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use crate::instructions::{build, collected};
 
-/// Where the comparison reads them.
+/// File from which the comparison reads the counts.
 const FILE: &str = "crates/phihat-compare/src/instructions.toml";
 
 /// Arms that are counted on.

@@ -14,7 +14,7 @@ const WORDS: [(&str, &str); 4] = [
     ("unimplemented!", "an error value"),
 ];
 
-/// What is only to become less: lines of code outside of tests' files that have it.
+/// Texts that may only become fewer, with the number of lines of code outside of tests' files that have them.
 const COUNTED: [(&str, usize); 2] = [("unsafe ", 77), ("[allow(", 70)];
 
 /// Sources in which no number may be passed over: what claims, checks or lets an arm run.
@@ -50,7 +50,8 @@ fn folds_that_drop_nan(text: &str) -> Vec<usize> {
     found
 }
 
-/// What only the one way to the disk may do, so that a test can have any of it fail; and where that is.
+/// Calls that only the one way to the disk may make, so that a test can have any of them fail; and the file
+/// of that way.
 const WRITERS: [&str; 6] = [
     "fs::write(",
     "File::create",
@@ -226,7 +227,8 @@ fn inspect(object: &Path) -> Result<usize, String> {
     Ok(symbols.lines().filter(|line| line.contains(" T freestanding::")).count())
 }
 
-/// Packs every library crate and the command as a registry would get them; with `built`, builds each from its package alone.
+/// Packs every library crate and the command as a registry would get them; with `built`, builds each from its
+/// package alone.
 pub(crate) fn packages(root: &Path, built: bool) -> Result<(), String> {
     let names = arrows::PUBLISHED.iter().flat_map(|name| ["--package", name]);
     let line = ["package", "--quiet", "--allow-dirty"].into_iter().chain(names);

@@ -6,11 +6,11 @@ use crate::pages::{COMPARISON, PLAIN, made};
 use crate::shell::command;
 use crate::{browser, programs};
 
-/// Where they are put unless somebody says otherwise.
+/// Default folder of the pictures.
 const OUT: &str = "out/screenshots";
 
-/// Makes the pages that are not there yet, and pictures of all of them, of those that `args` names after the folder, and of
-/// the studio.
+/// Makes the pages that are not there yet, and pictures of all of them, of those that `args` names after the
+/// folder, and of the studio.
 pub(crate) fn run(root: &Path, args: &[String]) -> Result<(), String> {
     let whole = |path: &str| {
         absolute(path).map(|path| path.display().to_string()).map_err(|e| format!("{path}: {e}"))

@@ -1,4 +1,4 @@
-//! Where the workspace is, and programs run in it.
+//! Folder of the workspace, and programs run in it.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,9 +1,9 @@
 //! Output that a page shows, held against what was printed, and renewed from it.
 
-/// What stands for anything: alone for any lines, at the end of a line for the rest of it.
+/// Placeholder for any text: alone for any lines, at the end of a line for the rest of it.
 const ANYTHING: char = '…';
 
-/// Whether each line that is shown was printed, in this order.
+/// Checks that each line that is shown was printed, in this order.
 pub(crate) fn in_order(shown: &str, printed: &str) -> Result<(), String> {
     let mut rest = printed.lines().map(str::trim);
     for line in shown.lines().map(str::trim).filter(|line| !blank(line)) {
@@ -14,8 +14,8 @@ pub(crate) fn in_order(shown: &str, printed: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// The lines that are shown, each as it is printed now: the next line that differs in its numbers alone takes its place. A line
-/// that has no such successor stays, for [`in_order`] to complain of.
+/// The lines that are shown, each as it is printed now: the next line that differs in its numbers alone takes
+/// its place. A line that has no such successor stays, for [`in_order`] to complain of.
 pub(crate) fn renewed(shown: &str, printed: &str) -> String {
     let printed: Vec<&str> = printed.lines().collect();
     let mut after = 0;

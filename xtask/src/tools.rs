@@ -17,7 +17,8 @@ pub(crate) fn folder() -> Result<PathBuf, String> {
     Ok(folder)
 }
 
-/// A lock on the folder of tools, so that two clones do not install one tool at the same time; it ends when it is dropped.
+/// A lock on the folder of tools, so that two clones do not install one tool at the same time; it ends when
+/// it is dropped.
 pub(crate) fn lock() -> Result<File, String> {
     let path = folder()?.join("lock");
     let failed = |e: std::io::Error| format!("{}: {e}", path.display());
@@ -26,7 +27,8 @@ pub(crate) fn lock() -> Result<File, String> {
     Ok(file)
 }
 
-/// A program of cargo's registry in one version: the one on the path if it has that version, else one of our own, built from source.
+/// A program of cargo's registry in one version: the one on the path if it has that version, else one of our
+/// own, built from source.
 pub(crate) fn from_cargo(
     root: &Path,
     name: &str,

@@ -11,7 +11,7 @@ use crate::shell::cargo;
 const USAGE: &str = "usage: cargo xtask verbs [--beside PROGRAM] [--rounds N]";
 const ROUNDS: usize = 5;
 
-/// What is waited for, as it is typed; OUT is a folder that is empty before the first of them.
+/// Commands that are timed, as they are typed; OUT is a folder that is empty before the first of them.
 const VERBS: [(&str, &str); 7] = [
     ("run, a first time, three joints", "run studies/first.toml --out OUT/first"),
     ("design, seven joints", "design studies/panda.toml --out OUT/gains.json"),
@@ -79,8 +79,8 @@ fn options(args: &[String]) -> Result<(Option<PathBuf>, usize), String> {
     Ok((beside, rounds))
 }
 
-/// How long a verb takes, and until it says what came out; one that fails for another reason than a run outside of its specification
-/// is told.
+/// Time of a verb, and time until it prints its verdict \[s\]; a failure for another reason than a run
+/// outside of its specification is an error.
 fn seconds(root: &Path, program: &Path, typed: &str, out: &Path) -> Result<(f64, f64), String> {
     let words = typed.split(' ').map(|word| word.replace("OUT", &out.display().to_string()));
     let mut command = Command::new(program);

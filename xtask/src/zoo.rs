@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use crate::shell::{cargo, command};
 use crate::venv;
 
-/// What the comparison runs in. What it reads is pinned in the script.
+/// Python packages of the comparison. Its data are pinned in the script.
 const PACKAGES: [&str; 2] = ["numpy==2.4.6", "pin==4.1.0"];
 
 const SCRIPT: &str = "tools/zoo.py";
 
-/// What the chore is told; the rest goes to the script.
+/// Arguments of the chore; the rest goes to the script.
 #[derive(Debug, Default, PartialEq)]
 struct Told {
     folder: Option<PathBuf>,

@@ -43,7 +43,7 @@ impl Series {
         }
     }
 
-    /// How far the rounds lie apart, over the best; one round says nothing about it.
+    /// Spread of the rounds, over the best; `None` for one round.
     fn spread(&self) -> Option<f64> {
         if self.rounds.len() < 2 {
             return None;
@@ -58,7 +58,7 @@ impl Series {
     }
 }
 
-/// What names a figure: the robot (or nothing), then algorithm and its variant.
+/// Name of a figure: the robot (or nothing), then algorithm and its variant.
 type Name = (String, String);
 
 /// One side's figures.
@@ -69,8 +69,8 @@ pub(super) struct Figures {
 
 impl Figures {
     /// Takes one round's output: a JSON object per line, such as
-    /// `{"robot":"panda","algorithm":"aba","ns":412.3}`. Quartiles of a round are passed over, further fields name a variant; lines
-    /// that are no JSON object are other people's talk.
+    /// `{"robot":"panda","algorithm":"aba","ns":412.3}`. Quartiles of a round are passed over, further fields
+    /// name a variant; lines that are no JSON object are other people's talk.
     pub(super) fn add(&mut self, lines: &str) -> Result<(), String> {
         for line in lines.lines().filter(|line| line.starts_with('{')) {
             let read: Map<String, Value> =

@@ -1,4 +1,4 @@
-//! What was measured before: docs/speed.json, and the page that is made of it.
+//! Earlier measurements: docs/speed.json, and the page that is made of it.
 
 use std::fmt::Write as _;
 use std::fs;

@@ -1,4 +1,5 @@
-//! `cargo xtask bench`: our dynamics and Pinocchio's, side by side on this machine; and many arms at once, beside MuJoCo's rollouts.
+//! `cargo xtask bench`: our dynamics and Pinocchio's, side by side on this machine; and many arms at once,
+//! alongside MuJoCo's rollouts.
 //!
 //! All sides are built here with the machine's full instruction set, pinned to one core, and run in
 //! alternation, so that a slow minute of the machine meets all. Each run prints one median per

@@ -1,4 +1,5 @@
-//! Pinocchio: its wheel, a compiler, and the timing program built from the wheel's headers. MuJoCo: its wheel and a script.
+//! Pinocchio: its wheel, a compiler, and the timing program built from the wheel's headers. MuJoCo: its wheel
+//! and a script.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +10,7 @@ use serde_json::{Value, json};
 use super::machine::first_line;
 use super::places::{ARMS, Places, output, write};
 
-/// What Pinocchio's own build asks for, and the optimisation that users of it would choose.
+/// Flags of Pinocchio's own build, and the optimisation that users of it would choose.
 const FLAGS: [&str; 8] = [
     "-O3",
     "-DNDEBUG",

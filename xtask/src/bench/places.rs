@@ -1,4 +1,4 @@
-//! Where the benches lie, what they are about, and how they are run.
+//! Folders of the benches, the arms that they compute, and the commands that run them.
 
 use std::fs;
 use std::path::{Path, PathBuf};

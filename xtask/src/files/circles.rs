@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::tree::Tree;
 use super::uses::{Arrows, arrows};
 
-/// How many files lie on circles, and what ties each.
+/// Number of files on circles, and the names that tie each circle.
 pub(super) fn told(tree: &Tree) -> (usize, Vec<String>) {
     let arrows = arrows(tree);
     let found = circles(&arrows);
@@ -39,7 +39,7 @@ fn circles(arrows: &Arrows) -> Vec<BTreeSet<String>> {
     found
 }
 
-/// What a file uses, what that uses, and so on.
+/// Files that a file uses, directly or through others.
 fn reach<'a>(arrows: &'a Arrows, from: &String) -> BTreeSet<&'a String> {
     let mut found = BTreeSet::new();
     let mut open: Vec<&String> = arrows.get(from).into_iter().flat_map(BTreeMap::keys).collect();

@@ -1,4 +1,4 @@
-//! How long functions and files are, and how often an error is only a text.
+//! Lengths of functions and files, and errors that are only a text.
 
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
@@ -26,12 +26,13 @@ pub(super) fn long_functions(tree: &Tree) -> Vec<String> {
     longer.flatten().collect()
 }
 
-/// Whether nobody reads a file from end to end: one of the dynamics written out, which a test holds to what it is made from.
+/// Returns true for a file that nobody reads from end to end: one of the dynamics written out, which a test
+/// compares with its source.
 fn written_by_a_program(file: &str) -> bool {
     file.starts_with("straight/") && !file.ends_with("mod.rs")
 }
 
-/// Where an error is a `String`: nobody can tell its kind but by reading it.
+/// Places where an error is a `String`: nobody can tell its kind but by reading it.
 pub(super) fn errors_of_text(tree: &Tree) -> Vec<String> {
     let all = gathered(tree).into_iter();
     all.flat_map(|(file, measured)| {
@@ -40,7 +41,7 @@ pub(super) fn errors_of_text(tree: &Tree) -> Vec<String> {
     .collect()
 }
 
-/// Where a condition has a `let` among others (Rust 1.88): the core compiles with an older compiler.
+/// Places where a condition has a `let` among others (Rust 1.88): the core compiles with an older compiler.
 pub(super) fn let_chains(tree: &Tree) -> Vec<String> {
     let all = gathered(tree).into_iter();
     all.flat_map(|(file, measured)| {
@@ -54,7 +55,7 @@ pub(super) fn lines(tree: &Tree) -> impl Iterator<Item = usize> {
     tree.files.values().map(|file| file.lines)
 }
 
-/// Told where half of the files are longer than what reads well.
+/// Message if half of the files are longer than what reads well.
 pub(super) fn median(mut lines: Vec<usize>) -> Option<String> {
     lines.sort_unstable();
     let median = lines.get(lines.len() / 2).copied().unwrap_or(0);
@@ -62,7 +63,7 @@ pub(super) fn median(mut lines: Vec<usize>) -> Option<String> {
         .then(|| format!("the median file has {median} lines, at most {MEDIAN_MAX}"))
 }
 
-/// What a module's code measures.
+/// Figures of a module's code.
 #[derive(Default)]
 struct Measured {
     long: Vec<(String, usize)>,

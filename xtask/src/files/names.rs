@@ -1,4 +1,4 @@
-//! What a name means in a module: a module, or something that a file defines.
+//! Meaning of a name in a module: a module, or something that a file defines.
 
 use std::collections::BTreeMap;
 
@@ -24,11 +24,11 @@ pub(super) struct Import {
     pub(super) path: Vec<String>,
     /// The name that it has here; none for `*`.
     name: Option<String>,
-    /// Whether others may see it: it is passed on.
+    /// True if others may see it: it is passed on.
     pub(super) passed_on: bool,
 }
 
-/// What a path leads to.
+/// Target of a path.
 enum Found {
     Module(Vec<String>),
     File(String),
@@ -92,7 +92,7 @@ impl<'a> Names<'a> {
         })
     }
 
-    /// What a name is in a module.
+    /// Target of a name in a module.
     fn member(&self, module: &[String], name: &str, depth: usize) -> Option<Found> {
         let child: Vec<String> = module.iter().cloned().chain([name.to_owned()]).collect();
         if self.scopes.contains_key(&child[..]) {
@@ -135,7 +135,7 @@ fn defined(item: &Item) -> Option<String> {
     Some(ident.to_string())
 }
 
-/// What a `use` brings.
+/// Imports of a `use`.
 pub(super) fn imports(item: &Item) -> Vec<Import> {
     let Item::Use(item) = item else { return Vec::new() };
     let mut found = Vec::new();
@@ -176,7 +176,7 @@ fn gather(tree: &UseTree, path: &mut Vec<String>, passed_on: bool, found: &mut V
 }
 
 impl Import {
-    /// Whether it takes all that a module has.
+    /// Returns true if it takes all that a module has.
     pub(super) fn whole(&self) -> bool {
         self.name.is_none()
     }

@@ -77,7 +77,7 @@ impl Tree {
     }
 }
 
-/// Whether it says `cfg(test)` or `test`, alone or among others.
+/// Returns true if the attribute is `cfg(test)` or `test`, alone or among others.
 pub(super) fn is_test(attribute: &Attribute) -> bool {
     if attribute.path().is_ident("test") {
         return true;

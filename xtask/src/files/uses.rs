@@ -1,4 +1,4 @@
-//! Which file uses something that another file of its crate defines.
+//! Uses between the files of a crate: from a file to those that define what it uses.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,7 +14,8 @@ pub(super) type Arrows = BTreeMap<String, BTreeMap<String, BTreeSet<String>>>;
 
 /// Every arrow between two files of a crate.
 ///
-/// What a module only passes on (`pub use`) is no arrow; whoever takes it there takes it from where it is defined.
+/// A name that a module only passes on (`pub use`) is no arrow; a use of it there counts as one of the file
+/// that defines it.
 pub(super) fn arrows(tree: &Tree) -> Arrows {
     let names = Names::new(tree);
     let mut arrows = Arrows::new();
@@ -41,7 +42,7 @@ pub(super) fn arrows(tree: &Tree) -> Arrows {
     arrows
 }
 
-/// What the paths of a module's code lead to.
+/// Targets of the paths in a module's code.
 struct Seen<'a> {
     module: &'a [String],
     names: &'a Names<'a>,

@@ -1,4 +1,5 @@
-//! `xtask measured PROGRAM …`: runs one test and notes its processor time. The gate makes it cargo's runner of test programs.
+//! `xtask measured PROGRAM …`: runs one test and notes its processor time. The gate makes it cargo's runner
+//! of test programs.
 
 use std::ffi::OsString;
 use std::fs::OpenOptions;

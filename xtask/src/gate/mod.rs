@@ -1,7 +1,8 @@
 //! `cargo xtask test`: the gate, which is everything that an edit can break; with `--all` the long campaigns too.
 //!
-//! The steps stand in [`steps`]. Steps of one [`Stage`] run side by side, two at a time, each in a process of its own, so that
-//! the processor time of each is measured apart ([`times`]). What a step prints is shown when it has ended.
+//! The steps stand in [`steps`]. Steps of one [`Stage`] run side by side, two at a time, each in a process of
+//! its own, so that the processor time of each is measured separately ([`times`]). What a step prints is
+//! shown when it has ended.
 
 mod measured;
 mod pool;
@@ -18,7 +19,7 @@ use times::Times;
 
 pub(crate) use measured::run as measured;
 
-/// What the words after `cargo xtask test` choose.
+/// Options of `cargo xtask test`.
 #[derive(Debug, Default, PartialEq)]
 struct Options {
     /// The long campaigns too.

@@ -21,8 +21,8 @@ pub(super) struct Finished {
     pub(super) cost: Cost,
 }
 
-/// Runs the steps of a stage in their order, and adds what became of each; an error where one failed. A step that runs beside one
-/// that fails goes on to its end; none is begun after that.
+/// Runs the steps of a stage in their order, and adds the result of each; an error where one failed. A step
+/// that runs alongside one that fails goes on to its end; none is begun after that.
 pub(super) fn run(
     root: &Path,
     program: &Path,

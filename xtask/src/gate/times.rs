@@ -1,7 +1,7 @@
-//! What steps and tests cost, and how that compares with the file of times that the repository keeps.
+//! Times of steps and tests, compared with the file of times in the repository.
 //!
-//! Machines differ: each processor time is divided by the kept one, and the median of these ratios is taken for the machine. A
-//! step or a test whose ratio exceeds the median by [`SLOWER`] is named.
+//! Machines differ: each processor time is divided by the stored one, and the median of these ratios is that
+//! of the machine. A step or a test whose ratio exceeds the median by [`SLOWER`] is named.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use crate::shell::{gate_folder, read, write};
 
-/// How much slower than the kept figure a step or test is named, as a ratio of processor times.
+/// Ratio to the stored processor time above which a step or a test is named.
 const SLOWER: f64 = 1.5;
 /// Processor time below which a step or a test is not compared \[s\].
 const LEAST_S: f64 = 1.0;
@@ -60,7 +60,7 @@ pub(super) fn leave(root: &Path, name: &str, wall: f64) -> Result<(), String> {
     write(&gate_folder(root)?.join(format!("{name}.json")), &text)
 }
 
-/// What a step cost; the file is taken away, so that it is not taken for one of another run.
+/// Times of a step; the file is removed, so that it is not taken for one of another run.
 pub(super) fn left(root: &Path, name: &str) -> Result<Cost, String> {
     let path = gate_folder(root)?.join(format!("{name}.json"));
     let text = read(&path)?;
