@@ -16,7 +16,7 @@ import pytest
 from arms import load, middle
 from fetch_arms import ARMS
 
-STOPS = int(os.environ.get("PHIHAT_STOPS", "200" if "PHIHAT_ALL" in os.environ else "14"))
+STOPS = int(os.environ.get("PHIHAT_STOPS", "200" if "PHIHAT_ALL" in os.environ else "7"))
 PERIOD = 1e-3
 EVENT, END = 1200, 4200
 TORQUE = 87.0
