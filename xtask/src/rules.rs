@@ -17,6 +17,42 @@ const WORDS: [(&str, &str); 4] = [
 /// Texts that may only become fewer, with the number of lines of code outside of tests' files that have them.
 const COUNTED: [(&str, usize); 2] = [("unsafe ", 77), ("[allow(", 70)];
 
+/// Words that no doc comment begins with: its first line is a noun phrase or a verb phrase.
+const QUESTIONS: [&str; 3] = ["What ", "Whether ", "How "];
+
+/// Sources whose doc comments are the help of a program.
+const HELP: &str = "crates/phihat-cli/src/";
+
+/// Most characters of a line of comment.
+const COMMENT_MAX: usize = 120;
+
+/// Comments that break the two rules above. Rows of tables and addresses may be longer.
+fn comments(name: &str, text: &str) -> Vec<String> {
+    let doc = |line: &str| {
+        let line = line.trim_start();
+        line.strip_prefix("///").or(line.strip_prefix("//!")).map(str::trim_start)
+    };
+    let (mut wrong, mut before) = (Vec::new(), None::<&str>);
+    for (number, line) in text.lines().enumerate() {
+        let at = format!("{name}:{}", number + 1);
+        let now = doc(line);
+        if let (Some(first), None) = (now, before)
+            && QUESTIONS.iter().any(|word| first.starts_with(word))
+            && !name.starts_with(HELP)
+        {
+            wrong.push(format!("{at}: a doc comment begins with a noun or a verb"));
+        }
+        let is_comment = line.trim_start().starts_with("//");
+        let unbreakable =
+            line.contains("http") || line.trim_start_matches([' ', '/', '!']).starts_with('|');
+        if is_comment && !unbreakable && line.chars().count() > COMMENT_MAX {
+            wrong.push(format!("{at}: a line of comment has at most {COMMENT_MAX} characters"));
+        }
+        before = now;
+    }
+    wrong
+}
+
 /// Sources in which no number may be passed over: what claims, checks or lets an arm run.
 const GATES: [&str; 4] = [
     "crates/phihat-certificate/src/",
@@ -119,6 +155,7 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
             *count += code.filter(|line| line.contains(word)).count();
         }
         wrong.extend(past_the_disk(&name, &text));
+        wrong.extend(comments(&name, &text));
         let c_binding = name.starts_with("crates/phihat-c/");
         let is_root = name.ends_with("src/lib.rs") || name.ends_with("src/main.rs");
         if is_root && !c_binding && !text.contains("#![forbid(unsafe_code)]") {
@@ -238,8 +275,17 @@ pub(crate) fn packages(root: &Path, built: bool) -> Result<(), String> {
 
 #[cfg(test)]
 mod tests {
-    use super::tests_left_out;
+    use super::{comments, tests_left_out};
     use std::fs;
+
+    #[test]
+    fn comments_begin_with_a_noun_or_a_verb_and_fit_their_line() {
+        let wrong = |text: &str| comments("crates/one/src/lib.rs", text).len();
+        assert_eq!(wrong("/// Number of joints.\n/// What is more: none.\nfn a() {}\n"), 0);
+        assert_eq!(wrong("//! What a joint has.\n\n/// Whether it moves.\nfn a() {}\n"), 2);
+        assert_eq!(wrong(&format!("// {}\n// |{0}|\n", "x".repeat(118))), 1);
+        assert_eq!(comments("crates/phihat-cli/src/run.rs", "/// What is run.\n").len(), 0);
+    }
 
     #[test]
     fn a_test_that_nobody_runs_is_told() {

@@ -30,8 +30,8 @@
 //! // `study` states the largest error and the largest payload, and no gains.
 //! let arm = Arm::of(&study)?;
 //!
-//! // What is known of φ, all that the controller is not told: how fast it changes and how far it jumps, per joint. From a
-//! // simulator, from a recorded trace, or typed as here.
+//! // Bounds on φ per joint, the torque that the controller does not know: its rate and its jumps. From a simulator,
+//! // from a recorded trace, or typed as here.
 //! let phi = |_joint: usize, _inertia: f64| Phi {
 //!     basis: PhiBasis::Typed,
 //!     source: "an estimate by hand".to_owned(),

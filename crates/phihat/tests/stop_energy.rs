@@ -286,7 +286,8 @@ fn play(case: &Case, dice: &mut Dice) -> Outcome {
         acted = coming.pop_front().unwrap();
         let (work, push) = world.step(&acted);
         if outcome.stopped {
-            // √(2 (½ μ_high Σ M̄ v² + Σ E_r + W) / μ_low M̄), and half a joule of gravity that is another one than half a second before.
+            // √(2 (½ μ_high Σ M̄ v² + Σ E_r + W) / μ_low M̄), with half a joule for gravity that has changed in the
+            // half second before the stop.
             pushed += push.max(0.0);
             let all: f64 = inertia.iter().sum();
             let energy =

@@ -16,8 +16,9 @@
 //! use phihat_campaign::rollouts::{Keep, Numbers, Rollouts};
 //! use phihat_study::Study;
 //!
-//! # let text = "duration_s = 0.2\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 0.1\n[gains]\nbandwidth_rad_s = 20.0\n\
-//! #     estimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = [0.42, 0.18, 0.14]\n[reference]\nkind = \"hold\"\npose = \"ready\"\n";
+//! # let text = "duration_s = 0.2\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 0.1\n\
+//! #     [gains]\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\n\
+//! #     inertia_kg_m2 = [0.42, 0.18, 0.14]\n[reference]\nkind = \"hold\"\npose = \"ready\"\n";
 //! let study = Study::from_text(text, "demo.toml", "".as_ref())?;
 //! let payload = Numbers {
 //!     name: "payload_kg".to_owned(),
