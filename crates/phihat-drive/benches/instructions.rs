@@ -1,5 +1,6 @@
-//! What `cargo xtask drive-cost` counts under callgrind: so many cycles of the control thread of a drive, a Panda with its supervisor.
-//! `CLASS SAMPLES`; `robot VERSION` is the other end of the classes that go over a wire, a process of its own, which is not counted.
+//! Workload of `cargo xtask drive-cost` under callgrind: cycles of the control thread of a drive, a Panda
+//! with its supervisor. Arguments: `CLASS SAMPLES`; `robot VERSION` is the other end of the classes that use
+//! a network, a process of its own, which is not counted.
 #![allow(clippy::print_stdout, reason = "a benchmark prints its figures")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a benchmark stops on a bad set-up")]
 
@@ -77,7 +78,7 @@ fn still(study: &Study, world: &mut WorldSide) -> Still {
     Still { facts, sample, t_ns: 0 }
 }
 
-/// The other end in a process of its own, and where it listens.
+/// The other end in a process of its own, and its address.
 fn robot(version: &str) -> (Child, FrankaAddress) {
     let program = std::env::current_exe().unwrap();
     let spawned = Command::new(program).args(["robot", version]).stdout(Stdio::piped()).spawn();

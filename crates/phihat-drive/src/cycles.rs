@@ -42,7 +42,7 @@ impl End {
     }
 }
 
-/// What a loop is told.
+/// Plan of a loop: samples, stop request, targets and parking.
 #[derive(Debug, Clone, Copy)]
 pub struct Plan<'a> {
     /// Samples of the study.
@@ -51,35 +51,36 @@ pub struct Plan<'a> {
     pub stop_samples: u64,
     /// Set by whoever wants the arm to stop.
     pub stop: &'a AtomicBool,
-    /// Samples for which a supervisor that found a fault may go on to stop the arm; `None`: to the end. A drive that is wired the wrong
-    /// way round is pushed away by what should stop it.
+    /// Samples for which a supervisor that found a fault may go on to stop the arm; `None`: to the end. If a
+    /// drive is wired with the wrong sign, the torque that should stop the arm pushes it away.
     pub fault_samples: Option<u64>,
-    /// Where others ask the arm to go, if they may.
+    /// Positions that others request; `None`: none are accepted.
     pub targets: Option<&'a Targets>,
-    /// Where the arm goes before its torque does.
+    /// Parking position, to which the arm moves before its torque ends; `None`: it is not parked.
     pub park: Option<Park<'a>>,
 }
 
-/// Where an arm without brakes goes at the end of a drive in which nothing went wrong. One entry per joint, in the study's order.
+/// Parking position of an arm without brakes, at the end of a drive without a fault. One entry per joint, in
+/// the study's order.
 #[derive(Debug, Clone, Copy)]
 pub struct Park<'a> {
     /// Positions \[rad, m\].
     pub q: &'a [f64],
-    /// Velocity, acceleration and jerk that the supervisor shapes the way to.
+    /// Limits of velocity, acceleration and jerk on the way.
     pub limits: &'a [Vec<f64>; 3],
 }
 
-/// What came of parking.
+/// Result of parking.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Parked {
     /// Samples on the way.
     pub samples: u64,
-    /// Whether the reference came to rest there; if not, the arm was stopped on the way.
+    /// True if the reference came to rest there; else the arm was stopped on the way.
     pub reached: bool,
 }
 
 impl Parked {
-    /// What is wrong with it.
+    /// Warning if the position was not reached.
     pub(crate) fn doubt(self) -> Option<String> {
         (!self.reached).then(|| "stopped on the way to where it parks".to_owned())
     }
@@ -92,7 +93,7 @@ impl Parked {
     }
 }
 
-/// What came of a loop.
+/// Result of a loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tally {
     /// Why it ended.
@@ -105,9 +106,9 @@ pub struct Tally {
     pub tracked: u64,
     /// Samples after the study's end, until the supervisor asked for the brakes.
     pub stopping: u64,
-    /// What came of parking; `None`: the study states no place, or something was wrong.
+    /// Result of parking; `None`: it did not begin (no position in the study, or a fault).
     pub parked: Option<Parked>,
-    /// What the link said of the end.
+    /// Result of [`Link::finish`]; `Ok` where it was not called.
     pub finished: Result<(), LinkFault>,
 }
 
@@ -118,7 +119,7 @@ pub struct Desk {
     raw: Sample,
     sample: Sample,
     out: Vec<f64>,
-    /// What others asked for last, and which of their targets it is.
+    /// Version and positions of the last target that others requested.
     target: (u64, Vec<f64>),
 }
 
@@ -169,14 +170,16 @@ impl Desk {
     }
 }
 
-/// By how much a robot's time is ahead of this machine's \[ns\] where the robot waits for its client: no real one ever is.
+/// Lead of a robot's time over this machine's \[ns\] above which the robot waits for its client: no real
+/// robot does.
 const AHEAD_NS: u64 = 1_000_000_000;
 
-/// Runs the loop to its end. Nothing is allocated or locked here, and the system is not called but by the link.
+/// Runs the loop to its end. Nothing is allocated or locked here, and only the link makes system calls.
 ///
-/// A stop that is asked for is the supervisor's safe stop, until it asks for the brakes; without a supervisor the loop ends at once.
-/// At the study's end an arm that is not simulated is stopped in the same way. Where the plan has a place to park and the arm tracks without a fault, it goes there
-/// first; that takes the request back, so that the next one stops it on the way.
+/// A requested stop is the supervisor's safe stop, until it requests the brakes; without a supervisor the
+/// loop ends at once. At the study's end an arm that is not simulated is stopped in the same way. If the plan
+/// has a parking position and the arm tracks without a fault, the arm goes there first; that clears the
+/// request, so the next one stops it on the way.
 pub fn cycles<L: Link>(
     link: &mut L,
     control: &mut ControlSide,
@@ -248,7 +251,7 @@ pub fn cycles<L: Link>(
     tally
 }
 
-/// What follows the last sample of a drive: the way to park, the stop, and the last torque.
+/// Ends a drive after its last sample: way to the parking position, stop, and last torque.
 fn come_to_an_end<L: Link>(
     link: &mut L,
     control: &mut ControlSide,
@@ -278,14 +281,15 @@ fn come_to_an_end<L: Link>(
     }
 }
 
-/// How often longer than by its limits the way to park may take, and how much longer \[ns\].
+/// Longest time of the way to the parking position: this factor times the time by its limits, plus a margin \[ns\].
 const PARK_TIMES: f64 = 2.0;
 const PARK_NS: f64 = 2e9;
 
-/// How near its place a reference is there \[rad, m\], and how slow \[rad/s, m/s\].
+/// Largest distance \[rad, m\] and speed \[rad/s, m/s\] at which a reference counts as at its parking position.
 const THERE: f64 = 1e-4;
 
-/// Takes the arm to where it parks; that is not recorded. A fault, a person's next request, or a way that takes too long ends it where the arm is.
+/// Moves the arm to its parking position; this is not recorded. A fault, the next request to stop, or a way
+/// that takes too long ends it where the arm is.
 fn park<L: Link>(
     link: &mut L,
     control: &mut ControlSide,
@@ -296,7 +300,7 @@ fn park<L: Link>(
     if !control.refer_to(place.q) {
         return;
     }
-    // What asked for this is heard.
+    // The request is taken.
     plan.stop.store(false, Ordering::Relaxed);
     let most = place.samples(control.references(), link.facts().period_ns);
     let mut parked = Parked { samples: 0, reached: false };
@@ -343,7 +347,7 @@ impl Park<'_> {
     }
 }
 
-/// Whether an arm follows its motion without a fault.
+/// Returns true if the arm follows its motion without a fault.
 fn is_well(report: Option<&Report>) -> bool {
     report.is_some_and(|report| report.mode == Mode::Tracking && report.fault.is_none())
 }
@@ -373,7 +377,7 @@ fn come_to_rest<L: Link>(
     }
 }
 
-/// Whether an arm that was told to stop stands, or has no torque.
+/// Returns true if a stop is complete: the supervisor requests the brakes or is idle, or there is none.
 fn is_stopped(report: Option<&Report>) -> bool {
     report.is_none_or(|report| report.brake || report.mode == Mode::Idle)
 }

@@ -1,4 +1,4 @@
-//! The arm that a robot describes beside the arm of a study.
+//! Comparison of the arm that a robot describes with the arm of a study.
 
 use core::f64::consts::PI;
 
@@ -22,8 +22,9 @@ pub(crate) enum NotComparable {
     Massless,
 }
 
-/// Least and greatest of `xᵀM'(q) x / xᵀM(q) x`: `M` of the study's arm without payload, `M'` with the links of the description and the
-/// study's rotors, which no description tells of, over postures of the whole range, and over single joints and pairs that turn with or against each other as `x`.
+/// Least and greatest of `xᵀM'(q) x / xᵀM(q) x`, with `M` of the study's arm without payload, and `M'` of the
+/// links of the description with the study's rotors, which no description contains; over postures of the
+/// whole range, and over `x` of single joints and of pairs that turn with or against each other.
 pub(crate) fn apart(study: &Study, urdf: &str) -> Result<(f64, f64), NotComparable> {
     let described = Robot::from_text(urdf, None, "the description that the robot hands out")?;
     let (ours, theirs) = (study.robot.joints.len(), described.joints.len());

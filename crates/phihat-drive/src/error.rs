@@ -27,18 +27,18 @@ pub enum DriveError {
     /// The robot cannot be talked to.
     #[error("{at}: {why}")]
     Robot {
-        /// Where it was looked for.
+        /// Its link, as on the command line.
         at: String,
-        /// What came of it.
+        /// Error of the client.
         why: FciError,
     },
-    /// What is known of the robot cannot be read.
+    /// The robot's profile cannot be read.
     #[error(transparent)]
     Profile(#[from] RobotError),
     /// The link cannot be started.
     #[error("the link cannot be started: {0}")]
     Start(LinkFault),
-    /// This system keeps no time.
+    /// This system has no real-time clock.
     #[error(transparent)]
     System(#[from] SystemError),
     /// A check before the start does not pass, and was not accepted.

@@ -1,4 +1,4 @@
-//! From the tape to the record: rows in their order, and what only a drive has.
+//! From the ring to the record: rows in their order, timing and faults.
 
 use std::thread;
 use std::time::Duration;
@@ -10,17 +10,17 @@ use crate::hooks::Tap;
 use crate::tape::{Cycle, Reader};
 use crate::timing::Timing;
 
-/// How long the reader rests where there is nothing to read.
+/// Sleep of the reader where there is nothing to read.
 const REST: Duration = Duration::from_millis(1);
 
-/// How much is handed over at a time \[ns\]: what was handed over outlives the process.
+/// Duration of one part of the record \[ns\]: a part that was handed over outlives the process.
 const PART_NS: u64 = 250_000_000;
 
-/// Samples from one look at who watches to the next: whoever looks for signals there stops an arm at 1 kHz within 64 ms, not within a
-/// part of the record.
+/// Samples between two calls of the progress callback: where it polls for signals, an arm at 1 kHz is stopped
+/// within 64 ms instead of a part of the record.
 const SEEN: u64 = 64;
 
-/// The record on its way from a tape.
+/// Conversion of the samples of a drive to its record.
 ///
 /// A robot knows its torque after the fact, and its acceleration not at all. For one that is not simulated
 ///
@@ -28,7 +28,8 @@ const SEEN: u64 = 64;
 /// q, q̇ as measured,   τ_k = τ told by sample k + 1,   q̈_k = (q̇_{k+1} − q̇_k)/T,   φ_k = τ_k − M̄ q̈_k
 /// ```
 ///
-/// so the record is one sample behind; at the last one the command stands for the torque, and the acceleration before it stays.
+/// so the record is one sample behind; at the last sample the command replaces the torque, and the
+/// acceleration before it is repeated.
 pub struct Evidence {
     rows: Rows,
     /// Nominal inertia per joint \[kg·m²\].
@@ -38,11 +39,11 @@ pub struct Evidence {
     part: usize,
     /// A sample whose torque and acceleration are not known yet.
     held: Option<(Cycle, Vec<Row>)>,
-    /// How the loop kept its time.
+    /// Timing of the loop.
     pub timing: Timing,
-    /// What stopped the arm, each once, with its time \[s\].
+    /// Faults that the supervisor reported, without repetitions in a row, with their time \[s\].
     pub faults: Vec<(f64, &'static str)>,
-    /// Who is shown each sample.
+    /// Hook that gets each sample.
     pub tap: Option<Box<dyn Tap>>,
 }
 
@@ -67,11 +68,12 @@ impl Evidence {
         }
     }
 
-    /// Reads until nobody writes any more; hands the record over in parts of a quarter of a second. `seen` is told how many samples were read.
+    /// Reads until the writer is gone; hands the record over in parts of a quarter of a second. `seen` gets
+    /// the number of samples read.
     ///
     /// # Errors
     ///
-    /// What `take` says; the reader is gone then, and the loop ends.
+    /// The error of `take`; the reader is dropped then, and the loop ends.
     pub fn read(
         &mut self,
         mut reader: Reader,
@@ -149,7 +151,7 @@ impl Evidence {
         self.held = Some((cycle, room));
     }
 
-    /// The last sample, whose torque nobody told.
+    /// Writes the last sample, whose torque no later sample reports.
     fn close(&mut self) {
         let Some((cycle, mut rows)) = self.held.take() else { return };
         for (row, inertia) in rows.iter_mut().zip(&self.inertia) {
@@ -159,7 +161,7 @@ impl Evidence {
     }
 }
 
-/// What a joint did, from what was measured of it.
+/// Motion, torque and φ of a joint, from its measurements.
 fn as_measured(row: &Row, tau: f64, ddq: f64, inertia: f64) -> Acted {
     let (q, dq) = (row.measurement.q, row.measurement.dq);
     Acted { q, dq, ddq, tau, phi: tau - inertia * ddq }

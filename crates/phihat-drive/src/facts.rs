@@ -1,10 +1,10 @@
-//! What is true of whatever is at the other end of a link, as data.
+//! Facts about the other end of a link, as data.
 
 use phihat_study::Study;
 use serde::Serialize;
 use thiserror::Error;
 
-/// Who says when a sample is due.
+/// Owner of the clock, which determines when a sample is due.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Clock {
@@ -16,16 +16,16 @@ pub enum Clock {
     Robot,
 }
 
-/// What a robot adds to a torque that it is told.
+/// Torques that a robot adds to its command.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Adds {
-    /// Whether it adds what holds it, without payload, against gravity.
+    /// True if it adds the gravity torque of the arm without payload.
     pub gravity: bool,
     /// Share of its own friction, 0 … 1; `None`: not known.
     pub friction: Option<f64>,
 }
 
-/// On what a robot stops.
+/// Conditions on which a robot stops.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Stops {
     /// Torque rate beyond which it stops \[N·m/s\].
@@ -36,35 +36,35 @@ pub struct Stops {
     pub losses_max: Option<u32>,
 }
 
-/// What comes back over a link.
+/// Data that a link reports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Tells {
-    /// The torque that was accepted last.
+    /// True if it reports the torque that was accepted last.
     pub echo: bool,
-    /// How many messages were lost.
+    /// True if it reports lost messages.
     pub losses: bool,
-    /// What is true, and no robot knows: it is simulated.
+    /// True if it reports the true state, which no robot knows: the arm is simulated.
     pub truth: bool,
 }
 
-/// What is true of the other end.
+/// Facts of the other end.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Facts {
-    /// How a person calls it.
+    /// Name in messages.
     pub name: String,
-    /// Who owns the clock.
+    /// Owner of the clock.
     pub clock: Clock,
     /// Time from one sample to the next \[ns\].
     pub period_ns: u64,
-    /// How many joints its messages have.
+    /// Number of joints in its messages.
     pub width: usize,
     /// Their names, in the order of its messages; `None`: they have none, and are taken in the study's order.
     pub joints: Option<Vec<String>>,
-    /// What it adds.
+    /// Torques that it adds to a command.
     pub adds: Adds,
-    /// On what it stops.
+    /// Conditions on which it stops.
     pub stops: Stops,
-    /// What it tells.
+    /// Data that it reports.
     pub tells: Tells,
 }
 
@@ -74,18 +74,19 @@ pub struct Facts {
 pub struct Mismatch {
     /// The key of the study.
     pub key: &'static str,
-    /// What the study says.
+    /// Statement of the study.
     pub study: String,
-    /// What is true of the link.
+    /// Fact of the link.
     pub link: String,
-    /// What would be valid.
+    /// Valid value.
     pub valid: String,
 }
 
 impl Facts {
-    /// What the study says otherwise: of the loop's period, the number of joints, and its `[profile]`.
+    /// Mismatches of the study with the link: period of the loop, number of joints, and `[profile]`.
     ///
-    /// A study may be stricter than a robot, and never laxer: the law, its certificate and the rehearsal are about what it says.
+    /// A study may be stricter than a robot, never laxer: the law, its certificate and the rehearsal are
+    /// about the study's values.
     pub fn against(&self, study: &Study) -> Vec<Mismatch> {
         let mut found = Vec::new();
         let mut wrong = |key, study: String, link: String, valid: String| {

@@ -1,4 +1,4 @@
-//! What a look at this machine gives.
+//! Findings about this machine.
 
 use serde::Serialize;
 use thiserror::Error;
@@ -6,13 +6,13 @@ use thiserror::Error;
 /// One thing about this machine that decides how well it keeps time.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// What was looked at.
+    /// Subject of the finding.
     pub what: &'static str,
-    /// Whether it is as a control loop needs it.
+    /// True if it is as a control loop needs it.
     pub good: bool,
-    /// What was found.
+    /// Setting or value that was found.
     pub found: String,
-    /// What to change; `None`: nothing.
+    /// Recommended change; `None`: none.
     pub change: Option<String>,
 }
 
@@ -40,8 +40,9 @@ pub enum SystemError {
     NotLinux,
 }
 
-/// Whether a kernel is fully preemptible, by either sign: `/sys/kernel/realtime` holds `1` (up to Linux 6.11), or the
-/// version that `uname -v` prints names `PREEMPT_RT` (since the option is in the mainline, 6.12, the only sign).
+/// Returns true if a kernel is fully preemptible, by either sign: `/sys/kernel/realtime` holds `1` (up to
+/// Linux 6.11), or the version that `uname -v` prints names `PREEMPT_RT` (since the option is in the
+/// mainline, 6.12, the only sign).
 ///
 /// ```
 /// use phihat_drive::is_preempt_rt;

@@ -22,35 +22,36 @@ const GAP_MOST: u32 = 1000;
 /// Commands that are remembered: more than a robot bears to lose in a row.
 const SENT: usize = 32;
 
-/// Where a Franka is: host or `HOST:PORT`, and the version that is asked for.
+/// Address of a Franka: host or `HOST:PORT`, and the requested version.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FrankaAddress {
     /// Host, or `HOST:PORT`.
     pub host: String,
     /// The version of the interface; `None`: the newest, or that which the robot says it speaks.
     pub protocol: Option<Protocol>,
-    /// How long a state may take; for a robot, [`phihat_fci::STATE_WAIT`].
+    /// Longest time to wait for a state; for a robot, [`phihat_fci::STATE_WAIT`].
     pub patience: Duration,
 }
 
-/// A Franka, told torques over the Franka Control Interface.
+/// A Franka, commanded by torques over the Franka Control Interface.
 ///
 /// # Time
 ///
-/// The robot's: one number of a state more is 1 ms. A gap in the numbers is so many lost samples; a sample that is lost is answered by
-/// nobody, the answer to the next one is the newest.
+/// The clock is the robot's: each increment of the state number is 1 ms. A gap of n numbers is n lost
+/// samples; a lost sample is not answered, and the answer to the next one is the newest.
 ///
 /// # Torque that acted
 ///
-/// A study whose commands act `d` samples late expects to be told of them as late. The robot echoes what it took without delay, so the
-/// echo of `d` samples before stands for the torque that acted:
+/// A study whose commands act `d` samples late expects the torque that acted with the same delay. The robot
+/// echoes the accepted torque without delay, so the echo of `d` samples before is the torque that acted:
 ///
 /// ```text
 /// τ_applied(k) = τ_J_d(k − d)
 /// ```
 ///
-/// Version 10 echoes in single precision: 5e-6 N·m beside what was sent, where a rule of torque rate is kept to the last digit. An echo that is
-/// one of the last commands, rounded, stands for that command.
+/// Version 10 echoes in single precision: 5e-6 N·m from the sent torque, while the torque-rate rule is
+/// satisfied to the last digit. An echo that equals one of the last commands, rounded, is replaced by that
+/// command.
 ///
 /// # Not claimed
 ///
@@ -59,13 +60,13 @@ pub struct FrankaAddress {
 pub struct FrankaLink {
     client: Box<Client>,
     facts: Facts,
-    /// When the controller began and ended \[ns\]; `None`: this system has no such clock.
+    /// Clock for the computation time of the controller; `None`: this system has none.
     clock: Option<HostClock>,
     /// Number of the first state that was to be answered.
     first: Option<u64>,
     /// Number of the state that is due.
     due: u64,
-    /// A state that came before its time: those before it are told as lost first.
+    /// A state that came before its time: those before it are reported as lost first.
     early: Option<RobotState>,
     /// The state that is to be answered.
     answers: Option<u64>,
@@ -73,7 +74,7 @@ pub struct FrankaLink {
     accepted: VecDeque<[f64; JOINTS]>,
     /// Commands that were sent last, and how many there were in all.
     sent: (Vec<[f64; JOINTS]>, usize),
-    /// What went wrong in sending.
+    /// Fault of the last send.
     broken: Option<LinkFault>,
     over: bool,
 }
@@ -105,7 +106,8 @@ impl FrankaLink {
         })
     }
 
-    /// What is true of a Franka, by its documentation: the profile `franka`. How much of its friction it adds is not known.
+    /// Facts of a Franka by its documentation: the profile `franka`. The share of its friction that it adds
+    /// is not known.
     ///
     /// # Errors
     ///
@@ -178,7 +180,7 @@ fn single(number: f64) -> u32 {
     (number as f32).to_bits()
 }
 
-/// What a client's error means for the loop.
+/// Converts a client's error to a fault of the link.
 fn fault(why: &FciError) -> LinkFault {
     match why {
         FciError::Network { why, .. } => LinkFault::Broken(why.kind()),

@@ -1,4 +1,4 @@
-//! What others see of a drive while it runs, and where they tell it to go.
+//! Hooks of a running drive: samples for others, and targets from others.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -6,13 +6,13 @@ use phihat_sim::Row;
 
 use crate::tape::Cycle;
 
-/// Is shown each sample as it is recorded, on the thread that writes: the control thread knows nothing of it.
+/// Hook that gets each sample as it is recorded, on the writing thread: the control thread is not involved.
 pub trait Tap: Send {
     /// The next sample, its joints in the study's order. Must not wait.
     fn sample(&mut self, cycle: &Cycle, rows: &[Row]);
 }
 
-/// The latest position that somebody asked for: one writes, the control thread reads; neither waits, locks or allocates.
+/// The latest requested position: one thread writes, the control thread reads; neither waits, locks or allocates.
 ///
 /// # Example
 ///
@@ -42,7 +42,8 @@ impl Targets {
         }
     }
 
-    /// Asks for positions \[rad, m\] in the study's order; `false`: they are not as many as the joints. Only one thread may ask.
+    /// Requests positions \[rad, m\] in the study's order; `false`: their number is not that of the joints.
+    /// Only one thread may call this.
     pub fn ask(&self, q: &[f64]) -> bool {
         if q.len() != self.q.len() {
             return false;
@@ -55,7 +56,8 @@ impl Targets {
         true
     }
 
-    /// Takes what was asked for, if it is newer than `seen`; while it is being written there is nothing new.
+    /// Copies the requested positions if they are newer than `seen`, and returns true; while they are being
+    /// written there is nothing new.
     pub fn newer(&self, seen: &mut u64, q: &mut [f64]) -> bool {
         let before = self.version.load(Ordering::SeqCst);
         if before == *seen || before % 2 == 1 || q.len() != self.q.len() {

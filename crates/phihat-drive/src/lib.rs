@@ -1,12 +1,14 @@
 //! One loop for every robot: wait for a sample, bind its joints, supervise, send, record.
 //!
-//! What is at the other end is a [`Link`]: it says by [`Facts`] who owns the clock, what the robot adds to a torque and on what
-//! it stops, and the study's `[profile]` is held against them before anything moves. [`SimLink`] is phihat's own world, in
-//! lock-step or in real time; in lock-step a drive leaves the trace of `phihat run`, bit for bit.
+//! A [`Link`] connects the loop to a robot or to a simulation. Its [`Facts`] state who owns the clock, what
+//! the robot adds to a torque and on what it stops; the study's `[profile]` is compared with them before
+//! anything moves. [`SimLink`] is phihat's simulated arm, in lock-step or in real time; in lock-step a drive
+//! writes the trace of `phihat run`, bit for bit.
 //!
-//! [`prepare`] looks at everything that can be looked at beforehand and refuses by default; [`Prepared::drive`] runs the loop on a
-//! thread of its own and leaves trace, report and verdict as a simulation does, with what only a drive has: losses, timing, and
-//! why it ended. [`Machine`] measures how well this machine keeps time.
+//! [`prepare`] checks study, gains, link and machine, and refuses by default; [`Prepared::drive`] runs the
+//! loop on a thread of its own and writes trace, report and verdict as a simulation does, with the figures
+//! that only a drive has: lost samples, timing, and the reason why it ended. [`Machine`] measures how late
+//! this machine wakes a thread.
 //!
 //! # Example
 //!
@@ -28,8 +30,8 @@
 //!
 //! # Real time
 //!
-//! The control thread does not allocate, lock, or call the system but for what its link does; the record goes through a ring to
-//! the thread that writes.
+//! The control thread does not allocate, lock, or make system calls except those of its link; the record
+//! passes through a ring to the thread that writes it.
 //!
 //! # Not claimed
 //!

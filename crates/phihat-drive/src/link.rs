@@ -1,4 +1,4 @@
-//! The seam between the loop and a robot.
+//! Interface between the loop and a robot.
 
 use std::io::ErrorKind;
 
@@ -8,22 +8,22 @@ use thiserror::Error;
 
 use crate::facts::Facts;
 
-/// What came of waiting.
+/// Result of [`Link::wait`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Wait {
     /// A sample, measured at this time \[ns\] since the start.
     Fresh {
-        /// When.
+        /// Time since the start \[ns\].
         t_ns: u64,
     },
     /// The sample of this time \[ns\] did not come: what there was before stays.
     Lost {
-        /// When.
+        /// Time since the start \[ns\].
         t_ns: u64,
     },
     /// The controller does not run at this sample: a simulated fault, which no robot has.
     Skipped {
-        /// When.
+        /// Time since the start \[ns\].
         t_ns: u64,
     },
     /// The robot stopped, or is gone.
@@ -45,7 +45,7 @@ pub enum LinkFault {
     /// The connection broke.
     #[error("the connection broke: {0}")]
     Broken(ErrorKind),
-    /// What came is none of the robot's messages.
+    /// The robot sent an invalid message.
     #[error("the robot sent {0}")]
     Garbled(&'static str),
     /// The robot does not take torques now.
@@ -68,7 +68,7 @@ impl LinkFault {
     }
 }
 
-/// Whether a robot takes torques.
+/// Readiness of a robot for torque commands.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Readiness {
     /// It does.
@@ -79,33 +79,34 @@ pub enum Readiness {
     Busy(String),
 }
 
-/// How a robot stands before it is started.
+/// Position and readiness of a robot before it is started.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Standing {
     /// Position of each joint \[rad, m\], in the order of the link.
     pub q: Vec<f64>,
-    /// Whether it takes torques.
+    /// Readiness for torque commands.
     pub readiness: Readiness,
 }
 
 /// Why a robot's description cannot be had, in the words of its link.
 pub type Unreadable = Box<dyn core::error::Error + Send + Sync>;
 
-/// A robot, or what stands for one.
+/// A robot, or a simulation of one.
 ///
 /// The loop calls [`start`](Self::start) once, then [`wait`](Self::wait) and [`send`](Self::send) in turn, and
-/// [`finish`](Self::finish) at the end. Time and sequence of a sample are the link's to say: by the robot's own numbers, where it
-/// has them. Each [`Wait::Fresh`], [`Wait::Lost`] or [`Wait::Skipped`] is one period after the one before it: a gap in the
-/// robot's numbers is told as so many lost samples, before the one that came.
+/// [`finish`](Self::finish) at the end. The link gives time and sequence of a sample: by the robot's own
+/// numbers, where it has them. Each [`Wait::Fresh`], [`Wait::Lost`] or [`Wait::Skipped`] is one period after
+/// the one before it: a gap of n in the robot's numbers is reported as n lost samples, before the one that
+/// came.
 ///
 /// # Real time
 ///
 /// `wait`, `send` and `acted` do not allocate; the loop does nothing else that could block.
 pub trait Link {
-    /// What is true of the other end; it does not change.
+    /// Facts of the other end; they do not change.
     fn facts(&self) -> &Facts;
 
-    /// How the robot stands now, before it is started; `None`: an arm that begins where its study does.
+    /// Position and readiness of the robot before it is started; `None`: an arm that begins where its study does.
     fn standing(&self) -> Option<Standing> {
         None
     }
@@ -122,20 +123,22 @@ pub trait Link {
     /// [`LinkFault`]: it is stopped, gone or busy.
     fn start(&mut self) -> Result<(), LinkFault>;
 
-    /// Waits for the next sample, which goes into `sample`, in the order of the link's joints. What is lost leaves it as it is.
+    /// Waits for the next sample and writes it to `sample`, in the order of the link's joints. A lost sample
+    /// leaves it unchanged.
     fn wait(&mut self, sample: &mut Sample) -> Wait;
 
-    /// Sends a torque \[N·m\] per joint, in the order of the link's joints, as the answer to the last sample. What goes wrong
-    /// is told by the next [`wait`](Self::wait).
+    /// Sends a torque \[N·m\] per joint, in the order of the link's joints, as the answer to the last sample.
+    /// The next [`wait`](Self::wait) reports an error of the send.
     fn send(&mut self, tau: Released<'_, f64>);
 
-    /// What the supervisor said of the sample that is about to be answered; a robot with brakes of its own closes them when it asks for them.
+    /// Passes the supervisor's report on the sample that is about to be answered; a robot with brakes of its
+    /// own closes them when the report requests it.
     fn supervised(&mut self, report: Option<&Report>) {
         let _ = report;
     }
 
-    /// What a joint (in the order of the link) truly did at the sample that was answered last, with `φ` about a nominal
-    /// inertia \[kg·m²\]; `None`: this is not a simulation.
+    /// True motion, torque and `φ` of a joint (in the order of the link) at the sample that was answered
+    /// last, with `φ` about a nominal inertia \[kg·m²\]; `None`: this is not a simulation.
     fn acted(&self, joint: usize, inertia: f64) -> Option<Acted> {
         let _ = (joint, inertia);
         None
@@ -160,12 +163,12 @@ pub trait Link {
         None
     }
 
-    /// How late the last [`wait`](Self::wait) returned \[ns\]; `None`: this machine's clock says nothing about that.
+    /// Delay of the last return of [`wait`](Self::wait) \[ns\]; `None`: not known by this machine's clock.
     fn late_ns(&self) -> Option<u64> {
         None
     }
 
-    /// How a simulated world ended; `None`: this is not a simulation.
+    /// End of a simulated world; `None`: this is not a simulation.
     fn into_ended(self) -> Option<Ended>
     where
         Self: Sized,

@@ -1,4 +1,4 @@
-//! What Linux gives a control thread: a clock, a place before other threads, memory that stays.
+//! Linux for a control thread: clock, FIFO scheduling, locked memory.
 
 use std::fs;
 use std::thread;
@@ -15,7 +15,7 @@ use thread_priority::{
 
 use crate::finding::{Finding, SystemError, is_preempt_rt};
 
-/// A place in the FIFO class above other programs and below the kernel's own threads.
+/// Priority in the FIFO class: above other programs and below the kernel's own threads.
 const PRIORITY: u8 = 80;
 
 /// A clock that wakes a loop at absolute times, so that a late sample does not make the next one late.
@@ -25,7 +25,7 @@ pub(crate) struct HostClock {
     period: u64,
     /// When the next sample is due \[ns\].
     due: u64,
-    /// How late the last one was woken for \[ns\].
+    /// Delay of the last wake-up \[ns\].
     late: u64,
 }
 
@@ -67,8 +67,8 @@ fn now_ns() -> u64 {
     now.tv_sec.unsigned_abs() * 1_000_000_000 + now.tv_nsec.unsigned_abs()
 }
 
-/// Puts this thread before others, on one processor if that is asked for, and keeps the program's memory from being paged
-/// out; says what it was given.
+/// Gives this thread FIFO priority, on one processor if requested, and locks the program's memory; returns
+/// what was granted or refused.
 pub(crate) fn enter(processor: Option<usize>) -> Vec<Finding> {
     let mut found = vec![fifo(), memory()];
     found.extend(processor.map(pinned));
@@ -118,7 +118,7 @@ fn pinned(processor: usize) -> Finding {
     }
 }
 
-/// What there is to know of this machine without measuring. What is tried here is undone.
+/// Findings about this machine's settings, without a measurement. Settings that are tried here are undone.
 #[expect(clippy::unnecessary_wraps, reason = "other systems tell nothing")]
 pub(crate) fn look() -> Result<Vec<Finding>, SystemError> {
     let tried = thread::scope(|scope| scope.spawn(|| vec![fifo(), memory()]).join());

@@ -1,4 +1,4 @@
-//! How well this machine keeps time: what it is set to, and how late it wakes a thread.
+//! Real-time capability of this machine: its settings, and how late it wakes a thread.
 
 use std::thread;
 
@@ -8,12 +8,12 @@ use crate::finding::{Finding, SystemError};
 use crate::system::{HostClock, enter, look};
 use crate::timing::{Percentiles, Timing};
 
-/// What a measurement is told.
+/// Options of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MachineOptions {
     /// Rate of the loop \[Hz\].
     pub rate_hz: f64,
-    /// How long to measure \[s\].
+    /// Duration of the measurement \[s\].
     pub seconds: f64,
     /// The processor to measure on; `None`: as the system likes.
     pub processor: Option<usize>,
@@ -25,18 +25,18 @@ impl Default for MachineOptions {
     }
 }
 
-/// What was found of this machine.
+/// Settings and wake-up delays of this machine.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Machine {
-    /// What it is set to.
+    /// Findings about its settings and wake-ups.
     pub findings: Vec<Finding>,
     /// Rate at which it was measured \[Hz\].
     pub rate_hz: f64,
-    /// How often it was woken.
+    /// Number of wake-ups.
     pub samples: u64,
-    /// How late, with the settings that it gave; `None`: nothing was measured.
+    /// Delay of the wake-ups \[µs\], with the settings that were granted; `None`: nothing was measured.
     pub late: Option<Percentiles>,
-    /// Share of a period \[µs\] above which a wake-up counts as late.
+    /// Delay \[µs\] above which a wake-up counts as late.
     pub allowed_us: f64,
 }
 
@@ -44,7 +44,7 @@ pub struct Machine {
 const SHARE: f64 = 0.2;
 
 impl Machine {
-    /// Looks at the settings alone.
+    /// Reads the settings alone.
     ///
     /// # Errors
     ///
@@ -53,7 +53,8 @@ impl Machine {
         look()
     }
 
-    /// Looks at the settings, and measures how late an absolute sleep wakes a thread that has all that the system gives it.
+    /// Reads the settings, and measures how late an absolute sleep wakes a thread with all settings that the
+    /// system grants.
     ///
     /// # Errors
     ///
@@ -89,7 +90,7 @@ impl Machine {
         Ok(Self { findings, rate_hz: options.rate_hz, samples, late, allowed_us })
     }
 
-    /// Whether nothing is to be changed.
+    /// Returns true if every finding is good.
     pub fn is_good(&self) -> bool {
         self.findings.iter().all(|finding| finding.good)
     }

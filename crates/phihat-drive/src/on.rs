@@ -1,4 +1,4 @@
-//! The words for what is at the other end.
+//! Names of links on a command line.
 
 use phihat_fci::{Protocol, STATE_WAIT};
 use phihat_model::RobotError;
@@ -9,7 +9,7 @@ use crate::facts::{Clock, Facts};
 use crate::franka::{FrankaAddress, FrankaLink};
 use crate::sim::SimLink;
 
-/// What is at the other end.
+/// The other end of a drive.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum On {
     /// phihat's own world, in lock-step.
@@ -22,11 +22,11 @@ pub enum On {
 }
 
 impl On {
-    /// What a person calls a link: `sim`, or `fci://HOST`, which a port and `?protocol=5` or `?protocol=10` may follow.
+    /// Parses the name of a link: `sim`, or `fci://HOST` with an optional port and `?protocol=5` or `?protocol=10`.
     ///
     /// # Errors
     ///
-    /// What would be valid.
+    /// [`OnError`]: there is no such link; it says what is valid.
     pub fn of(link: &str, real_time: bool) -> Result<Self, OnError> {
         match (link, link.strip_prefix("fci://"), real_time) {
             ("sim", _, false) => Ok(Self::Sim),
@@ -60,7 +60,7 @@ impl On {
         }
     }
 
-    /// What is true of the link, before it is opened.
+    /// Facts of the link, before it is opened.
     pub(crate) fn facts(&self, study: &Study) -> Result<Facts, RobotError> {
         match self {
             Self::Sim => Ok(SimLink::facts_of(study, Clock::LockStep)),

@@ -28,7 +28,8 @@ pub enum OrderError {
     },
 }
 
-/// Where in a link's messages each joint of a study stands: [`phihat::JointMap`] for a number of joints known at run time.
+/// Index of each joint of a study in the messages of a link: [`phihat::JointMap`] for a number of joints
+/// known at run time.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Order {
     places: Vec<usize>,
@@ -68,12 +69,12 @@ impl Order {
         Ok(Self { places, width: link.len() })
     }
 
-    /// How many joints a message of the link has.
+    /// Number of joints in a message of the link.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Where joint `joint` of the study stands in a message.
+    /// Index of joint `joint` of the study in a message.
     pub fn place(&self, joint: usize) -> usize {
         self.places.get(joint).copied().unwrap_or(joint)
     }

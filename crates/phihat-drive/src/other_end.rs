@@ -1,4 +1,4 @@
-//! Whatever is at the other end of a drive, connected.
+//! Robot or simulated arm at the other end of a drive.
 
 use phihat_study::Study;
 
@@ -9,9 +9,9 @@ use crate::link::{Link as _, Robot};
 use crate::on::On;
 use crate::order::{Order, OrderError};
 
-/// What is at the other end: a robot that is connected, and stands, or the study's own arm.
+/// The other end: a connected robot at rest, or the study's simulated arm.
 pub(crate) struct OtherEnd {
-    /// What a person calls it.
+    /// Words for it: the option on the command line, or the name of the link.
     pub(crate) words: String,
     pub(crate) facts: Facts,
     pub(crate) robot: Option<Robot>,
@@ -31,13 +31,13 @@ impl OtherEnd {
         }
     }
 
-    /// Where each joint of a study stands in the messages.
+    /// Index of each joint of a study in the messages.
     pub(crate) fn order(&self, study: &Study) -> Result<Order, OrderError> {
         let names: Vec<_> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
         Order::new(&names, self.facts.joints.as_deref(), self.facts.width)
     }
 
-    /// Whether the arm is the simulated one, in lock-step: then a rehearsal would be the drive itself.
+    /// Returns true if the arm is simulated in lock-step: then a rehearsal would be the drive itself.
     pub(crate) fn is_rehearsal(&self) -> bool {
         self.robot.is_none() && self.facts.clock == Clock::LockStep
     }

@@ -1,4 +1,4 @@
-//! What is looked at before anything moves. A check that does not pass refuses, unless a person accepted it by name.
+//! Checks before anything moves. A check that fails refuses the drive, unless a person accepted it by name.
 
 use std::path::Path;
 
@@ -75,7 +75,7 @@ impl CheckName {
     }
 }
 
-/// What came of a check.
+/// Result of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum State {
@@ -89,16 +89,16 @@ pub enum State {
     NotAsked,
 }
 
-/// A check and what came of it.
+/// A check and its result.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Check {
-    /// Which.
+    /// Name of the check.
     pub name: CheckName,
-    /// What came of it.
+    /// Result.
     pub state: State,
-    /// What was found.
+    /// Finding.
     pub found: String,
-    /// What would be valid; `None`: it holds.
+    /// Valid alternative; `None`: the check passed or was not asked.
     pub valid: Option<String>,
 }
 
@@ -123,13 +123,13 @@ impl Check {
         if gone_on { Self { state: State::Accepted, ..self } } else { self }
     }
 
-    /// Whether nothing may move.
+    /// Returns true if the check failed and was not accepted: nothing may move.
     pub fn refuses(&self) -> bool {
         self.state == State::Failed
     }
 }
 
-/// Whether the gains carry a certificate whose claims hold as far as the file can show.
+/// Checks that the gains carry a certificate whose claims hold as far as the file can show.
 pub(crate) fn certificate(study: &Study, gains: &Gains) -> Check {
     let name = CheckName::Certificate;
     let Some(certificate) = &gains.certificate else {
@@ -148,7 +148,7 @@ pub(crate) fn certificate(study: &Study, gains: &Gains) -> Check {
     }
 }
 
-/// Whether the window of the gains holds this arm.
+/// Checks that the arm's inertia lies inside the window of the gains.
 pub(crate) fn window(study: &Study, path: &Path, gains: &Gains) -> Result<Check, SessionError> {
     let arm = arm(study, path)?;
     Ok(match arm_inside_window(study, &arm, gains) {
@@ -160,7 +160,8 @@ pub(crate) fn window(study: &Study, path: &Path, gains: &Gains) -> Result<Check,
     })
 }
 
-/// The first two checks of a first motion: its gains carry no certificate, but their window bears a guess that is off.
+/// The first two checks of a first motion: its gains carry no certificate, but their window covers the error
+/// of the guess.
 pub(crate) fn cautious(first: &FirstStudy) -> (Check, Check) {
     let why = "of a first motion, whose gains are cautious and not certified";
     let certificate = Check::not_asked(CheckName::Certificate, why);
@@ -180,7 +181,7 @@ pub(crate) fn cautious(first: &FirstStudy) -> (Check, Check) {
     (certificate, window)
 }
 
-/// Whether the drives bear the motion.
+/// Checks that the motion needs no more torque and speed than the drives have.
 pub(crate) fn motion(study: &Study, path: &Path) -> Result<Check, SessionError> {
     let name = CheckName::Motion;
     Ok(match overload(study).map_err(|e| SessionError::at(path, e))? {
@@ -189,7 +190,7 @@ pub(crate) fn motion(study: &Study, path: &Path) -> Result<Check, SessionError> 
     })
 }
 
-/// Whether the study says of the robot what is true of the link.
+/// Checks that the study's `[profile]` agrees with the facts of the link.
 pub(crate) fn profile(study: &Study, facts: &Facts) -> Check {
     let name = CheckName::Profile;
     let found = facts.against(study);
@@ -202,7 +203,7 @@ pub(crate) fn profile(study: &Study, facts: &Facts) -> Check {
     Check::failed(name, words.join("; "), valid.join("; "))
 }
 
-/// Whether there is a supervisor, where there is something to supervise.
+/// Checks that there is a supervisor; not asked of a simulated arm.
 pub(crate) fn supervisor(study: &Study, facts: &Facts) -> Check {
     let name = CheckName::Supervisor;
     match (study.supervisor.is_some(), facts.tells.truth) {
@@ -216,10 +217,11 @@ pub(crate) fn supervisor(study: &Study, facts: &Facts) -> Check {
     }
 }
 
-/// How far a robot may stand from where the motion begins \[rad\], where no supervisor says otherwise.
+/// Largest distance of a joint from the start of the motion \[rad\], without a supervisor.
 const START_MAX: f64 = 0.05;
 
-/// Whether a robot takes torques, and stands where the motion begins; `recovers`: it is brought back first, if it stopped.
+/// Checks that a robot accepts torques and stands where the motion begins; `recovers`: a robot that stopped
+/// is recovered first.
 pub(crate) fn robot(
     study: &Study,
     (standing, order): (Option<&Standing>, &Order),
@@ -255,15 +257,16 @@ pub(crate) fn robot(
     Ok(Check::failed(name, found, format!("within {most} rad: move the arm there by hand first")))
 }
 
-/// Whether a figure is more than a limit, or none.
+/// Returns true if a value exceeds a limit or is NaN.
 fn beyond(figure: f64, most: f64) -> bool {
     figure.is_nan() || figure > most
 }
 
-/// By how much the inertia of two descriptions of one arm may differ: what rounding and a flange make, and a certificate's window holds.
+/// Largest relative difference of the inertia of two descriptions of one arm: rounding and a flange cause it,
+/// and the window of a certificate covers it.
 const INERTIA_APART_MAX: f64 = 0.05;
 
-/// Whether the description that a robot hands out is of the arm that the study is about.
+/// Checks that the robot's own description is of the study's arm.
 pub(crate) fn description(study: &Study, robot: Option<&mut Robot>) -> Check {
     let name = CheckName::Description;
     let Some(robot) = robot else { return Check::not_asked(name, "of a simulated arm") };
@@ -288,7 +291,7 @@ pub(crate) fn description(study: &Study, robot: Option<&mut Robot>) -> Check {
     }
 }
 
-/// Whether this machine keeps time, where it has to.
+/// Checks that this machine is set for real time; not asked in lock-step.
 pub(crate) fn real_time(facts: &Facts) -> Check {
     let name = CheckName::RealTime;
     if facts.clock == Clock::LockStep {
@@ -307,7 +310,8 @@ pub(crate) fn real_time(facts: &Facts) -> Check {
     Check::failed(name, words.join("; "), valid.join("; "))
 }
 
-/// Whether a simulation of the same gains and motion keeps what the study asks for; `None`: the drive is that simulation.
+/// Checks that a simulation of the same gains and motion ends within the specification; `None`: the drive is
+/// that simulation.
 pub(crate) fn rehearsal(done: Option<&Done>) -> Check {
     let name = CheckName::Rehearsal;
     let Some(done) = done else { return Check::not_asked(name, "of a simulation in lock-step") };

@@ -28,21 +28,22 @@ use crate::sim::SimLink;
 use crate::system;
 use crate::tape::ring;
 
-/// What a drive is told.
+/// Options of a drive.
 #[derive(Debug, Clone, Default)]
 pub struct DriveOptions {
-    /// Study, gains, folder and log, as a simulation is told; `uncertified` is not looked at: what may be gone past is in
-    /// `accept`.
+    /// Study, gains, folder and log, as for a simulation; `uncertified` is ignored: `accept` lists the checks
+    /// that may fail.
     pub run: RunOptions,
-    /// What is at the other end.
+    /// The other end of the drive.
     pub on: On,
-    /// Checks that a person goes on in spite of.
+    /// Checks that a person accepts although they fail.
     pub accept: Vec<CheckName>,
     /// The processor of the control thread; `None`: as the system likes.
     pub processor: Option<usize>,
-    /// Whether a robot that stopped by itself is brought back, before the drive and after it.
+    /// True if a robot that stopped by itself is recovered, before the drive and after it.
     pub recover: bool,
-    /// A first motion in place of the study's, about where the arm stands, under gains that nobody designed.
+    /// First motion in place of the study's, about the present position of the arm, with cautious gains;
+    /// `None`: the study's motion.
     pub first: Option<FirstMotion>,
     /// A motion (CSV) in place of the study's.
     pub reference: Option<PathBuf>,
@@ -53,9 +54,9 @@ pub struct Prepared {
     session: Session,
     /// The folder that the options name.
     pub folder: PathBuf,
-    /// What came of the checks.
+    /// Results of the checks.
     pub checks: Vec<Check>,
-    /// The first motion that was asked for.
+    /// The requested first motion.
     pub first: Option<FirstStudy>,
     options: DriveOptions,
     end: OtherEnd,
@@ -78,7 +79,7 @@ impl core::fmt::Debug for Prepared {
 pub struct Driven {
     /// Its record, as of a simulation.
     pub done: Done,
-    /// What came of the loop.
+    /// Result of the loop.
     pub tally: Tally,
     /// `drive.json` of the record.
     pub document: Value,
@@ -87,7 +88,7 @@ pub struct Driven {
 }
 
 impl Driven {
-    /// Whether the arm followed its motion to the end, kept every bound, and no promise about it is broken.
+    /// Returns true if the arm followed its motion to the end within every bound, and no claim about it is broken.
     pub fn good(&self) -> bool {
         let Tally { end, finished, tracked, parked, .. } = self.tally;
         let parked = parked.is_none_or(|parked| parked.reached);
@@ -95,16 +96,18 @@ impl Driven {
     }
 }
 
-/// Looks at study, gains, link and machine; nothing moves and nothing is written. A robot is connected to, and asked what it is.
+/// Checks study, gains, link and machine; nothing moves and nothing is written. A robot is connected to, and
+/// its state and description are read.
 ///
 /// # Errors
 ///
-/// [`DriveError`]: the study or the gains cannot be used, or no robot answers. That a check does not pass is in [`Prepared::checks`].
+/// [`DriveError`]: the study or the gains cannot be used, or no robot answers. A check that fails is in
+/// [`Prepared::checks`].
 pub fn prepare(options: &DriveOptions) -> Result<Prepared, DriveError> {
     prepare_at(options, None)
 }
 
-/// The same over a link of the caller's own; what the options say is at the other end is not looked at.
+/// The same over a link of the caller; [`DriveOptions::on`] is ignored.
 ///
 /// # Errors
 ///
@@ -117,7 +120,7 @@ pub fn prepare_on(
 }
 
 fn prepare_at(options: &DriveOptions, own: Option<Robot>) -> Result<Prepared, DriveError> {
-    // What may be gone past is decided by the checks below.
+    // The checks below decide about the certificate.
     let run = RunOptions { uncertified: true, ..options.run.clone() };
     match &options.first {
         None => prepare_whole(options, &run, own),
@@ -165,7 +168,7 @@ fn prepare_first(
     Ok(Prepared { session, folder, checks, first, options, end, tap: None, targets: None })
 }
 
-/// Where an arm stands: by what the robot says, else where the study begins.
+/// Position of an arm: as the robot reports it, else the start of the study's motion.
 fn stands(study: &Study, end: &OtherEnd) -> Result<Vec<f64>, DriveError> {
     let joints = study.robot.joints.len();
     if let Some(standing) = end.robot.as_ref().and_then(Link::standing) {
@@ -177,7 +180,7 @@ fn stands(study: &Study, end: &OtherEnd) -> Result<Vec<f64>, DriveError> {
     Ok((0..joints).map(|i| motion.at(i, 0.0)[0]).collect())
 }
 
-/// What the checks are about.
+/// Subject of the checks.
 struct About<'a> {
     session: &'a Session,
     first: Option<&'a FirstStudy>,
@@ -225,7 +228,7 @@ impl About<'_> {
 }
 
 impl Prepared {
-    /// Whether a check does not pass and was not accepted.
+    /// Returns true if a check failed and was not accepted.
     pub fn is_refused(&self) -> bool {
         self.checks.iter().any(Check::refuses)
     }
@@ -235,34 +238,35 @@ impl Prepared {
         self.session.study()
     }
 
-    /// Shows each sample to somebody while it runs.
+    /// Registers a hook that gets each sample while the drive runs.
     pub fn shown_to(&mut self, tap: Box<dyn Tap>) {
         self.tap = Some(tap);
     }
 
-    /// Lets somebody tell where to go; see [`Self::takes_targets`].
+    /// Registers the targets that others write; see [`Self::takes_targets`].
     pub fn led_by(&mut self, targets: Arc<Targets>) {
         self.targets = Some(targets);
     }
 
-    /// Whether somebody else may say where to go: the supervisor shapes what is asked of it, and this is no first motion.
+    /// Returns true if others may send targets: the supervisor shapes the reference, and this is no first motion.
     pub fn takes_targets(&self) -> bool {
         let shapes = self.study().supervisor.as_ref().is_some_and(|asked| asked.motion.is_some());
         shapes && self.first.is_none()
     }
 
-    /// Whether the arm is parked where nothing is wrong at the end: its study states where, which that of a first motion never does.
+    /// Returns true if the study states a position in which the arm parks at the end of a drive without a
+    /// fault; that of a first motion never does.
     pub fn parks(&self) -> bool {
         park(self.study()).is_some()
     }
 
-    /// What is said before the drive.
+    /// Warnings before the drive.
     pub fn warnings(&self) -> &[String] {
         self.session.warnings()
     }
 
-    /// Drives: start, hold, track, finish; leaves the record. `stop` is set by whoever wants the arm to stop: a safe stop, after
-    /// which the record is written.
+    /// Drives: start, hold, track, finish; writes the record. Set `stop` to request a safe stop, after which
+    /// the record is written.
     ///
     /// # Errors
     ///
@@ -309,7 +313,7 @@ impl Prepared {
     }
 }
 
-/// Where the arm parks.
+/// Parking position and limits of a study.
 fn park(study: &Study) -> Option<Park<'_>> {
     let supervisor = study.supervisor.as_deref()?;
     Some(Park { q: supervisor.park.as_deref()?, limits: supervisor.motion.as_ref()? })
@@ -332,7 +336,7 @@ fn command(options: &DriveOptions, at: &str) -> String {
     words.join(" ")
 }
 
-/// What the way of a drive needs to know beside its link.
+/// Inputs of a drive, apart from its link.
 struct Way<'a> {
     at: &'a str,
     checks: &'a [Check],
@@ -340,7 +344,7 @@ struct Way<'a> {
     stop: &'a AtomicBool,
     names: &'a [String],
     samples: u64,
-    /// Whether the study says that the arm has brakes.
+    /// True if the study says that the arm has brakes.
     braked: bool,
     park: Option<Park<'a>>,
     tap: Option<Box<dyn Tap>>,
@@ -350,10 +354,10 @@ struct Way<'a> {
 /// Samples that the ring holds: seconds for a writer that was held up.
 const RING: usize = 16_384;
 
-/// How long the supervisor may go on to stop an arm of a first motion in which it found a fault \[ns\].
+/// Longest time in which the supervisor may stop an arm of a first motion after a fault \[ns\].
 const FAULT_NS: u64 = 50_000_000;
 
-/// How long an arm may take to stand after the study's end \[ns\].
+/// Longest time in which an arm may come to rest after the study's end \[ns\].
 const STOP_NS: u64 = 5_000_000_000;
 
 impl Way<'_> {
@@ -382,7 +386,8 @@ impl Way<'_> {
         let mut desk = Desk::new(order, names.len());
         let stop_samples = STOP_NS / facts.period_ns.max(1);
         let most = self.options.first.map_or(STOP_NS, |_| FAULT_NS) / facts.period_ns.max(1);
-        // A simulated arm goes on to the end of its study, as `run` shows it; one that nothing else holds is held by the law.
+        // After a fault a simulated arm goes on to the end of its study, as with `run`; an arm that neither
+        // brakes nor its own gravity torque hold is held by the law.
         let held_otherwise = !facts.tells.truth && (self.braked || facts.adds.gravity);
         let fault_samples = (held_otherwise || self.options.first.is_some()).then_some(most);
         let (samples, stop) = (self.samples, self.stop);
@@ -411,7 +416,7 @@ impl Way<'_> {
         Ok((self.told((facts, given), (&tally, recovered), &evidence, ended), tally))
     }
 
-    /// What the record says of the drive.
+    /// Record of the drive: document, lines and warnings.
     fn told(
         &self,
         (link, given): (Facts, Vec<Finding>),
@@ -478,7 +483,7 @@ impl Way<'_> {
     }
 }
 
-/// How a drive ended that was not simulated.
+/// End of a drive that was not simulated.
 fn ended(facts: &Facts, tally: &Tally) -> Ended {
     let t = (tally.cycles * facts.period_ns) as f64 * 1e-9;
     let abort = match tally.end {

@@ -1,4 +1,4 @@
-//! The way of the record from the control thread to the one that writes: records of fixed size in a ring.
+//! Transfer of the record from the control thread to the writing thread: entries of fixed size in a ring.
 
 use std::thread;
 
@@ -6,7 +6,7 @@ use phihat::Report;
 use phihat_sim::Row;
 use rtrb::{Consumer, Producer, RingBuffer};
 
-/// What came at a sample.
+/// Arrival of a message at a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Arrival {
     /// A message.
@@ -18,24 +18,24 @@ pub enum Arrival {
     Skipped,
 }
 
-/// One sample of a whole arm, beside its joints' rows.
+/// One sample of a whole arm, without the rows of its joints.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Cycle {
     /// Time since the start \[ns\].
     pub t_ns: u64,
-    /// What came.
+    /// Arrival of its message.
     pub arrival: Arrival,
-    /// What the supervisor did, where there is one.
+    /// Report of the supervisor, where there is one.
     pub report: Option<Report>,
-    /// Whether its rows say what truly acted.
+    /// True if `acted` of its rows is the true state: the arm is simulated.
     pub known: bool,
-    /// How late the loop woke \[ns\].
+    /// Delay of the wake-up of the loop \[ns\].
     pub late_ns: Option<u64>,
-    /// How long the controller took \[ns\].
+    /// Computation time of the controller \[ns\].
     pub took_ns: Option<u64>,
 }
 
-/// The end of the ring that the control thread has. Neither allocates nor locks.
+/// Writing end of the ring, for the control thread. Neither allocates nor locks.
 #[derive(Debug)]
 pub struct Tape {
     cycles: Producer<Cycle>,
@@ -45,7 +45,7 @@ pub struct Tape {
     ahead: bool,
 }
 
-/// The end of the ring that is read.
+/// Reading end of the ring.
 #[derive(Debug)]
 pub struct Reader {
     cycles: Consumer<Cycle>,
@@ -53,8 +53,8 @@ pub struct Reader {
     joints: usize,
 }
 
-/// A ring for so many samples of so many joints. A `patient` tape waits for room, where time is counted; one that is not says
-/// that there is none.
+/// A ring for `samples` samples of `joints` joints. A `patient` tape (lock-step) waits for room; else
+/// [`Tape::push`] returns false where there is none.
 pub fn ring(joints: usize, samples: usize, patient: bool) -> (Tape, Reader) {
     let (cycles, read_cycles) = RingBuffer::new(samples);
     let (rows, read_rows) = RingBuffer::new(samples.saturating_mul(joints));
@@ -63,7 +63,7 @@ pub fn ring(joints: usize, samples: usize, patient: bool) -> (Tape, Reader) {
 }
 
 impl Tape {
-    /// Writes a sample; `false`: there is no room, or nobody reads any more.
+    /// Writes a sample; `false`: there is no room, or the reader is gone.
     pub fn push(&mut self, cycle: Cycle, rows: impl Iterator<Item = Row>) -> bool {
         while self.cycles.slots() == 0 || self.rows.slots() < self.joints {
             if !(self.patient || self.ahead) || self.is_unread() {
@@ -76,19 +76,20 @@ impl Tape {
             && self.cycles.push(cycle).is_ok()
     }
 
-    /// Whether the samples came sooner than any robot's clock would have them: then a wait for room holds nobody up.
+    /// Sets whether the samples come sooner than by any robot's clock: then `push` waits for room, which
+    /// delays nobody.
     pub fn ahead(&mut self, ahead: bool) {
         self.ahead = ahead;
     }
 
-    /// Whether nobody reads any more.
+    /// Returns true if the reader is gone.
     pub fn is_unread(&self) -> bool {
         self.cycles.is_abandoned()
     }
 }
 
 impl Reader {
-    /// Whether nobody writes any more.
+    /// Returns true if the writer is gone.
     pub fn is_ended(&self) -> bool {
         self.cycles.is_abandoned()
     }

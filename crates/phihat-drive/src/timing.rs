@@ -1,8 +1,8 @@
-//! How late the loop woke, and how long it took, in memory that does not grow.
+//! Wake-up delay and computation time of the loop, in memory of fixed size.
 
 use serde::Serialize;
 
-/// Width of a bin \[ns\] and how many there are: what is beyond counts in the last, and its greatest is kept.
+/// Width of a bin \[ns\] and number of bins: larger values count in the last bin, and the largest is stored.
 const BIN_NS: u64 = 1_000;
 const BINS: usize = 20_000;
 
@@ -51,10 +51,10 @@ impl Times {
     }
 }
 
-/// What of a kind of times a person looks at \[µs\]; percentiles to the next whole microsecond.
+/// Percentiles of one kind of times \[µs\], up to the next whole microsecond.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Percentiles {
-    /// How many there are.
+    /// Number of values.
     pub count: u64,
     /// Half of all are at most this.
     pub p50_us: f64,
@@ -64,7 +64,7 @@ pub struct Percentiles {
     pub max_us: f64,
 }
 
-/// Times of a loop: how late it woke, and how long the controller took.
+/// Times of a loop: wake-up delay, and computation time of the controller.
 #[derive(Debug, Clone)]
 pub struct Timing {
     late: Times,
@@ -78,7 +78,7 @@ impl Default for Timing {
 }
 
 impl Timing {
-    /// Counts one cycle \[ns\]; `None`: no clock said so.
+    /// Counts one cycle \[ns\]; `None`: not measured.
     pub fn add(&mut self, late_ns: Option<u64>, took_ns: Option<u64>) {
         if let Some(ns) = late_ns {
             self.late.add(ns);
@@ -88,12 +88,12 @@ impl Timing {
         }
     }
 
-    /// How late the loop woke; `None`: time was counted.
+    /// Wake-up delay of the loop \[µs\]; `None`: time was counted.
     pub fn late(&self) -> Option<Percentiles> {
         self.late.percentiles()
     }
 
-    /// How long the controller took, from a sample to its torque.
+    /// Computation time of the controller \[µs\], from a sample to its torque.
     pub fn took(&self) -> Option<Percentiles> {
         self.took.percentiles()
     }

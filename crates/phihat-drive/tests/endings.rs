@@ -1,4 +1,5 @@
-//! However the rest of a drive's process ends, its arm is brought to rest. Wrong if a panic, or a record that cannot be written, leaves the last torque on.
+//! However the rest of a drive's process ends, its arm is brought to rest. Wrong if a panic, or a record that
+//! cannot be written, left the last torque on.
 
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -15,7 +16,7 @@ use phihat_session::{Leave, RunOptions};
 use phihat_sim::{Row, Sample};
 use phihat_study::Study;
 
-/// What a robot saw of a drive.
+/// Record of a robot about one drive.
 #[derive(Debug, Default, Clone, Copy)]
 struct Seen {
     stops: u64,

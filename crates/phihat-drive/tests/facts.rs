@@ -1,5 +1,5 @@
-//! A study is held against the robot that it is driven on. Wrong if one that is laxer than the robot in any figure passed, or if one
-//! that says exactly what is true were refused.
+//! A study is compared with the robot that it is driven on. Wrong if a study that is laxer than the robot in
+//! any figure passed, or if one that states exactly the facts were refused.
 
 use crate::support::{PLAIN, study};
 use phihat_drive::{Adds, Clock, Facts, Stops, Tells};

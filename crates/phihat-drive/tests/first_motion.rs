@@ -1,6 +1,7 @@
-//! The first motion of an arm that nobody has gains for. Wrong if what it measures did not hold what the simulated arm is, whatever load,
-//! friction, losses and rotors it was given; if a joint were told more than its cap, or went further than it may; or if it were driven where
-//! no gains bear a guess that is off.
+//! The first motion of an arm without gains. Wrong if its measured intervals did not contain the values of
+//! the simulated arm, whatever load, friction, losses and rotors it was given; if a joint were commanded more
+//! than its cap, or went further than it may; or if it were driven where no gains cover the error of the
+//! guess.
 
 use std::fs;
 use std::net::Ipv4Addr;
@@ -59,7 +60,7 @@ fn driven(options: &DriveOptions) -> (Driven, FirstStudy, FirstMeasured) {
     (driven, first, found)
 }
 
-/// What each joint's inertia truly is where a study begins, with the payload of its world.
+/// True inertia of each joint where a study begins \[kg·m²\], with the payload of its world.
 fn truth(study: &Study) -> Vec<f64> {
     let mut model = study.robot.plant_model();
     if let Some(payload) = &study.world.payload {
@@ -74,7 +75,7 @@ fn truth(study: &Study) -> Vec<f64> {
     (0..n).map(|i| mass[i * n + i]).collect()
 }
 
-/// Holds what was found against what is: how wide the intervals are at most.
+/// Compares the result with the truth; the largest width of the intervals, as a factor.
 fn held(found: &FirstMeasured, truth: &[f64], dry: &[f64], what: &str) -> f64 {
     let all = found.all();
     assert!(all.is_some(), "{what}: {found:#?}");
@@ -93,7 +94,8 @@ fn held(found: &FirstMeasured, truth: &[f64], dry: &[f64], what: &str) -> f64 {
     wide
 }
 
-/// That nobody was told more than the cap, or went further than the amplitude and what the supervisor bears.
+/// Asserts that no command exceeds the cap, and no joint goes further than the amplitude plus the tolerance
+/// of the supervisor.
 fn within(first: &FirstStudy, told: &FirstMotion, out: &Path) {
     let file = fs::File::open(out.join("trace.parquet")).unwrap();
     let trace = Trace::read(file, &first.study).unwrap();
@@ -176,7 +178,8 @@ fn plain() -> String {
         .replace("LOSS", "0.0")
 }
 
-/// A drive that is wired the wrong way round, that is dead, or weak: it stops within what the supervisor bears, or finds what it is.
+/// A drive that is wired with the wrong sign, dead or weak: the arm stops within the tolerance of the
+/// supervisor, or the measured intervals are right.
 #[test]
 fn a_drive_that_does_what_it_likes_stops_near() {
     let folder = folder("first-motion-faults");
@@ -314,7 +317,7 @@ fn a_franka_that_is_not_what_the_study_says_is_measured() {
             driven.tally.cycles, driven.tally.lost
         );
         assert!(wide < 1.4, "{wide}");
-        // The rotors of the first joint and the second are so far off that nobody could take the arm for the one of the study.
+        // The rotors of the first two joints differ so much that the arm cannot pass for the one of the study.
         assert_eq!(found.joints[0].as_told(), Some(false));
         assert_eq!(found.joints[1].as_told(), Some(false));
     }

@@ -1,6 +1,6 @@
-//! A drive over the Franka Control Interface, against a study's world behind it. Wrong if a torque that was computed were another than that
-//! of the simulation, or than the one that acted; if a robot that stopped went on, or its reason were lost; or if anything moved that a
-//! check refuses.
+//! A drive over the Franka Control Interface, against a study's world behind it. Wrong if a computed torque
+//! differed from that of the simulation, or from the one that acted; if a robot that stopped went on, or its
+//! reason were lost; or if anything moved that a check refuses.
 
 use std::fs;
 use std::net::Ipv4Addr;
@@ -16,7 +16,7 @@ use phihat_fci::{Ending, Event, Pace, Protocol};
 use phihat_session::{Leave, RunOptions, ServeOptions, ServeWatch, ServedMotion, TraceKind};
 use phihat_sim::Trace;
 
-/// A Panda whose torque is told as it is demanded: what the wire can tell, the simulation tells its law too.
+/// A Panda whose torque is reported as demanded: the law gets the same data in the simulation as over the network.
 fn panda() -> String {
     let rest = r#"
 [spec]
@@ -171,7 +171,8 @@ fn states_that_do_not_come_are_lost_samples() {
     assert!((15..=45).contains(&driven.tally.lost), "{:?}", driven.tally);
 }
 
-/// What docs/reliability.md says of losses (F4, F20) and of a load that falls (F12), over the wire: held, no torque that steps, no reflex.
+/// Losses (F4, F20 of docs/reliability.md) and a load that falls (F12), over the network: every cycle driven,
+/// no torque step, no reflex.
 #[test]
 fn losses_jitter_and_a_dropped_load_are_borne() {
     let folder = folder("franka-hard");

@@ -1,6 +1,6 @@
-//! The loop on links of every kind. Wrong if joints in another order got each other's torques, if a stop that is asked for were
-//! anything but the supervisor's, if a robot were left moving at the end, or if what is derived for a robot that knows no truth were
-//! not what the simulated one truly did.
+//! The loop on links of every kind. Wrong if joints in another order got the torques of each other, if a
+//! requested stop were anything but that of the supervisor, if a robot were left moving at the end, or if the
+//! record derived for a robot that reports no truth differed from the true motion of the simulated one.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -13,11 +13,11 @@ use phihat_drive::{
 use phihat_sim::{Acted, Row, Sample, Trace, TraceWriter};
 use phihat_study::Study;
 
-/// The simulated arm as a robot would be: its joints in another order, nothing known but what is measured, and a fault when wanted.
+/// The simulated arm as a robot: its joints in another order, only measurements reported, and a fault on request.
 struct Robot<'a> {
     sim: SimLink,
     facts: Facts,
-    /// Where each joint of the message stands in the simulation.
+    /// Index of each joint of the message in the simulation.
     places: Vec<usize>,
     raw: Sample,
     tau: Vec<f64>,
@@ -102,7 +102,7 @@ impl Link for Robot<'_> {
 const TRUTH: Tells = Tells { echo: true, losses: true, truth: true };
 const NONE: Tells = Tells { echo: true, losses: true, truth: false };
 
-/// Runs so many samples on a link; what came of it, and the record.
+/// Runs `samples` samples on a link; returns the result and the record.
 fn driven<L: Link>(
     study: &Study,
     link: &mut L,
@@ -236,7 +236,8 @@ fn a_fault_ends_the_drive_and_what_was_recorded_stays() {
     assert_eq!((tally.cycles, cycles.len(), trace.len(), link.finished), (320, 320, 320, 0));
 }
 
-/// The torque that acted comes back with the next sample, and velocity is measured: what is derived must be what is true.
+/// The torque that acted is reported with the next sample, and velocity is measured: derived values must be
+/// the true ones.
 #[test]
 fn what_is_derived_for_a_robot_is_what_it_did() {
     let study = study(PLAIN);

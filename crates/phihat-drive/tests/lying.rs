@@ -1,5 +1,6 @@
-//! A robot that lies, in every field of its messages, once or for good. Wrong if a torque were sent that is not finite, or beyond the limits of the study;
-//! if a drive went on over a sensor that is none; or if measured torque that no drive can give were believed.
+//! A robot that lies, in every field of its messages, once or for good. Wrong if a torque were sent that is
+//! not finite or beyond the limits of the study; if a drive went on without a valid sensor; or if a measured
+//! torque that no drive can deliver were accepted.
 //!
 //! `PHIHAT_MESSAGES=1000000` for as many; `cargo xtask test --all` has them.
 
@@ -40,7 +41,7 @@ struct Lie {
     until: u64,
 }
 
-/// What it lies about: when to begin, or anything at any time.
+/// Plan of the lies: anything at any time, or one lie from a message on.
 enum Plot {
     /// Lies of all kinds.
     Any(Dice),
@@ -161,7 +162,8 @@ fn driven(
     (tally, read)
 }
 
-/// Bare drives; limits of rate; and a robot whose rule counts from what it says that it accepted, with a supervisor and without.
+/// Drives without a supervisor; rate limits; and a robot whose rule counts from its reported accepted torque,
+/// with and without a supervisor.
 #[test]
 fn f33_whatever_a_robot_says_no_torque_beyond_a_limit_is_sent() {
     let all = if std::env::var_os("PHIHAT_ALL").is_some() { 1_000_000 } else { 40_000 };
@@ -185,7 +187,7 @@ fn f33_whatever_a_robot_says_no_torque_beyond_a_limit_is_sent() {
     assert!(stopped > 0);
 }
 
-/// A position that is no number for ever: the arm is stopped, and the drive ends, where something else holds the arm.
+/// A position that is NaN for good: the arm is stopped, and the drive ends, where something else holds the arm.
 #[test]
 fn a_drive_ends_where_a_sensor_is_none_any_more() {
     let study = study(&format!("{PLAIN}{SUPERVISED}brake_closing_s = 0.1\n"));
@@ -198,7 +200,7 @@ fn a_drive_ends_where_a_sensor_is_none_any_more() {
     assert!(last.brake && last.mode == Mode::SafeStop, "{last:?}");
 }
 
-/// One measured torque of a million: what it was told last counts, and the arm goes on.
+/// One measured torque of a million N·m: the last command counts instead, and the arm goes on.
 #[test]
 fn one_measured_torque_that_is_none_changes_nothing() {
     let text = format!("{PLAIN}{SUPERVISED}");

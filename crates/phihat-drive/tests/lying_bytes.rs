@@ -1,7 +1,9 @@
-//! A robot that lies in the bytes of its messages, over the sockets of the Franka Control Interface, in both of its versions: every number, counter and
-//! byte of a state, once or for good, and states that are cut, doubled or random. Wrong if a command that the robot reads were not finite, beyond a torque
-//! limit, or farther from the command before than the rate limit allows in the samples between them; if the robot stopped on a torque jump although its echo was true; if a joint that reads no position
-//! or velocity any more were driven on; or if a drive did not end.
+//! A robot that lies in the bytes of its messages, over the sockets of the Franka Control Interface, in both
+//! of its versions: every number, counter and byte of a state, once or for good, and states that are cut,
+//! doubled or random. Wrong if a command that the robot reads were not finite, beyond a torque limit, or
+//! farther from the command before than the rate limit allows in the samples between them; if the robot
+//! stopped on a torque jump although its echo was true; if a joint without a valid position or velocity were
+//! driven on; or if a drive did not end.
 //!
 //! `PHIHAT_MESSAGES=1000000` for as many states; `cargo xtask test --all` has them.
 
@@ -30,11 +32,12 @@ const FROM: u64 = 300;
 /// States after which a drive has to be over: those of its samples, of the stop, and as many as the client waits for.
 const MOST: u64 = 8000;
 
-/// How long the robot waits for a command that need not come; for others so many times as long, on a machine that does other work.
+/// Time for which the robot waits for a command that may be missing; a required command is awaited this many
+/// times as long, on a machine that does other work.
 const CYCLE: Duration = Duration::from_millis(3);
 const CYCLES: u32 = 10_000;
 
-/// How long a client waits for a state, where lies may silence the robot.
+/// Time for which a client waits for a state, where lies may silence the robot.
 const PATIENCE: Duration = Duration::from_millis(100);
 
 /// A Panda that adds gravity and bears steps of 1 N·m, under a supervisor.
@@ -72,7 +75,8 @@ const WILD: [f64; 14] = [
     0.0,
 ];
 
-/// Where the fields of a state are: bytes of a number, numbers, and the tail (generator, controller, 41 errors, 41 reasons, mode, success rate).
+/// Layout of a state: bytes of a number, number of numbers, and offset of the tail (generator, controller, 41
+/// errors, 41 reasons, mode, success rate).
 fn layout(protocol: Protocol) -> (usize, usize, usize) {
     match protocol {
         Protocol::V5 => (8, 284, 2280),
@@ -85,7 +89,7 @@ const ECHO: core::ops::Range<usize> = 133..140;
 const POSITION: core::ops::Range<usize> = 147..154;
 const VELOCITY: core::ops::Range<usize> = 161..168;
 
-/// What a lie is about.
+/// Kind of a lie.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Lie {
     /// A number, the success rate last, says this.
@@ -161,7 +165,7 @@ impl Lie {
         }
     }
 
-    /// Whether it is about the torques that the robot says it accepted.
+    /// Returns true if it changes the reported accepted torques.
     fn touches_echo(self) -> bool {
         match self {
             Self::Number(place, _) => ECHO.contains(&place),
@@ -171,7 +175,7 @@ impl Lie {
         }
     }
 
-    /// Whether the client may leave this state unanswered, or the next ones.
+    /// Returns true if the client may leave this state or the next ones unanswered.
     fn silences(self) -> bool {
         match self {
             Self::Byte(place, _) => [0, 1, 84].contains(&place),
@@ -180,7 +184,7 @@ impl Lie {
         }
     }
 
-    /// Whether a joint has no position or no velocity by it.
+    /// Returns true if a joint has no valid position or velocity with it.
     fn blinds(self) -> bool {
         let Self::Number(place, says) = self else { return false };
         (POSITION.contains(&place) || VELOCITY.contains(&place))
@@ -220,12 +224,12 @@ impl Lie {
     }
 }
 
-/// What the robot saw of one drive.
+/// Record of the robot about one drive.
 #[derive(Debug, Default)]
 struct Seen {
     states: u64,
     commands: u64,
-    /// Whether a lie was about the echo.
+    /// True if a lie changed the echo.
     echo: bool,
     /// The largest torque that came \[N·m\].
     largest: f64,
@@ -236,14 +240,14 @@ struct Seen {
     ended: Option<Ending>,
 }
 
-/// What a robot lies about in a drive.
+/// Plan of the lies in a drive.
 #[derive(Debug, Clone, Copy)]
 struct Plot {
     lie: Lie,
     /// The state from which on it is told, and for how many.
     from: u64,
     states: u64,
-    /// Whether others come before it that a drive survives.
+    /// True if mild lies, which a drive survives, come before it.
     mild: bool,
 }
 
@@ -261,7 +265,7 @@ struct Robot {
     step: f64,
     /// The last command that came, and the number of the state that it answers.
     sent: ([f64; 7], u64),
-    /// Whether a lie was told that may silence the client, and no command came since.
+    /// True if a lie was sent that may silence the client, and no command came since.
     quiet: bool,
     seen: Seen,
 }
@@ -287,7 +291,7 @@ impl Robot {
         Some(lie)
     }
 
-    /// What the robot reads in a command, by the layout of the interface.
+    /// Reads a command by the layout of the interface, and checks it.
     fn reads(&mut self, bytes: &[u8]) {
         assert_eq!(bytes.len(), self.protocol.command_bytes());
         let about = (self.lie, self.seen.last);
@@ -377,7 +381,7 @@ impl Robot {
         self.quiet |= lie.is_some_and(Lie::silences);
     }
 
-    /// Whether this state has to be answered.
+    /// Returns true if this state has to be answered.
     fn awaits(&self) -> bool {
         let runs = match self.side.mode() {
             Mode::Moving => true,
@@ -388,7 +392,7 @@ impl Robot {
         runs && !self.quiet
     }
 
-    /// Waits a little for the command; whether it came.
+    /// Waits a little for the command; returns true if it came.
     fn commanded(&mut self, udp: &UdpSocket) -> bool {
         let mut command = [0; 512];
         let Ok((length, _)) = udp.recv_from(&mut command) else { return false };
@@ -397,7 +401,7 @@ impl Robot {
         true
     }
 
-    /// What the arm does at the end of the cycle.
+    /// Moves the arm at the end of the cycle.
     fn close(&mut self, answers: &mut Vec<u8>) {
         match self.side.close(false, answers) {
             Cycle::Torque(tau) | Cycle::Finished(tau) | Cycle::Lost(tau) => self.world.step(&tau),
@@ -409,7 +413,7 @@ impl Robot {
     }
 }
 
-/// What came of a drive on this machine.
+/// Result of a drive.
 struct Drive {
     /// `None`: it did not come to the first sample.
     tally: Option<Tally>,
@@ -560,7 +564,7 @@ fn f33_whatever_the_bytes_of_a_robot_say_no_torque_beyond_a_limit_is_sent() {
     }
 }
 
-/// What the robot says of its torque before the first command, once: no torque follows it.
+/// A wrong torque that the robot reports once at the start of a motion: no command follows it.
 #[test]
 fn a_first_echo_that_lies_moves_no_torque() {
     let arm = Arm::new(true);

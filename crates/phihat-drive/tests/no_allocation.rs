@@ -1,5 +1,5 @@
-//! The control thread neither allocates nor frees: 72 s of a hostile world, with the world itself in the count. Wrong if a single
-//! byte were asked for between the first sample and the last.
+//! The control thread neither allocates nor frees: 72 s of a hostile world, with the world itself in the
+//! count. Wrong if a single byte were allocated between the first sample and the last.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -42,7 +42,7 @@ impl<F: FnMut(u64, &mut Sample)> Link for With<F> {
     }
 }
 
-/// How often so many cycles allocated.
+/// Number of allocations in `cycles_wanted` cycles.
 fn allocations(text: &str, cycles_wanted: usize, wasteful: bool) -> u64 {
     let duration = format!("duration_s = {:?}", cycles_wanted as f64 * 1e-3);
     let study = study(&text.replace("duration_s = 4.0", &duration));
@@ -91,8 +91,8 @@ fn an_arm_that_is_led_allocates_nothing() {
     let mut desk = Desk::new(order, names.len());
     let (mut tape, _reader) = ring(names.len(), 8000, false);
     let (targets, stop, over) = (Targets::new(3), AtomicBool::new(false), AtomicBool::new(false));
-    // The arm is on its way to the goal before it is told so again and again: the thread that does may be stopped half-way for as long
-    // as the whole drive takes, and then nothing newer can be read.
+    // The arm is on its way to the goal before the goal is requested again and again: the requesting thread
+    // may be stopped half-way for as long as the whole drive takes, and then nothing newer can be read.
     let begun = AtomicBool::new(false);
     let mut link = With(link, 0, |number: u64, _: &mut Sample| {
         begun.fetch_or(number == 1000, Ordering::Relaxed);

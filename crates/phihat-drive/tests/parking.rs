@@ -1,5 +1,6 @@
-//! An arm without brakes is parked before its torque goes. Wrong if it were parked with a fault, without a place that the study states, or faster than
-//! the study says; if its torque went before it is there and at rest; or if a second request did not stop it on the way.
+//! An arm without brakes is parked before its torque ends. Wrong if it were parked with a fault, without a
+//! position in the study, or faster than the study allows; if its torque ended before it is there and at
+//! rest; or if a second request did not stop it on the way.
 
 use std::fs;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -32,7 +33,7 @@ fn text(speed: f64) -> String {
     )
 }
 
-/// What happens at a sample.
+/// Event at a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Event {
     /// A person asks for the end.
@@ -51,7 +52,7 @@ struct Robot<'a> {
     events: Vec<(u64, Event)>,
     waited: u64,
     blind: bool,
-    /// What was measured last: positions, and the largest speed after the study's end or the first request.
+    /// Last measured positions, and the largest speed after the study's end or the first request.
     q: Vec<f64>,
     fastest: f64,
     ending: bool,
@@ -104,7 +105,7 @@ impl Link for Robot<'_> {
     }
 }
 
-/// What came of a drive of two seconds.
+/// Result of a drive of two seconds.
 struct Came {
     tally: Tally,
     /// Largest distance from the place \[rad\], and the largest speed on the way \[rad/s\].
@@ -112,7 +113,7 @@ struct Came {
     fastest: f64,
     report: Report,
     finished: u32,
-    /// Whether a request is left that nobody heard.
+    /// True if a stop request is left that was not taken.
     asked: bool,
 }
 
@@ -162,7 +163,8 @@ fn parked(tally: &Tally) -> (bool, u64) {
     (reached, samples)
 }
 
-/// At the end of the motion, and where a person asks for the end: there, at rest, within the limits, and the torque last.
+/// At the end of the motion, and after a stop request: the arm is at its position, at rest, within the
+/// limits, and the torque ends last.
 #[test]
 fn a_drive_that_goes_well_ends_where_the_arm_parks() {
     for (events, end) in [(vec![], End::Complete), (vec![(900, Event::Asked)], End::Asked)] {

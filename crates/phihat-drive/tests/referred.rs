@@ -1,5 +1,5 @@
-//! A motion from a file in place of the study's. Wrong if another motion were driven, if a joint got another's column, or if a file that is
-//! no motion of this arm were driven or left anything.
+//! A motion from a file in place of the study's. Wrong if another motion were driven, if a joint got
+//! another's column, or if a file that is no motion of this arm were driven or left anything.
 
 use std::fs;
 use std::path::Path;

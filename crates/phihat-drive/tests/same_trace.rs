@@ -1,5 +1,6 @@
-//! A drive on the simulated arm in lock-step is the simulation, whatever the world does to the loop. Wrong if a bit of its trace
-//! or a figure of it were another one than those of the loop that simulates in one go, which shares neither link, ring nor thread with it.
+//! A drive on the simulated arm in lock-step is the simulation, whatever the world does to the loop. Wrong if
+//! a bit of its trace or a figure differed from those of the loop that simulates in one go, which shares
+//! neither link, ring nor thread with it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +11,7 @@ use phihat_drive::{CheckName, DriveOptions, End, On, SimLink, prepare, prepare_o
 use phihat_session::{Leave, RunOptions, RunRecord};
 use serde_json::json;
 
-/// Runs and drives a study; how many samples were lost.
+/// Runs and drives a study; returns the number of lost samples.
 fn same(study: &Path, on: On) -> u64 {
     let out = study.with_extension("out");
     let run = RunOptions {

@@ -1,10 +1,10 @@
-//! What others ask for: checked, in the study's order, and where it wants the arm at a time.
+//! Requests of others: checked, in the study's order, and the requested position at a time.
 
 use thiserror::Error;
 
 use super::messages::JointTrajectory;
 
-/// Why what others ask for is left out.
+/// Reason why a request is refused.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub(super) enum Refused {
     #[error("the joints are {0}: every joint of the study is wanted, and no other")]
@@ -19,7 +19,7 @@ pub(super) enum Refused {
     Empty,
 }
 
-/// A joint: its name, and from where to where it goes.
+/// A joint: its name and its position limits \[rad, m\].
 pub(super) type Joint = (String, (f64, f64));
 
 /// Positions at times since the start \[ns\].
@@ -64,7 +64,7 @@ impl Way {
         if points.is_empty() { Err(Refused::Empty) } else { Ok(Self { points }) }
     }
 
-    /// Where the arm is to be so long after the beginning, which was at `from`; and whether that is its end.
+    /// Requested positions at `t_ns` after the begin, which was at `from`; and true if the way has ended.
     pub(super) fn at(&self, t_ns: u64, from: &[f64]) -> (Vec<f64>, bool) {
         let next = self.points.partition_point(|(at, _)| *at <= t_ns);
         let before = next.checked_sub(1).and_then(|k| self.points.get(k));

@@ -1,4 +1,4 @@
-//! A ROS 2 node beside a drive: what the drive shows, and where others want the arm. Never a torque.
+//! ROS 2 node alongside a drive: it publishes the drive's signals and takes positions from others. Never a torque.
 //!
 //! | topic | type | what |
 //! |---|---|---|
@@ -12,13 +12,14 @@
 //! | `/phihat/joint_trajectory` (in) | `trajectory_msgs/msg/JointTrajectory` | every joint by name; lines between the points, from where the arm is |
 //! | `/phihat/commands` (in) | `std_msgs/msg/Float64MultiArray` | one position per joint, in the study's order |
 //!
-//! All of them reliable, volatile, keep last 10, as ros2_control has them; the mode is transient local, keep last 1: it is told to whoever comes
-//! later. Topics in are there where the supervisor shapes the reference.
+//! All topics are reliable, volatile, keep last 10, as in ros2_control; the mode is transient local, keep
+//! last 1: a later subscriber receives it. The topics marked (in) exist where the supervisor shapes the
+//! reference.
 //!
 //! # Real time
 //!
-//! The node has threads of its own. What it publishes comes through a ring from the thread that writes the record; where it wants the arm goes
-//! to the control thread through [`Targets`].
+//! The node has threads of its own. Its samples come through a ring from the writing thread; requested
+//! positions go to the control thread through [`Targets`].
 
 mod asked;
 mod messages;
@@ -41,7 +42,7 @@ pub use told::{RosCounts, RosError, RosOptions};
 /// Samples that the node may be behind before they are left out.
 const RING: usize = 1024;
 
-/// The end that is shown each sample.
+/// Hook that gets each sample.
 struct RosTap {
     ring: Producer<Snapshot>,
     every: u64,
@@ -81,7 +82,7 @@ pub struct RosNode {
     thread: JoinHandle<RosCounts>,
 }
 
-/// What of a node the drive gets: who is shown each sample, and where it is told to go.
+/// Ends of a node for the drive: the hook that gets each sample, and the targets from others.
 type Ends = (Box<dyn Tap>, Option<Arc<Targets>>);
 
 impl RosNode {

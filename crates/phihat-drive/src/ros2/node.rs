@@ -20,19 +20,19 @@ use super::messages::{
 use super::told::{RosCounts, RosError, RosOptions, Shown, Snapshot};
 use crate::hooks::Targets;
 
-/// How long the node rests where there is nothing to do.
+/// Sleep of the node where there is nothing to do.
 const REST: Duration = Duration::from_micros(500);
 
-/// How long it stays after the drive, so that what is on its way arrives.
+/// Time for which the node stays after the drive, so that sent messages arrive.
 const LINGER: Duration = Duration::from_secs(1);
 
-/// How long a drive waits for others to find its node: what they hear from then on is all of it.
+/// Time for which a drive waits for others to find its node: from then on they receive every message.
 const DISCOVERY: Duration = Duration::from_secs(1);
 
 /// Time from one message of diagnostics to the next \[ns\].
 const DIAGNOSTICS_NS: u64 = 1_000_000_000;
 
-/// Where and what each message about joints is: position, velocity, effort.
+/// Signal of a joint; below, each topic with its position, velocity and effort.
 type Signal = fn(&Shown) -> f64;
 const STATES: [(&str, &str, [Option<Signal>; 3]); 5] = [
     ("/", "joint_states", [Some(|j| j.q), Some(|j| j.dq), Some(|j| j.tau)]),
@@ -57,12 +57,12 @@ pub(super) struct Node {
     refusal: Option<Refused>,
 }
 
-/// What comes in.
+/// Subscriptions, and the way that they request.
 struct Asked {
     targets: Arc<Targets>,
     commands: Subscription<Array>,
     trajectories: Subscription<JointTrajectory>,
-    /// The way that is gone now, when it began, and from where.
+    /// Current way, its begin \[ns\], and the positions where it began.
     way: Option<(Way, u64, Vec<f64>)>,
 }
 
@@ -77,7 +77,7 @@ fn qos() -> QosProfile {
         .history(History::KeepLast { depth: 10 })
 }
 
-/// Of what is said once, and is true from then on: whoever comes later is told the last of it.
+/// Quality of service of a latched topic: a later subscriber receives its last message.
 fn kept() -> QosProfile {
     qos().durability(Durability::TransientLocal).history(History::KeepLast { depth: 1 })
 }
@@ -206,7 +206,7 @@ impl Node {
         DiagnosticArray { header, status: vec![status] }
     }
 
-    /// Takes what is asked for, and tells the control thread where the arm is to be now.
+    /// Takes the requests, and sends the requested position of this time to the control thread.
     fn listen(&mut self, shown: &Snapshot) {
         let Some(asked) = &mut self.asked else { return };
         let mut newest = None;

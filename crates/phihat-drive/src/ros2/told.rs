@@ -1,4 +1,4 @@
-//! What a node is told, counts and is shown.
+//! Options, counts and samples of a node.
 
 use std::net::IpAddr;
 
@@ -10,7 +10,7 @@ use crate::tape::Cycle;
 /// Joints of a message that goes through the ring.
 pub(super) const JOINTS_MOST: usize = 32;
 
-/// What a node is told.
+/// Options of a node.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RosOptions {
     /// The DDS domain.
@@ -21,7 +21,7 @@ pub struct RosOptions {
     pub every: u64,
 }
 
-/// How many messages of each kind there were.
+/// Number of messages of each kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct RosCounts {
     /// Samples that were published, as five messages each.
@@ -30,11 +30,11 @@ pub struct RosCounts {
     pub modes: u64,
     /// Messages of diagnostics.
     pub diagnostics: u64,
-    /// Positions that were asked for.
+    /// Positions that were requested.
     pub commands: u64,
-    /// Trajectories that were asked for.
+    /// Trajectories that were requested.
     pub trajectories: u64,
-    /// Of both, those that were left out.
+    /// Of both, those that were refused.
     pub refused: u64,
     /// Samples that the node was too slow for.
     pub dropped: u64,

@@ -1,5 +1,6 @@
-//! Cycles over the Franka Control Interface, many of them: `PHIHAT_CYCLES=3600000` for an hour. Wrong if the control thread allocated in a
-//! cycle, if memory grew, or if the error did. A program of its own: memory is the process's, and other tests' would count.
+//! Cycles over the Franka Control Interface, many of them: `PHIHAT_CYCLES=3600000` for an hour. Wrong if the
+//! control thread allocated in a cycle, if memory grew, or if the error did. A program of its own: memory is
+//! counted per process, and other tests would add to it.
 #![allow(
     clippy::panic,
     clippy::print_stdout,

@@ -92,7 +92,8 @@ frequency_hz = 0.3
 pub(crate) const SUPERVISED: &str =
     "[supervisor]\nerror_stop_rad = 0.5\nstart_mismatch_max_rad = 0.2\n";
 
-/// A Panda behind its torque interface, with what a world has against it: all of a study but its times, guard and motion.
+/// A Panda behind its torque interface, with encoder, delay, friction and payload: a study without its times,
+/// supervisor and motion.
 pub(crate) const PANDA: &str = r#"
 [robot]
 name = "panda"

@@ -7,7 +7,7 @@ use phihat_drive::{FrankaAddress, On};
 use phihat_fci::{Ending, FciError, Host, Pace, Packets, RobotSide, Rules, Sensed, World};
 use phihat_sim::WorldSide;
 
-/// What is driven: an hour and more of it, with losses on both ways.
+/// Motion and network of a drive of an hour and more, with losses on both ways.
 pub(crate) const DRIVEN: &str = r#"
 [spec]
 settle_s = 1.0
@@ -31,7 +31,7 @@ pub(crate) struct Served {
     sensed: Sensed,
     due: bool,
     last: Option<u64>,
-    /// How the motion ended.
+    /// End of the motion.
     pub(crate) ended: Option<Ending>,
 }
 
@@ -83,8 +83,9 @@ impl World for Served {
     }
 }
 
-/// The robot at an address of the form `fci://HOST:PORT?protocol=N`. Its states may take a minute: libfranka's 1 s is a rule for
-/// a robot, and would fail a test whose other thread does not get a processor for that long.
+/// The robot at an address of the form `fci://HOST:PORT?protocol=N`. Its states may take a minute:
+/// libfranka's 1 s is a rule for a robot, and would fail a test whose other thread does not get a processor
+/// for that long.
 pub(crate) fn patient(link: &str) -> On {
     match On::of(link, false).unwrap() {
         On::Franka(address) => {
