@@ -145,7 +145,7 @@ frequency_hz = 0.3
 fn what_a_first_motion_measures_holds_what_the_arm_is() {
     let folder = folder("first-motion");
     let mut wide = 1.0_f64;
-    let arms = if std::env::var_os("PHIHAT_ALL").is_some() { 16 } else { 5 };
+    let arms = if std::env::var_os("PHIHAT_ALL").is_some() { 16 } else { 3 };
     for k in 0..arms {
         let draw = |low: f64, high: f64, at: u32| between(low, high, 31 * k + at);
         let dry = [1, 2, 3].map(|at| draw(0.0, 0.6, at) / f64::from(at));
