@@ -26,12 +26,14 @@ const HELP: &str = "crates/phihat-cli/src/";
 /// Most characters of a line of comment.
 const COMMENT_MAX: usize = 120;
 
+/// Text of a line of doc comment.
+fn doc(line: &str) -> Option<&str> {
+    let line = line.trim_start();
+    line.strip_prefix("///").or(line.strip_prefix("//!")).map(str::trim_start)
+}
+
 /// Comments that break the two rules above. Rows of tables and addresses may be longer.
 fn comments(name: &str, text: &str) -> Vec<String> {
-    let doc = |line: &str| {
-        let line = line.trim_start();
-        line.strip_prefix("///").or(line.strip_prefix("//!")).map(str::trim_start)
-    };
     let (mut wrong, mut before) = (Vec::new(), None::<&str>);
     for (number, line) in text.lines().enumerate() {
         let at = format!("{name}:{}", number + 1);
