@@ -21,7 +21,7 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
 /// Six studies by the gate's build, in its own engine alone: half a minute of processor time.
 pub(crate) fn short(root: &Path) -> Result<(), String> {
     let program = programs::program(root, "phihat-attack/phihat-attack")?.display().to_string();
-    let size = ["4", "--runs", "4", "--searched", "0", "--whole-every", "4", "--fresh"];
+    let size = ["6", "--runs", "4", "--searched", "0", "--whole-every", "4", "--fresh"];
     command(root, &program, &[&size[..], &["--out", "target/gate/attack"]].concat())
 }
 
