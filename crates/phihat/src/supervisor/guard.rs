@@ -34,7 +34,10 @@ pub(crate) fn admit<R: Real>(
         let reach = arm.period * R::from_f64(elapsed);
         // Whatever an arm does that was not seen for long, it is to be stopped.
         let long = !known && arrivals.misses > LONG_SAMPLES;
-        let (mut doubt, mut plausible) = (R::ZERO, true);
+        // As far as a joint can have gone since the last sample that was believed.
+        let gone = arm.period
+            * R::from_f64(f64::from(arrivals.misses.saturating_add(PERIODS_BESIDES_MISSED)));
+        let (mut doubt, mut plausible, mut jumped) = (R::ZERO, true, 0_u32);
         for ((rule, memory), m) in rules.iter().zip(memories).zip(sample.joints) {
             doubt += m.doubt();
             let step = (m.q - memory.measured.q).abs();
@@ -43,13 +46,18 @@ pub(crate) fn admit<R: Real>(
             let fastest = if twice > rule.velocity_max { twice } else { rule.velocity_max };
             let possible = long || m.dq.abs() <= fastest && step <= fastest * reach;
             plausible &= possible;
+            jumped += u32::from(step > fastest * gone);
         }
+        let stops = state.mode == Mode::SafeStop;
+        // Positions of several joints that jump at once may be in another order.
+        plausible &= long || !(stops && jumped > 1);
         let finite = doubt == R::ZERO && sample.joints.len() == rules.len();
         let plausible = plausible || !finite;
         arrival.events |= Events::NOT_FINITE.when(!finite) | Events::IMPLAUSIBLE.when(!plausible);
         arrival.fresh = finite && plausible;
-        if !plausible {
-            state.regains = Trust::Spring;
+        if arrival.fresh && stops && jumped > 0 {
+            state.regains = Trust::Damper;
+            state.trust = state.trust.min(if jumped > 1 { Trust::Held } else { Trust::Law });
         }
         if !arrival.fresh {
             arrivals.missed(true);

@@ -40,7 +40,7 @@ pub struct ArmState {
     /// refused.
     pub(crate) gap: u8,
     pub(crate) jumped: bool,
-    /// Trust once the sensors are sound again: a position that jumped may stay wrong.
+    /// Trust once the sensors are sound again: a position that jumped may stay wrong, or be another joint's.
     pub(crate) regains: Trust,
     /// Samples of a stop in a row whose positions and velocities agree.
     pub(crate) sound: u32,
@@ -51,6 +51,9 @@ pub struct ArmState {
 pub(crate) enum Trust {
     /// None: the drive does not follow its command.
     Nothing,
+    /// Positions of several joints jumped, and their velocities may be other joints': the torque that held the
+    /// arm before.
+    Held,
     /// Positions could not be believed: the torque that held the arm before, and damping.
     Damper,
     /// The law may be what shakes the arm: that, softly, and a spring.

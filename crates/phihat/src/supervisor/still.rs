@@ -38,7 +38,7 @@ impl<R: Real> ArmRules<R> {
         let spring = state.trust >= Trust::Spring;
         let (damping, feeds) = (self.stop_damping, state.feeds);
         let mut rest = Rest { damping, spring, held: one, hold, feeds };
-        if !fresh || state.trust == Trust::Nothing {
+        if !fresh || state.trust <= Trust::Held {
             rest.damping = R::ZERO;
         } else if state.trust == Trust::Spring {
             rest.damping = R::from_f64(SHAKEN_DAMPING) * rest.damping;

@@ -100,7 +100,7 @@ impl<R: Real> ArmRules<R> {
         let blind = state.arrivals.misses > self.hold_samples;
         let driven =
             memories.iter().any(|m| m.stopping.let_go > 0 || m.stopping.faster > self.hold_samples);
-        let asks = rests || late || blind || driven || state.trust == Trust::Nothing;
+        let asks = rests || late || blind || driven || state.trust <= Trust::Held;
         state.braking = match state.braking {
             Some(samples) => Some(samples.saturating_add(1)),
             None => asks.then_some(0),
@@ -167,7 +167,7 @@ const SOUND_SAMPLES: u32 = 100;
 const STANDING: f64 = 0.02;
 
 /// Sensors that failed and are sound again are better than none: the law goes on with the stop. Where a
-/// position jumped, and may stay wrong, a spring does, which acts from the present position.
+/// position jumped, it may stay wrong or be another joint's, and nothing acts from a position.
 fn believe_again<R: Real>(
     arm: &ArmRules<R>,
     state: &mut ArmState,
