@@ -76,6 +76,32 @@ fn a_stop_after_a_push_does_not_throw_the_arm() {
     }
 }
 
+/// Measurements one joint off: a damper on the velocities of other joints drove the arm, 14 rad in half a second.
+#[test]
+fn measurements_in_another_order_do_not_throw_the_arm() {
+    for (duration, brakes) in [(0.005, ""), (0.5, ""), (20.0, ""), (0.5, "brake_closing_s = 0.1\n")]
+    {
+        let fault = format!(
+            "[[fault]]\nkind = \"joint_order\"\nsize = 1.0\nstart_s = 2.0\nduration_s = {duration:?}\n"
+        );
+        let text = format!(
+            "duration_s = 12.0\n{PANDA}[world]\nfriction = \"robot\"\n[profile]\nname = \"franka\"\n[supervisor]\n{brakes}{fault}{SINES}"
+        );
+        let outcome = run(&study(&text), &[2500.0, 100.0]);
+        let (at, fault) = stopped(&outcome);
+        assert!(at < 2010 && fault == Some(Fault::BadSample), "{at} {fault:?}");
+        let travel = outcome.trace.joints.iter().map(|j| (j.q[11_999] - j.q[at]).abs());
+        let travel = travel.fold(0.0, f64::max);
+        let fastest = (at..12_000).map(|k| speed(&outcome, k)).fold(0.0, f64::max);
+        println!("{duration} s, {brakes:?}: {travel:.3} rad, {fastest:.3} rad/s");
+        // Without brakes and without measurements it coasts, as fast as it was; else it rests.
+        let coasts = brakes.is_empty() && duration > 0.1;
+        assert!(fastest < 0.6, "{duration} {brakes}: {fastest} rad/s");
+        assert!(coasts || travel < 0.05, "{duration} {brakes}: {travel} rad");
+        assert!(coasts || speed(&outcome, 11_999) < 0.01, "{duration} {brakes}: it still moves");
+    }
+}
+
 /// -98 rad/s at full torque, never stopped: `[supervisor]` at its defaults.
 #[test]
 fn a_drive_that_is_wired_the_wrong_way_round_is_stopped_by_default() {

@@ -26,17 +26,12 @@ pub(crate) fn admit<R: Real>(
     let mut arrival = arrivals.judge(&arm.arrivals, sample.now_ns, sample.stamp, resync);
     let known = arrivals.last.is_some() && !(resync && arrivals.misses > 0);
     if arrival.fresh {
-        let elapsed = if known {
-            f64::from(arrivals.misses.saturating_add(PERIODS_BESIDES_MISSED))
-        } else {
-            f64::INFINITY
-        };
-        let reach = arm.period * R::from_f64(elapsed);
+        let periods = f64::from(arrivals.misses.saturating_add(PERIODS_BESIDES_MISSED));
+        // As long as a joint can have moved since the last sample that was believed.
+        let elapsed = arm.period * R::from_f64(periods);
+        let reach = if known { elapsed } else { R::from_f64(f64::INFINITY) };
         // Whatever an arm does that was not seen for long, it is to be stopped.
         let long = !known && arrivals.misses > LONG_SAMPLES;
-        // As far as a joint can have gone since the last sample that was believed.
-        let gone = arm.period
-            * R::from_f64(f64::from(arrivals.misses.saturating_add(PERIODS_BESIDES_MISSED)));
         let (mut doubt, mut plausible, mut jumped) = (R::ZERO, true, 0_u32);
         for ((rule, memory), m) in rules.iter().zip(memories).zip(sample.joints) {
             doubt += m.doubt();
@@ -46,7 +41,7 @@ pub(crate) fn admit<R: Real>(
             let fastest = if twice > rule.velocity_max { twice } else { rule.velocity_max };
             let possible = long || m.dq.abs() <= fastest && step <= fastest * reach;
             plausible &= possible;
-            jumped += u32::from(step > fastest * gone);
+            jumped += u32::from(step > fastest * elapsed);
         }
         let stops = state.mode == Mode::SafeStop;
         // Positions of several joints that jump at once may be in another order.
@@ -57,7 +52,9 @@ pub(crate) fn admit<R: Real>(
         arrival.fresh = finite && plausible;
         if arrival.fresh && stops && jumped > 0 {
             state.regains = Trust::Damper;
-            state.trust = state.trust.min(if jumped > 1 { Trust::Held } else { Trust::Law });
+            if jumped > 1 {
+                state.trust = state.trust.min(Trust::Held);
+            }
         }
         if !arrival.fresh {
             arrivals.missed(true);

@@ -35,6 +35,7 @@ impl<R: Real> ArmRules<R> {
     pub(crate) fn stop(&self, state: &ArmState, fresh: bool) -> Rest<R> {
         let one = R::from_f64(1.0);
         let hold = state.arrivals.misses <= self.hold_samples;
+        let blind = state.arrivals.misses >= self.stop_samples || state.trust == Trust::Held;
         let spring = state.trust >= Trust::Spring;
         let (damping, feeds) = (self.stop_damping, state.feeds);
         let mut rest = Rest { damping, spring, held: one, hold, feeds };
@@ -46,7 +47,7 @@ impl<R: Real> ArmRules<R> {
         if state.mode == Mode::SafeStop && state.trust == Trust::Nothing {
             rest.held = R::ZERO;
             rest.feeds = false;
-        } else if state.mode == Mode::SafeStop && state.arrivals.misses >= self.stop_samples {
+        } else if state.mode == Mode::SafeStop && blind {
             let late = state.in_mode.saturating_sub(self.stop_samples_max);
             let gone = R::from_f64(f64::from(late)) * self.blend_rate;
             rest.held = if gone < one { one - gone } else { R::ZERO };

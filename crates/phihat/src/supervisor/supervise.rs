@@ -167,7 +167,7 @@ const SOUND_SAMPLES: u32 = 100;
 const STANDING: f64 = 0.02;
 
 /// Sensors that failed and are sound again are better than none: the law goes on with the stop. Where a
-/// position jumped, it may stay wrong or be another joint's, and nothing acts from a position.
+/// position jumped, it may stay wrong, and nothing acts from a position.
 fn believe_again<R: Real>(
     arm: &ArmRules<R>,
     state: &mut ArmState,
