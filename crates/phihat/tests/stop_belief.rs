@@ -3,7 +3,7 @@
 //! that it has or with ones that it has not, or if it holds a torque estimated from the cause of the stop.
 #![allow(clippy::large_types_passed_by_value, reason = "a test reads better so")]
 
-use crate::arm::FIRST;
+use crate::arm::{Arm, FIRST, Seen};
 use crate::joint::{INERTIA, Joint, T, T_NS, gains, outer};
 use phihat::{
     Answer, Events, Fault, JointOptions, Measurement, Mode, ModeRequest, Options, Reference,
@@ -351,5 +351,69 @@ fn a_drive_is_let_go_by_velocities_that_are_believed_and_by_no_others() {
             }
         }
         assert!(gone.is_some() == shaken && m.dq > 0.5, "{shaken}: {gone:?} {m:?}");
+    }
+}
+
+/// Positions \[rad\] at which three joints stand, and velocities \[rad/s\] of joints that are taken for them.
+const AT: [f64; 3] = [0.3, -0.5, 1.0];
+const WRONG: [f64; 3] = [0.4, -0.2, 0.3];
+
+/// An arm of three joints that has been stopped for 300 samples and stands under its load.
+fn stopped_arm() -> Arm<3> {
+    let mut arm = Arm::<3>::new(FIRST, plausible());
+    for (joint, q) in arm.truth.iter_mut().zip(AT) {
+        (joint.q, joint.load) = (q, LOAD);
+    }
+    arm.start();
+    arm.mode = ModeRequest::Stop;
+    for _ in 0..300 {
+        arm.step(&[Reference::default(); 3]);
+    }
+    assert_eq!(arm.state.arm.mode(), Mode::SafeStop);
+    arm
+}
+
+/// The k-th sample in which the joints stand in another order, and those that are not in their places move.
+fn reordered(arm: &Arm<3>, order: [usize; 3], k: u32) -> Seen<3> {
+    let mut sample = arm.sense();
+    sample.joints = core::array::from_fn(|i| {
+        let dq = if order[i] == i { 0.0 } else { WRONG[i] };
+        Measurement { q: AT[order[i]] + dq * T * f64::from(k), dq, tau_applied: LOAD }
+    });
+    sample
+}
+
+#[test]
+fn positions_of_several_joints_that_jump_at_once_bring_no_damper() {
+    let none = [Reference::default(); 3];
+    // Two joints and all three, exchanged for good: no sample counts for 100 of them, and then none of them damps.
+    for order in [[1, 0, 2], [1, 2, 0]] {
+        let mut arm = stopped_arm();
+        for k in 0..400 {
+            let sample = reordered(&arm, order, k);
+            let answer = arm.step_with(&sample, &none);
+            let refused = answer.report.events.contains(Events::IMPLAUSIBLE);
+            assert_eq!(refused, k <= 100, "{order:?} at {k}");
+            for (i, command) in answer.commands.iter().enumerate() {
+                // The rate limit lets the last damping out in a few samples.
+                assert!(k < 10 || close(command.tau, command.phi_hat), "{i} at {k}: {command:?}");
+                assert!((-1e-6..=LOAD + 0.1).contains(&command.tau), "{i} at {k}: {command:?}");
+            }
+        }
+    }
+    // Positions that come back are the arm's again, and the law goes on from them.
+    let mut arm = stopped_arm();
+    for k in 0..50 {
+        let sample = reordered(&arm, [1, 2, 0], k);
+        arm.step_with(&sample, &none);
+    }
+    let back = reordered(&arm, [0, 1, 2], 0);
+    assert!(!arm.step_with(&back, &none).report.events.contains(Events::IMPLAUSIBLE));
+    for _ in 0..100 {
+        let sample = reordered(&arm, [0, 1, 2], 0);
+        arm.step_with(&sample, &none);
+    }
+    for (joint, q) in arm.state.joints.iter().zip(AT) {
+        assert!((joint.reference().q - q).abs() < 1e-3);
     }
 }
