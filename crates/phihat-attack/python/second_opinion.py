@@ -1,7 +1,7 @@
 """Studies that an attack kept, run again by programs that share no line with phihat.
 
 For every folder: ``study.toml`` (and ``world*.toml``), the arm's files, ``gains.json``, ``claim.json``. The control loop is
-written here from docs/theory.md and docs/study.md; the arm's dynamics are Pinocchio's and MuJoCo's, both from the URDF. Every
+written here from docs/theory and docs/study.md; the arm's dynamics are Pinocchio's and MuJoCo's, both from the URDF. Every
 sample is held against the claim. Prints one JSON line per folder; exit code 1 where a claim was left.
 """
 

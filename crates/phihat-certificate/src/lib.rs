@@ -35,7 +35,7 @@
 //!
 //! # Where next
 //!
-//! `phihat-design` finds gains and claims; docs/theory.md of the repository has the theorems.
+//! `phihat-design` finds gains and claims; docs/theory of the repository has the theorems.
 #![forbid(unsafe_code)]
 
 mod arm;

@@ -45,7 +45,7 @@ fn the_pandas_design_says_how_far_a_push_moves_every_joint() {
         }
     }
     println!("another 60 postures reach {most:.3} of the entries");
-    // A search is a search: single entries lie higher elsewhere, which theory.md says.
+    // A search is a search: single entries lie higher elsewhere, as docs/theory/gains.md says.
     assert!(most < 1.5, "{most}");
 
     let certificate = gains.certificate.as_mut().unwrap();

@@ -118,7 +118,7 @@ pub struct JointDesign<'a> {
 /// # Not claimed
 ///
 /// Valid gains are not yet stable gains: the loop is stable only while the joint's inertia lies in a
-/// window around `M̄` that is closed at both ends. See `docs/theory.md`.
+/// window around `M̄` that is closed at both ends. See `docs/theory/window.md`.
 ///
 /// # References
 ///

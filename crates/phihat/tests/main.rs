@@ -15,6 +15,7 @@ mod support;
 mod arrivals;
 mod blends;
 mod bumpless;
+mod by_hand;
 mod designs;
 mod feed_forward;
 mod forms_agree;

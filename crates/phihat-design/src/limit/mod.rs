@@ -1,6 +1,6 @@
 //! The smallest error bound that any linear law can have at one inertia.
 //!
-//! See `docs/theory.md`, "The limit of any linear law". The bound is that of a single joint,
+//! See `docs/theory/limit.md`. The bound is that of a single joint,
 //!
 //! ```text
 //! |e| ≤ (ramp·φ̇ + jump·φ_J)/M + read·Δ/2

@@ -1,6 +1,6 @@
 //! The tube: an envelope of `e`, `ė` from the start of a run, which no run in scope leaves.
 //!
-//! See `docs/theory.md`, "The tube". [`find`] simulates the study's loop with the middle of every interval, makes
+//! See `docs/theory/tube.md`. [`find`] simulates the study's loop with the middle of every interval, makes
 //! the loop linear around that run, and finds bounds on the deviation `ε` that one evaluation of the causal sums
 //! confirms.
 //!

@@ -47,7 +47,7 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # References
 ///
-/// This project: `docs/theory.md`, "A law for each joint, from positions".
+/// This project: `docs/theory/positions.md`.
 #[derive(Debug)]
 pub(crate) struct First;
 
@@ -271,7 +271,7 @@ impl Kind for First {
         id: "proposed-positions-1",
         title: "Proposed, from positions, m = 1 (this project)",
         reference: "",
-        source: "this project, docs/theory.md",
+        source: "this project, docs/theory/positions.md",
         grade: Grade::A,
         caveat: "",
         law: "τ = ff + r + g (φ̂⁺ − M̄ (K_d ė̂⁺ + K_p ê⁺) − r),  ê, ė̂, φ̂ observed from q",
@@ -292,7 +292,7 @@ impl Kind for Second {
         id: "proposed-positions-2",
         title: "Proposed, from positions, m = 2 (this project)",
         reference: "",
-        source: "this project, docs/theory.md",
+        source: "this project, docs/theory/positions.md",
         grade: Grade::A,
         caveat: "",
         law: "τ = ff + r + g (φ̂⁺ − M̄ (K_d ė̂⁺ + K_p ê⁺) − r),  ê, ė̂, φ̂, φ̂' observed from q",
@@ -313,7 +313,7 @@ impl Kind for ByDesign {
         id: "proposed-positions-designed",
         title: "Proposed, from positions, a law per joint by design (this project)",
         reference: "",
-        source: "this project, docs/theory.md; the search of `phihat design`",
+        source: "this project, docs/theory/positions.md; the search of `phihat design`",
         grade: Grade::A,
         caveat: "",
         law: "τ_i = ff + r + g_i (φ̂⁺ − M̄_i (K_d,i ė̂⁺ + K_p,i ê⁺) − r),  all gains by design, for each joint",
@@ -333,7 +333,7 @@ impl Kind for Filtered {
         id: "proposed-positions-filtered",
         title: "Proposed, from positions, a law per joint and a filter by design (this project)",
         reference: "",
-        source: "this project, docs/theory.md; the search of `phihat design`, `innovation_filter`",
+        source: "this project, docs/theory/positions.md; the search of `phihat design`, `innovation_filter`",
         grade: Grade::A,
         caveat: "",
         law: "τ_i = ff + r + g_i (φ̂⁺ − M̄_i (K_d,i ė̂⁺ + K_p,i ê⁺) + M̄_i Σ (b₀ x + b₁ δ) − r),  all gains by design, for each joint",
