@@ -50,20 +50,26 @@ const LONG: [&str; 5] = [
     "how-to/budget.md",
 ];
 
-/// Documents outside of the book whose links are followed too.
-const DOCUMENTS: [&str; 11] = [
+/// Documents outside of the book whose links are followed too, beside those of [`THEORY`].
+const DOCUMENTS: [&str; 10] = [
     "README.md",
     "GLOSSARY.md",
     "NOTATION.md",
     "DESIGN.md",
     "ARCHITECTURE.md",
     "CHANGELOG.md",
-    "docs/theory.md",
     "docs/study.md",
     "docs/reliability.md",
     "docs/zoo.md",
     "docs/speed.md",
 ];
+
+/// Chapters of the theory, which the book includes whole, and their figures: at the same place in the book as in the
+/// repository.
+pub(crate) const THEORY: &str = "docs/theory";
+
+/// What typesets formulas, with its packages.
+pub(crate) const MATH: &str = "tools/math";
 
 /// One fenced block of a page.
 #[derive(Debug)]
@@ -168,10 +174,20 @@ fn program(root: &Path) -> Result<PathBuf, String> {
 
 /// Builds the page tree and returns the pages in the order of the summary.
 fn build(root: &Path) -> Result<Vec<PathBuf>, String> {
+    pages_of(root, Path::new("docs/book"), &root.join(HTML))?;
+    copy(&root.join(THEORY).join("figures"), &root.join(HTML).join(THEORY).join("figures"))?;
+    pages(root)
+}
+
+/// Builds the pages of a book, with the styles and fonts of its formulas.
+pub(crate) fn pages_of(root: &Path, book: &Path, html: &Path) -> Result<(), String> {
     let mdbook = tool(root)?;
+    let math = tools::from_npm(root.join(MATH))?;
     let output = Command::new(&mdbook)
-        .args(["build", "docs/book", "--dest-dir"])
-        .arg(root.join(HTML))
+        .arg("build")
+        .arg(book)
+        .arg("--dest-dir")
+        .arg(html)
         .current_dir(root)
         .output()
         .map_err(|e| format!("mdbook cannot be started: {e}"))?;
@@ -180,7 +196,9 @@ fn build(root: &Path) -> Result<Vec<PathBuf>, String> {
     if !output.status.success() || ["ERROR", "WARN"].iter().any(|word| said.contains(word)) {
         return Err(format!("mdbook:\n{said}"));
     }
-    pages(root)
+    let (from, to) = (math.join("node_modules/katex/dist"), html.join("katex"));
+    copy(&from.join("fonts"), &to.join("fonts"))?;
+    write(&to.join("katex.min.css"), &read(&from.join("katex.min.css"))?)
 }
 
 /// The pages of the summary, in its order; every Markdown file of the book is among them.
@@ -230,15 +248,18 @@ fn links(root: &Path, pages: &[PathBuf]) -> Result<(), String> {
                 let there = || read(&html).is_ok_and(|h| h.contains(&format!("id=\"{anchor}\"")));
                 pages.contains(&file) && (anchor.is_empty() || there())
             } else {
-                root.join(SOURCE).join(&file).is_file()
+                let places = [root.join(SOURCE).join(&file), root.join(HTML).join(&file)];
+                places.iter().any(|place| place.is_file())
             };
             if !found {
                 wrong.push(format!("{}: {target} leads nowhere", page.display()));
             }
         }
     }
-    for document in DOCUMENTS {
-        let path = root.join(document);
+    let chapters = files(&root.join(THEORY))?;
+    let documents = DOCUMENTS.iter().map(|document| root.join(document)).chain(chapters);
+    for path in documents {
+        let document = path.strip_prefix(root).unwrap_or(&path).display();
         for target in targets(&read(&path)?).iter().filter(inside) {
             let file = target.split('#').next().unwrap_or_default();
             if !path.with_file_name("").join(file).exists() {
@@ -247,6 +268,15 @@ fn links(root: &Path, pages: &[PathBuf]) -> Result<(), String> {
         }
     }
     if wrong.is_empty() { Ok(()) } else { Err(wrong.join("\n")) }
+}
+
+/// Markdown files of a folder, sorted.
+fn files(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let entries = fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let paths = entries.filter_map(|entry| entry.ok().map(|e| e.path()));
+    let mut files: Vec<_> = paths.filter(|p| p.extension().is_some_and(|e| e == "md")).collect();
+    files.sort();
+    Ok(files)
 }
 
 /// A page with the documents that it includes whole.

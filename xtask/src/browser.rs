@@ -5,18 +5,15 @@ use std::path::{Path, PathBuf};
 use crate::shell::command;
 use crate::{bless, pages, programs, tools as installed};
 
+/// The browser, installed where it is missing.
+pub(crate) fn chromium(root: &Path) -> Result<(), String> {
+    installed::from_debian(root, "chromium", &["chromium", "fonts-dejavu-core"])
+}
+
 /// The folder of the checks, with what drives the browser; both are installed where they are missing.
 pub(crate) fn tools(root: &Path) -> Result<PathBuf, String> {
-    installed::from_debian(root, "chromium", &["chromium", "fonts-dejavu-core"])?;
-    let folder = root.join("crates/phihat-report/tests/browser");
-    let changed = |name: &str| folder.join(name).metadata().and_then(|file| file.modified()).ok();
-    // npm leaves this list when it has installed the other.
-    let (list, installed) =
-        (changed("package-lock.json"), changed("node_modules/.package-lock.json"));
-    if installed.is_none() || installed < list {
-        command(&folder, "npm", &["ci", "--no-audit", "--no-fund", "--loglevel=error"])?;
-    }
-    Ok(folder)
+    chromium(root)?;
+    installed::from_npm(root.join("crates/phihat-report/tests/browser"))
 }
 
 /// The README's main job, whose output the README shows; then a short look at its report, at a page of each

@@ -18,6 +18,7 @@ mod franka;
 mod fuzz;
 mod gate;
 mod instructions;
+mod labels;
 mod laws;
 mod mutants;
 mod pages;
@@ -30,6 +31,7 @@ mod screenshots;
 mod shell;
 mod shown;
 mod stops;
+mod theory;
 mod tools;
 mod twice;
 mod venv;
@@ -54,6 +56,7 @@ const USAGE: &str = "usage:
   cargo xtask twice [PACKAGE]  builds what is committed in two folders and compares the bytes
   cargo xtask dist             makes what a release consists of in target/dist: the command for the baseline processor, a wheel, source
                                packages, their hashes (minutes)
+  cargo xtask theory           one PDF of docs/theory, target/theory/theory.pdf
   cargo xtask packages         packs every library crate and builds each from its package alone (minutes)
   cargo xtask arrows           writes which crate may use which into ARCHITECTURE.md
   cargo xtask bench [--quick] [--keep]
@@ -99,6 +102,7 @@ fn main() -> ExitCode {
         Some((verb, _)) if verb == "check" => check::run(&shell::root()),
         Some((verb, _)) if verb == "packages" => rules::packages(&shell::root(), true),
         Some((verb, _)) if verb == "dist" => dist::run(&shell::root()),
+        Some((verb, _)) if verb == "theory" => theory::pdf(&shell::root()),
         Some((verb, _)) if verb == "arrows" => arrows::bless(&shell::root()),
         Some((verb, rest)) if verb == "bless" => match rest.first().map(String::as_str) {
             None => bless::run(&shell::root()),

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::{arrows, dependencies, files};
+use crate::{arrows, dependencies, files, labels};
 
 /// Words that do not belong into the project, and what does.
 const WORDS: [(&str, &str); 4] = [
@@ -123,11 +123,12 @@ fn past_the_disk(name: &str, text: &str) -> Vec<String> {
         .collect()
 }
 
-/// Checks arrows, words, folds, writers, and that every crate but the C binding forbids `unsafe`.
+/// Checks arrows, words, folds, writers, labels, and that every crate but the C binding forbids `unsafe`.
 pub(crate) fn check(root: &Path) -> Result<(), String> {
     let mut wrong = arrows::wrong(root)?;
     wrong.extend(dependencies::wrong(root)?);
     wrong.extend(files::wrong(root)?);
+    wrong.extend(labels::wrong(root)?);
     wrong.extend(tests_left_out(root)?);
     let mut counts = [0_usize; COUNTED.len()];
     for file in sources(root)? {

@@ -77,3 +77,15 @@ pub(crate) fn from_debian(root: &Path, program: &str, packages: &[&str]) -> Resu
         format!("{why}; {program} is needed: install {} by hand", packages.join(" "))
     })
 }
+
+/// The packages that a folder's `package-lock.json` names, installed beside it where they are missing or older; the folder.
+pub(crate) fn from_npm(folder: PathBuf) -> Result<PathBuf, String> {
+    let changed = |name: &str| folder.join(name).metadata().and_then(|file| file.modified()).ok();
+    // npm leaves this list when it has installed the other.
+    let (list, installed) =
+        (changed("package-lock.json"), changed("node_modules/.package-lock.json"));
+    if installed.is_none() || installed < list {
+        command(&folder, "npm", &["ci", "--no-audit", "--no-fund", "--loglevel=error"])?;
+    }
+    Ok(folder)
+}

@@ -28,7 +28,7 @@ pub struct Interval {
 /// # Claim
 ///
 /// ```text
-/// diagonal:            q_i(K̃) > 0 for all i, exactly for low < K̃ < high                         (T5)
+/// diagonal:            q_i(K̃) > 0 for all i, exactly for low < K̃ < high                        as (W1)
 /// return difference:   |(jω)^m + K̃g(jω)|² ≥ ω^{2m} for all ω, exactly for K̃ ≥ K̃_min
 /// γ = 1/√(a_{m−1} − K̃)
 /// ```

@@ -25,7 +25,7 @@ const CLAIM: &str = "laws of their own";
 /// `Σ|v_i|² Im L_i = 0`; its spectrum gives `Σ|v_i|² Re((L_i + a)(L_i + b)*) ≤ 0`. Both contradict
 ///
 /// ```text
-/// x Re((L_i + a)(L_i + b)*) + y Im L_i > 0   for all i, with one x ≥ 0 and one real y                        (F1)
+/// x Re((L_i + a)(L_i + b)*) + y Im L_i > 0   for all i, with one x ≥ 0 and one real y                       as (P2)
 /// ```
 ///
 /// at that frequency: all `L_i` lie outside one circle through `−a` and `−b`. `W_s = (1 − s)c + sW` stays in

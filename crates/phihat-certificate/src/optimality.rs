@@ -20,7 +20,7 @@ const CLAIM: &str = "optimality";
 /// ```text
 /// AᵀS + SA − K̃ S B Bᵀ S + Q = 0,   Q = diag(q_1 … q_{m+2}) ≻ 0,   S ≻ 0                      (13)
 /// a_{m−1} BᵀS = K,   a_{m−1} = R⁻¹ = K̃ + 1/γ²                                              (14), (20)
-/// q_i = coefficient of ω^{2(i−1)} in (1/K̃) |D(jω)|² (|(jω)^m + K̃ g(jω)|² − ω^{2m})            (T5)
+/// q_i = coefficient of ω^{2(i−1)} in (1/K̃) |D(jω)|² (|(jω)^m + K̃ g(jω)|² − ω^{2m})           as (W1)
 /// ```
 ///
 /// Then the L2-gain from `d = −φ` to the cost `xᵀQx + uᵀRu` is at most `γ²` (11), and the worst
@@ -120,7 +120,7 @@ impl Certified {
         yes(CLAIM, "Q and d are of size m+2", q.len() as f64, n as f64, sizes)?;
         for (i, (q, of_t5)) in q.iter().zip(weights(law, *k_tilde)).enumerate() {
             yes(CLAIM, &format!("Q{0}{0} > 0", i + 1), *q, 0.0, *q > 0.0)?;
-            agrees(CLAIM, &format!("Q{0}{0} of (T5)", i + 1), (*q, of_t5), RESIDUAL)?;
+            agrees(CLAIM, &format!("Q{0}{0} of (W1)", i + 1), (*q, of_t5), RESIDUAL)?;
         }
         // K of (16): the coefficients of D(s)(a_{m−1}s^{m−1} + … + a_0).
         let feedback = product(&law.a, &[law.kp, law.kd, 1.0]);

@@ -18,7 +18,7 @@ const CLAIM: &str = "sampled peak gains";
 /// From rest, at every sample, with `x = (∫e, e, ė)`:
 ///
 /// ```text
-/// |x_i| ≤ jump_i max|φ|/M̄          |x_i| ≤ ramp_i max|φ̇|/M̄      (φ continuous, φ(0) = 0)        (S1)
+/// |x_i| ≤ jump_i max|φ|/M̄          |x_i| ≤ ramp_i max|φ̇|/M̄      (φ continuous, φ(0) = 0)       as (S1)
 /// |x_i| ≤ bend_i max|φ̈|/M̄                                        (φ(0) = φ̇(0) = 0)
 /// ```
 ///

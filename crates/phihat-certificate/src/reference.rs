@@ -27,7 +27,7 @@ const NONE: f64 = 1e-11;
 ///
 /// ```text
 /// |e| ≤ acceleration max|q̈_d|    (q̈_d held over each sample interval)
-/// |e| ≤ jerk max|q⃛_d|            (q̈_d continuous, q̈_d(0) = 0)                                  (S2)
+/// |e| ≤ jerk max|q⃛_d|            (q̈_d continuous, q̈_d(0) = 0)                                 as (S2)
 /// |ė| likewise, by the gains named after the velocity
 /// ```
 ///
@@ -36,7 +36,7 @@ const NONE: f64 = 1e-11;
 /// at the end of each interval, of at most
 ///
 /// ```text
-/// T²/(4μ) max|q̈_d|,    T³/(12μ) max|q⃛_d|                                                          (S3)
+/// T²/(4μ) max|q̈_d|,    T³/(12μ) max|q⃛_d|                                                         as (S3)
 /// ```
 ///
 /// That is so without a drive and with the delay that the law knows. Behind a drive, or a delay that it does

@@ -18,7 +18,7 @@ use crate::{JointRecord, LoopModel, Matrix, Refutation};
 ///
 /// ```text
 /// x = (∫…∫e, …, ∫e, e, ė),   x_i' = x_{i+1},   ė' = −W (k_1 x_1 + … + k_{m+2} x_{m+2})
-/// D(s) A_o(s) = s^{m+2} + k_{m+2} s^{m+1} + … + k_1                                           (V1)
+/// D(s) A_o(s) = s^{m+2} + k_{m+2} s^{m+1} + … + k_1                                          as (V1)
 /// ```
 ///
 /// # Evidence
@@ -58,7 +58,7 @@ pub struct VaryingWindow {
 /// decreases at every sample along
 ///
 /// ```text
-/// x_{k+1} = A(W_k) x_k,   A(1/μ) the state matrix of the loop                                       (V2)
+/// x_{k+1} = A(W_k) x_k,   A(1/μ) the state matrix of the loop                                      as (V2)
 /// ```
 ///
 /// A filter on the innovation stands behind `φ̂` and its derivatives: `x`, `δ` of each section \[rad\].

@@ -14,7 +14,7 @@ use crate::{Gains, JointRecord, PositionObserver};
 ///
 /// ```text
 /// K_p = ω²,  K_d = 2ζω
-/// A_o(s):  m = 1: s + ω_o                     m = 2: B(s) = s² + 2ζ_o ω_o s + ω_o²            (G1)
+/// A_o(s):  m = 1: s + ω_o                     m = 2: B(s) = s² + 2ζ_o ω_o s + ω_o²            (RQ1)
 ///          m = 3: (s + ω_o) B(s)              m = 4: B(s)²
 /// ```
 ///
@@ -126,7 +126,7 @@ fn observer(study: &Study, request: &LawRequest, joint: usize) -> PositionObserv
     }
 }
 
-/// `a_0 … a_{m−1}` of (G1).
+/// `a_0 … a_{m−1}` of (RQ1).
 pub(crate) fn estimator(order: usize, w: f64, z: f64) -> Vec<f64> {
     let real = [w, 1.0];
     let pair = [w * w, 2.0 * z * w, 1.0];

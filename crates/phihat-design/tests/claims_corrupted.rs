@@ -49,7 +49,7 @@ fn every_number_of_a_certificate_counts() {
         assert_eq!(change(&|c| c.s[0][0] = f64::NAN), "S = Sᵀ ∈ ℝ^{(m+2)×(m+2)}");
         assert_eq!(change(&|c| c.q.push(1.0)), "Q and d are of size m+2");
         for i in 0..n {
-            assert_eq!(change(&|c| c.q[i] *= OFF), format!("Q{0}{0} of (T5)", i + 1));
+            assert_eq!(change(&|c| c.q[i] *= OFF), format!("Q{0}{0} of (W1)", i + 1));
             assert_eq!(change(&|c| c.q[i] *= -1.0), format!("Q{0}{0} > 0", i + 1));
             assert_eq!(change(&|c| c.worst[i] *= OFF), "d = BᵀSx/γ²");
             for j in 0..=i {

@@ -171,7 +171,7 @@ fn states_that_do_not_come_are_lost_samples() {
     assert!((15..=45).contains(&driven.tally.lost), "{:?}", driven.tally);
 }
 
-/// Losses (F4, F20 of docs/reliability.md) and a load that falls (F12), over the network: every cycle driven,
+/// Losses (F4, F20 of docs/reliability.md) and a load that falls, F12, over the network: every cycle driven,
 /// no torque step, no reflex.
 #[test]
 fn losses_jitter_and_a_dropped_load_are_borne() {

@@ -6,7 +6,7 @@
 //! A drive is chosen such that it brings its own rotor to full speed in a few hundredths of a second. At the joint,
 //!
 //! ```text
-//! J = τ_max t / ω_max                                                                    (E1)
+//! J = τ_max t / ω_max                                                                    (RO1)
 //! ```
 //!
 //! with `t` the time in which the largest torque alone would bring the rotor to the largest speed, and `τ_max`,
@@ -46,10 +46,10 @@ pub struct Estimate {
     pub high: f64,
 }
 
-/// `t` of (E1) of drives with a high gear ratio \[s\]: Franka and iiwa are inside.
+/// `t` of (RO1) of drives with a high gear ratio \[s\]: Franka and iiwa are inside.
 const GEARED_S: (f64, f64) = (0.011, 0.07);
 
-/// `t` of (E1) of drives with a low gear ratio \[s\]: Unitree's are inside.
+/// `t` of (RO1) of drives with a low gear ratio \[s\]: Unitree's are inside.
 const DIRECT_S: (f64, f64) = (0.0035, 0.02);
 
 /// Joints faster than this have a low gear ratio \[rad/s\].
@@ -67,7 +67,7 @@ impl Estimate {
     }
 }
 
-/// Reflected rotor inertia \[kg·m²\], (E1), from the largest torque \[N·m\] and the largest speed \[rad/s\]
+/// Reflected rotor inertia \[kg·m²\], (RO1), from the largest torque \[N·m\] and the largest speed \[rad/s\]
 /// of a joint; of a sliding joint \[kg\], from N and m/s. Without a speed, [`SPEED_ASSUMED`].
 ///
 /// # Example

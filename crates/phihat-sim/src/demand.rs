@@ -23,7 +23,7 @@ pub struct PhiAlong {
 /// # Method
 ///
 /// ```text
-/// τ(t) = M(q_d) q̈_d + C(q_d, q̇_d) q̇_d + g(q_d) + smooth friction(q̇_d),   φ = τ − M̄ q̈_d          (R1)
+/// τ(t) = M(q_d) q̈_d + C(q_d, q̇_d) q̇_d + g(q_d) + smooth friction(q̇_d),   φ = τ − M̄ q̈_d          (DM1)
 /// ```
 ///
 /// at every control sample after `spec.settle`, for the study's own payload, for none, and for the heaviest

@@ -102,8 +102,8 @@ pub struct JointDesign<'a> {
 /// # Law
 ///
 /// ```text
-/// τ = M̄ (q̈_d − K_d ė − K_p e) + φ̂                                        (T1)
-/// Φ̂(s) = Q(s) Φ(s),   Q = (Σ_{i<m} a_i s^i)/(s^m + Σ_{i<m} a_i s^i)          (T2)
+/// τ = M̄ (q̈_d − K_d ė − K_p e) + φ̂                                       as (T1)
+/// Φ̂(s) = Q(s) Φ(s),   Q = (Σ_{i<m} a_i s^i)/(s^m + Σ_{i<m} a_i s^i)         as (T2)
 /// φ = τ_applied − M̄ q̈
 /// ```
 ///

@@ -15,8 +15,8 @@ impl<R: Real> JointGains<R> {
     ///
     /// ```text
     /// ν    = T (τ_applied − φ̂_0) − M̄ (q̇ − q̇ of the last sample)           innovation: T (φ − φ̂)
-    /// φ̂_j ← φ̂_j + T φ̂_{j+1} + α_{m−1−j} ν,    j = 0 … m−1,    φ̂_m = 0        (T4)
-    /// τ    = M̄ (q̈_d − K_d ė − K_p e) + φ̂_0                                     (T1)
+    /// φ̂_j ← φ̂_j + T φ̂_{j+1} + α_{m−1−j} ν,    j = 0 … m−1,    φ̂_m = 0       as (T4)
+    /// τ    = M̄ (q̈_d − K_d ė − K_p e) + φ̂_0                                    as (T1)
     /// ```
     ///
     /// Literal form: `φ̂ = −M̄ Σ_{i=1}^{m+2} (a_{i−1}K_p + a_{i−2}K_d + a_{i−3}) x_i`, with the ladder

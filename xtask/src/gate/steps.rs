@@ -89,11 +89,12 @@ pub(super) fn every() -> impl Iterator<Item = &'static Step> {
     STAGES.iter().flat_map(|stage| stage.iter())
 }
 
-/// Installs what later steps call: a Python environment, a browser with what drives it, mdBook, valgrind.
+/// Installs what later steps call: a Python environment, a browser with what drives it, mdBook with what typesets its formulas, valgrind.
 fn install(root: &Path) -> Result<(), String> {
     tools::from_debian(root, "valgrind", &["valgrind"])?;
     browser::tools(root)?;
     book::tool(root)?;
+    tools::from_npm(root.join(book::MATH))?;
     bindings::environment(root).map(|_| ())
 }
 

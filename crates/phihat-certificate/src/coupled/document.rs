@@ -14,7 +14,7 @@ use crate::Matrix;
 /// of any sequence:
 ///
 /// ```text
-/// |e_i(t)|        ≤ Σ_j error_ij max|d_j|        + Σ_j encoder_error_ij max|n_j|                           (G1)
+/// |e_i(t)|        ≤ Σ_j error_ij max|d_j|        + Σ_j encoder_error_ij max|n_j|                          as (G1)
 /// |ė_i(t)|        ≤ Σ_j velocity_ij max|d_j|     + Σ_j encoder_velocity_ij max|n_j|
 /// |ë_i(t)|        ≤ Σ_j acceleration_ij max|d_j|                                                   (without encoder)
 /// |τ_i,k − τ_i,k−1| ≤ Σ_j torque_step_ij max|d_j| + Σ_j encoder_torque_step_ij max|n_j|  (commanded torque)

@@ -23,7 +23,7 @@ const CLAIM: &str = "stability at any speed";
 /// every time, and its mean gives
 ///
 /// ```text
-/// ab (‖v‖² + 3‖e‖²) − (a + b) v·u + ‖u‖² ≤ 0                                                       (M3)
+/// ab (‖v‖² + 3‖e‖²) − (a + b) v·u + ‖u‖² ≤ 0                                                      as (M3)
 /// ```
 ///
 /// (M3) holds of `(1 − s)/c + sW^{-1}` for `s` from 0 to 1, the set being convex; at `s = 0` each joint is a
@@ -32,7 +32,7 @@ const CLAIM: &str = "stability at any speed";
 /// whose least value over `e_i` is positive exactly if
 ///
 /// ```text
-/// |N_i + cΔ_i|² > r² (|Δ_i|² + |K_i|²/3ab),   r = (b − a)/2                                         (M4)
+/// |N_i + cΔ_i|² > r² (|Δ_i|² + |K_i|²/3ab),   r = (b − a)/2                                        as (P4)
 /// ```
 ///
 /// That is (M2) of [`Moving`] at rest, without taps and with `λ = 3ab`, and so it is checked.

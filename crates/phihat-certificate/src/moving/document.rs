@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 /// such a kick,
 ///
 /// ```text
-/// W_k v_k = −(diag(L) v)_k − (diag(G) E v)_k                                                       (M1)
+/// W_k v_k = −(diag(L) v)_k − (diag(G) E v)_k                                                      as (M1)
 /// ```
 ///
 /// `‖(W_k − c)v‖ ≤ r‖v‖` with `c`, `r` middle and half of the range. `H`, the convolution with taps `∓h_j`,
@@ -35,7 +35,7 @@ use serde::{Deserialize, Serialize};
 /// and any `λ > 0`, for each joint
 ///
 /// ```text
-/// |N_i + cΔ_i|² + y Im(N_iΔ_i*) > (r² + κ + λη²)(|Δ_i|² + |K_i|²/λ) + |K_i|²y²/4λ                   (M2)
+/// |N_i + cΔ_i|² + y Im(N_iΔ_i*) > (r² + κ + λη²)(|Δ_i|² + |K_i|²/λ) + |K_i|²y²/4λ                  as (M2)
 /// ```
 ///
 /// # Evidence

@@ -3,8 +3,8 @@
 //! With `λ` the derivative of an output by the state, `θ` the time to go within a sample:
 //!
 //! ```text
-//! dλ_ε/dθ = −Kᵀ λ_P,    dλ_P/dθ = M⁻¹ (λ_ε − Sᵀ λ_P)                                             (A1)
-//! output = Σ ∫ λ_P·u dt − ∫ λ_P'·x dt + Σ λ_y n + λᵀ z(anchor)                                   (A2)
+//! dλ_ε/dθ = −Kᵀ λ_P,    dλ_P/dθ = M⁻¹ (λ_ε − Sᵀ λ_P)                                             (AJ1)
+//! output = Σ ∫ λ_P·u dt − ∫ λ_P'·x dt + Σ λ_y n + λᵀ z(anchor)                                   (AJ2)
 //! ```
 //!
 //! `u`: torques, `x`: momentum that is off, `n`: encoder. Over a sample `∫|λ_P| ≤ T (|a| + |b|)/2 + T δ` and
@@ -235,7 +235,7 @@ impl Rows<'_> {
         }
     }
 
-    /// With (L4), what the hand's momentum weighs is the change of `J λ_P`, `J̇` included: in between, `J` and
+    /// With (CA4), what the hand's momentum weighs is the change of `J λ_P`, `J̇` included: in between, `J` and
     /// `λ_P` both change, by their product more.
     fn weigh_hand(
         &self,

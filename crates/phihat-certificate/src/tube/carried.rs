@@ -4,9 +4,9 @@
 //! There the moments of the payload are constants, and the Jacobian turns as `∂_k J_i = −J_k × J_i`, `k > i`:
 //!
 //! ```text
-//! ∂_k M_ij = (∂_k J_i)ᵀ I J_j + J_iᵀ I ∂_k J_j                                                   (L1)
-//! ∂_k τ_i  = (∂_k J_i)ᵀ w + J_iᵀ ∂_k w,   w = I A + V ×* I V                                      (L2)
-//! ∂_k V = −J_k × V_k,   ∂_k A = −(J_k × A_k + (J_k × V_k) × (V − V_k))                            (L3)
+//! ∂_k M_ij = (∂_k J_i)ᵀ I J_j + J_iᵀ I ∂_k J_j                                                   (CA1)
+//! ∂_k τ_i  = (∂_k J_i)ᵀ w + J_iᵀ ∂_k w,   w = I A + V ×* I V                                      (CA2)
+//! ∂_k V = −J_k × V_k,   ∂_k A = −(J_k × A_k + (J_k × V_k) × (V − V_k))                            (CA3)
 //! ```
 //!
 //! All of it is linear in the ten moments, so each entry's range over a slice is exact but for the balls.
@@ -20,7 +20,7 @@ use super::scope::PayloadSlice;
 /// the hand's own `V` costs:
 ///
 /// ```text
-/// S ε' = Jᵀ (δI J̇ ε' + G ν) − J̇ᵀ δI ν,   G ν = δI (V × ν) + ν ×* δI V + V ×* δI ν                (L4)
+/// S ε' = Jᵀ (δI J̇ ε' + G ν) − J̇ᵀ δI ν,   G ν = δI (V × ν) + ν ×* δI V + V ×* δI ν                (CA4)
 /// ```
 pub(super) struct Carried {
     /// `|G|`, 6×6, twists and wrenches as `v, w`.
@@ -34,7 +34,7 @@ pub(super) struct Carried {
 impl Carried {
     #[allow(
         clippy::too_many_lines,
-        reason = "(L1) to (L4), one after the other, on what they share"
+        reason = "(CA1) to (CA4), one after the other, on what they share"
     )]
     pub(super) fn new<S: Number>(
         slice: &PayloadSlice,
@@ -47,7 +47,7 @@ impl Carried {
         let (vs, accs) = placed.motions_in_hand(v, a);
         let last = vs.len() - 1;
         let (velocity, acceleration) = (vs[last], accs[last]);
-        // −∂_k J_i, and (L3) likewise.
+        // −∂_k J_i, and (CA3) likewise.
         let turned: Vec<Screw<S>> = (0..n * n)
             .map(|at| {
                 let (k, i) = (at / n, at % n);

@@ -57,7 +57,7 @@ pub(super) struct Distance {
     pub(super) hand_now: Vec<f64>,
     /// `|J̇ − J̇|`.
     pub(super) rate: Vec<f64>,
-    /// `|G|` of (L4).
+    /// `|G|` of (CA4).
     pub(super) wrench: Vec<f64>,
     /// Likewise for what the robot adds: gravity's gradient and each joint's damping.
     pub(super) added: Added,

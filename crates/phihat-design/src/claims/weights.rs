@@ -34,7 +34,7 @@ pub fn conditions(law: &UnitLaw, k_tilde: f64) -> Vec<Condition> {
     }
 }
 
-/// `q_1 … q_{m+2}` of (T5). `h = (|(jω)^m + K̃g|² − ω^{2m})/K̃ = K̃ |g|² + 2 Re(g(jω) (−jω)^m)`.
+/// `q_1 … q_{m+2}` of (W1). `h = (|(jω)^m + K̃g|² − ω^{2m})/K̃ = K̃ |g|² + 2 Re(g(jω) (−jω)^m)`.
 pub fn q_diagonal(law: &UnitLaw, k_tilde: f64) -> Vec<f64> {
     polynomial::product(&polynomial::magnitude_squared(&law.d()), &return_difference(law, k_tilde))
 }

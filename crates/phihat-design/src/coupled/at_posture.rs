@@ -21,7 +21,7 @@ pub(super) type Loops<'a> = [(&'a JointRecord, &'a LoopModel)];
 /// `g_μ` of the loop at inertia ratio `μ`,
 ///
 /// ```text
-/// e = M̄^{-1/2} U diag(g_μk) Uᵀ M̄^{-1/2} * d                                                             (G2)
+/// e = M̄^{-1/2} U diag(g_μk) Uᵀ M̄^{-1/2} * d                                                            as (G2)
 /// ```
 ///
 /// and likewise for the other outputs. Exact at the posture's own eigenvalues; nothing is interpolated.

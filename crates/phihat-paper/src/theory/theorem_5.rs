@@ -87,7 +87,7 @@ fn attained(all: &[Bounds]) -> Statement {
     Published {
         id: "theorem5-attained",
         place: "Theorem 5, Remark 11",
-        claim: "Peak-to-peak (L1) gains bound e and ė, and a φ of that size attains them",
+        claim: "Peak-to-peak gains (L1 norms) bound e and ė, and a φ of that size attains them",
         paper: "not stated",
     }
     .found(

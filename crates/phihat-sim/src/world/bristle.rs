@@ -7,8 +7,8 @@ use phihat_study::Stiction;
 /// # Law
 ///
 /// ```text
-/// ż = v − σ_0 |v| z/g(v),   g(v) = c (1 + (ρ − 1) e^{−(v/v_s)²})                                (L1)
-/// τ_f = σ_0 z + σ_1 ż                                                                          (L2)
+/// ż = v − σ_0 |v| z/g(v),   g(v) = c (1 + (ρ − 1) e^{−(v/v_s)²})                                (LG1)
+/// τ_f = σ_0 z + σ_1 ż                                                                          (LG2)
 /// ```
 ///
 /// | symbol | unit | meaning |
@@ -20,7 +20,7 @@ use phihat_study::Stiction;
 ///
 /// # Method
 ///
-/// Over a step, `v` is held at the mean of its start and the instant; (L1) is then linear in `z` and solved
+/// Over a step, `v` is held at the mean of its start and the instant; (LG1) is then linear in `z` and solved
 /// exactly: its rate `σ_0|v|/g` bounds no step, however fast the joint slides.
 ///
 /// # References

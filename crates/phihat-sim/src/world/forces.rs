@@ -23,13 +23,13 @@ pub(super) struct Push {
 /// # Law
 ///
 /// ```text
-/// M(q) q̈ + C(q, q̇) q̇ + g(q) = τ(t) − τ_f(q̇) + τ_push(t) + τ_stop + Jᵀ f,  M with rotor inertia   (P1)
+/// M(q) q̈ + C(q, q̇) q̇ + g(q) = τ(t) − τ_f(q̇) + τ_push(t) + τ_stop + Jᵀ f,  M with rotor inertia   (PL1)
 /// ```
 ///
 /// With elastic transmissions the state is `[q; θ]`, links before rotors, `M` has no rotor inertia, and
 ///
 /// ```text
-/// B θ̈ = τ − τ_f(θ̇) − τ_s,   τ_s = k (θ − q) + d (θ̇ − q̇),   with τ_s in place of τ − τ_f in (P1)     (P2)
+/// B θ̈ = τ − τ_f(θ̇) − τ_s,   τ_s = k (θ − q) + d (θ̇ − q̇),   with τ_s in place of τ − τ_f in (PL1)     (PL2)
 /// ```
 #[derive(Debug)]
 pub(super) struct Forces {

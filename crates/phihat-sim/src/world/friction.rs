@@ -16,7 +16,7 @@ pub const COULOMB_VELOCITY: f64 = 1e-3;
 /// # Law
 ///
 /// ```text
-/// τ_f(v) = b v + c v/√(v² + v_c²) + a/(1 + e^{−s(v + o)}) − a/(1 + e^{−s o})                  (F1)
+/// τ_f(v) = b v + c v/√(v² + v_c²) + a/(1 + e^{−s(v + o)}) − a/(1 + e^{−s o})                  (FR1)
 /// ```
 ///
 /// | symbol | code | unit | meaning |

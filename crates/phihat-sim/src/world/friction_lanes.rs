@@ -4,7 +4,7 @@ use phihat_model::{Lanes, Scalar};
 
 use super::friction::{COULOMB_VELOCITY, Friction};
 
-/// (F1) in lanes, with the bits of [`Friction::torque`] in each but for the sign of a zero.
+/// (FR1) in lanes, with the bits of [`Friction::torque`] in each but for the sign of a zero.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FrictionLanes {
     viscous: Lanes,

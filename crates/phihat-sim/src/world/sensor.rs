@@ -8,9 +8,9 @@ use phihat::VelocitySource;
 /// # Law
 ///
 /// ```text
-/// q_m = Δ round(q/Δ),  Δ = 2π/2^bits                                                            (S1)
-/// v_k = (q_m,k − q_m,k−1)/T   or   q̇                                                            (S2)
-/// y_k = y_{k−1} + (1 − e^{−2πf T})(v_k − y_{k−1})                                               (S3)
+/// q_m = Δ round(q/Δ),  Δ = 2π/2^bits                                                            (EN1)
+/// v_k = (q_m,k − q_m,k−1)/T   or   q̇                                                            (EN2)
+/// y_k = y_{k−1} + (1 − e^{−2πf T})(v_k − y_{k−1})                                               (EN3)
 /// ```
 ///
 /// For prismatic joints Δ counts in metres.

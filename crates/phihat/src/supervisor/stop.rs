@@ -193,7 +193,7 @@ impl<R: Real> JointRules<R> {
     ///
     /// ```text
     /// E ← min(E_max, E − (τ_applied − τ_0) Δq),   E = 0 at the stop
-    /// τ = τ_0 + s (τ_law − τ_0),   s ≤ 1 such that  s (τ_law − τ_0) Δq ≤ max(E, 0)                    (Q1)
+    /// τ = τ_0 + s (τ_law − τ_0),   s ≤ 1 such that  s (τ_law − τ_0) Δq ≤ max(E, 0)                   as (Q1)
     /// ```
     ///
     /// A torque against the motion is never held back. A joint that rests has no energy: then `E = E_max`.

@@ -104,7 +104,7 @@ impl<R: Real> StopRules<R> {
     /// a joint of a quarter of the nominal inertia has turned round, and what it takes back in 10 ms.
     ///
     /// ```text
-    /// √(2 ρ M̄/4 |q̇|) + ρ · 10 ms                                                                   (Q2)
+    /// √(2 ρ M̄/4 |q̇|) + ρ · 10 ms                                                                  as (Q2)
     /// ```
     pub(crate) fn unloaded_at(&self, velocity: R) -> R {
         if self.unloading.is_finite() {
