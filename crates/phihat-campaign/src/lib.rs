@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Parts
+//!
 //! Many runs with one answer.
 //!
 //! A campaign is a list of runs, each with an id that stands for everything that decides its outcome, and a
@@ -9,10 +13,6 @@
 //!
 //! [`sweep`] draws the numbers of a study anew in every run; [`rollouts`] gets them as arguments and returns
 //! arrays.
-//!
-//! # Not claimed
-//!
-//! Runs are simulated. What no fault of the table does to the arm is not in the answer.
 #![forbid(unsafe_code)]
 
 mod chunks;

@@ -1,37 +1,13 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Parts
+//!
 //! Claims about gains, as data: the gains document and its certificate.
 //!
 //! This crate finds nothing: whoever checks a claim must not see how it was found. [`Gains`] is the document
 //! `gains.json`; [`Certificate`] holds every claim about gains; [`Certificate::verify`] checks them by methods of its
 //! own, from the file alone, and [`Certificate::verified`] says what was proved, what is taken on trust and what is not
 //! counted. A claim that does not hold is a [`Refutation`]: the inequality that fails, with both its sides.
-//!
-//! # Example
-//!
-//! ```
-//! use phihat::Form;
-//! use phihat_certificate::Gains;
-//!
-//! let text = r#"{
-//!   "format": "phihat-gains", "version": 3, "study": "pendulum", "study_sha256": "",
-//!   "rate_hz": 1000.0, "method": "by hand",
-//!   "joints": [{
-//!     "name": "pivot", "inertia_kg_m2": 0.25, "kp_per_s2": 400.0, "kd_per_s": 40.0, "a": [4900.0, 140.0]
-//!   }]
-//! }"#;
-//! let gains = Gains::from_json(text)?;
-//! match &gains.certificate {
-//!     Some(certificate) => certificate.verify(&gains)?,
-//!     None => println!("nothing is claimed about these gains"),
-//! }
-//! // For the controller: bound by joint names and loop rate.
-//! let law = gains.joint_gains(&["pivot".to_owned()], 1_000_000, Form::Observer)?;
-//! assert_eq!(law.len(), 1);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
-//!
-//! # Not claimed
-//!
-//! The check works in double precision with room for rounding, not in interval arithmetic.
 //!
 //! # Where next
 //!

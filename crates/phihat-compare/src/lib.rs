@@ -1,12 +1,12 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Parts
+//!
 //! The rivals of the paper's Table 1, measured on the same arms: `phihat compare`.
 //!
 //! A [`Plan`] is arms × rivals × worlds × choices of gains × seeds. Every rival is first tuned on every arm by
 //! one optimiser ([`tune`]) with one budget, on motions and in a world of its own; then it runs in every
 //! [`World`], with default and with tuned gains, on other motions. What comes of it is a [`Comparison`].
-//!
-//! # Not claimed
-//!
-//! A ranking. Which row is best depends on the column, and the columns on the arms and worlds chosen here.
 #![forbid(unsafe_code)]
 
 mod adapter;

@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Parts
+//!
 //! From a study's specification to gains that are proved, or a "no" with its reason.
 //!
 //! [`design()`] searches; [`Certificate`] holds what is claimed, as data; [`Certificate::verify`] checks it again
@@ -55,10 +59,6 @@
 //! [`sampled::FindWindow`] for the inertia window alone, [`requested_gains`] for gains that a study states,
 //! [`export::export`] for ROS 2, C and tables, `examples/rust/04_design.rs` of the repository for a design
 //! with its tube.
-//!
-//! # Not claimed
-//!
-//! Limits in action, contacts, and postures that were not sampled are outside of every claim.
 #![forbid(unsafe_code)]
 
 mod arm;

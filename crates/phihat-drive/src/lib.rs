@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Parts
+//!
 //! One loop for every robot: wait for a sample, bind its joints, supervise, send, record.
 //!
 //! A [`Link`] connects the loop to a robot or to a simulation. Its [`Facts`] state who owns the clock, what
@@ -10,32 +14,10 @@
 //! that only a drive has: lost samples, timing, and the reason why it ended. [`Machine`] measures how late
 //! this machine wakes a thread.
 //!
-//! # Example
-//!
-//! ```no_run
-//! use std::sync::atomic::AtomicBool;
-//!
-//! use phihat_drive::{CheckName, DriveOptions, prepare};
-//! use phihat_session::{Leave, RunOptions};
-//!
-//! let run = RunOptions { study: "studies/first.toml".into(), ..RunOptions::default() };
-//! // Its gains are stated, not designed: they carry no certificate.
-//! let options = DriveOptions { run, accept: vec![CheckName::Certificate], ..DriveOptions::default() };
-//! let prepared = prepare(&options)?;
-//! let leave = Leave { folder: "out/first".as_ref(), page: None };
-//! let driven = prepared.drive(leave, &mut (), &AtomicBool::new(false))?;
-//! println!("{}", driven.done.verdict());
-//! # Ok::<(), phihat_drive::DriveError>(())
-//! ```
-//!
 //! # Real time
 //!
 //! The control thread does not allocate, lock, or make system calls except those of its link; the record
 //! passes through a ring to the thread that writes it.
-//!
-//! # Not claimed
-//!
-//! This is research software, not a safety function. It does not replace an emergency stop.
 #![forbid(unsafe_code)]
 
 mod cycles;

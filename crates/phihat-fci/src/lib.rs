@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Parts
+//!
 //! The Franka Control Interface, for torque control: both sides of the wire.
 //!
 //! [`Client`] talks to a robot. [`RobotSide`] is the robot's side as a state machine, bytes in and bytes out;
@@ -11,27 +15,9 @@
 //! its second answer, status 0. A robot that stops shows the reason in a state and in that answer (status 6
 //! in version 5, 8 in version 10), and takes no motion until it has recovered.
 //!
-//! # Example
-//!
-//! ```
-//! use phihat_fci::{Cycle, Mode, RobotSide, Rules};
-//!
-//! // A robot that nobody talks to, and a request that is none.
-//! let mut robot = RobotSide::new(Rules::NONE, String::new());
-//! let mut answers = Vec::new();
-//! robot.tcp(&[0xff; 64], &mut answers);
-//! assert!(robot.hung_up().is_some() && answers.is_empty());
-//! assert_eq!((robot.mode(), robot.close(false, &mut answers)), (Mode::Closed, Cycle::Still));
-//! ```
-//!
 //! # Guarantee
 //!
 //! Whatever bytes come, nothing panics, and nothing is allocated by what they claim. A cycle does not allocate.
-//!
-//! # Not claimed
-//!
-//! Motion generators (positions, velocities, Cartesian), impedance, gripper, versions 6 to 9. Nothing here
-//! was tried on a real robot yet; what it was tried against is in `docs/reliability.md`.
 //!
 //! # References
 //!

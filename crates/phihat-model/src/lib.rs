@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Parts
+//!
 //! Robot description and rigid-body dynamics: allocation-free, generic over the scalar.
 //!
 //! A [`Robot`] is what its files say: a URDF, and a TOML file for what a URDF leaves out (rotors,
@@ -10,30 +14,6 @@
 //! in all directions: torques from motion, motion from torques, the terms one by one, and the
 //! geometry that goes with them. Four arms come with the crate.
 //!
-//! # Example
-//!
-//! ```
-//! use phihat_model::{Robot, Workspace};
-//!
-//! let panda = Robot::named("panda")?;
-//! let model = panda.plant_model(); // with the rotors' inertia
-//! let mut ws = Workspace::new(&model);
-//!
-//! // Held by gravity's torque and nothing else, an arm at rest stays at rest.
-//! let (q, rest) = (&panda.poses["ready"], [0.0; 7]);
-//! let (mut tau, mut ddq) = ([0.0; 7], [1.0; 7]);
-//! model.gravity_torque(&mut ws, q, &mut tau);
-//! model.forward_dynamics(&mut ws, q, &rest, &tau, &mut ddq);
-//! assert!(ddq.iter().all(|ddq| ddq.abs() < 1e-12));
-//!
-//! // Where its flange is, in the world.
-//! let tip = model.frame(&panda.tip).ok_or("no such frame")?;
-//! model.forward_kinematics(&mut ws, q);
-//! let [x, y, z] = model.pose(&ws, tip).p;
-//! assert!((x - 0.307).abs() < 1e-3 && y.abs() < 1e-3 && (z - 0.590).abs() < 2e-3);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
-//!
 //! # Guarantee
 //!
 //! - Every algorithm agrees with Pinocchio 4.1.0 to 1e-12 relative on 200 states of each arm
@@ -43,10 +23,6 @@
 //!   the same bits on every machine.
 //! - A description is read only if it is one tree of physical bodies; what is wrong is said with
 //!   file, line and name. Hostile files cost no more than their size (`tests/bad_urdf.rs`).
-//!
-//! # Not claimed
-//!
-//! Contacts, closed loops, floating bases, mimic joints, flexible links: none is modelled.
 //!
 //! # Where next
 //!

@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Parts
+//!
 //! The paper's figures, tables and theorems, computed again, each with a verdict.
 //!
 //! R. Hayat, M. Leibold, M. Buss, "Robust-Adaptive Controller Design for Robot Manipulators Using the

@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Parts
+//!
 //! A run's record as one self-contained page and as static figures.
 //!
 //! A pure function of recorded data: nothing is run, read or written here, no clock is looked at,
@@ -7,11 +11,6 @@
 //! gains, in which world, and how is it made again. It needs no network, prints on paper (static
 //! figures stand in for the interactive plots) and fits a phone. [`figures`] gives the same
 //! figures alone, as SVG. Both have a worked example.
-//!
-//! # Not claimed
-//!
-//! A page shows one recorded run. It proves nothing about other runs; what is
-//! proved about the gains stands in their certificate, which the page repeats and does not check.
 #![forbid(unsafe_code)]
 
 mod arm;

@@ -1,30 +1,17 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Parts
+//!
 //! Rival controllers for robot arms, one file each, in one list: [`RIVALS`].
 //!
 //! A rival declares what it needs by type: the measurements it [`Sees`], the derivatives of the reference it
 //! [`Wants`], what it [`Knows`] of the arm before it starts. It is handed that and nothing else, so that
 //! "model-free" is a fact about a type: a law that knows [`Nothing`] has no way to a model.
 //!
-//! # Example
-//!
-//! ```
-//! use phihat_rivals::{RIVALS, rival};
-//!
-//! let pd = rival("pd").ok_or("no such rival")?;
-//! assert!(pd.needs.model_free());
-//! let computed_torque = rival("computed-torque").ok_or("no such rival")?;
-//! assert!(!computed_torque.needs.model_free());
-//! # Ok::<(), &str>(())
-//! ```
-//!
 //! # To add one
 //!
 //! One file in `src/rivals/` that implements [`Rival`], and one line in `RIVALS`. Tests that every rival has to pass
 //! find it there.
-//!
-//! # Not claimed
-//!
-//! That these are their authors' programs. Every law has a [`Grade`]: A is textbook or confirmed in public, B has
-//! details reconstructed, C stands for a class whose published law was not found.
 #![forbid(unsafe_code)]
 
 mod adaptation;

@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Parts
+//!
 //! A study taken through gains, a closed loop and its record.
 //!
 //! [`Session`] is a study and its gains, ready to run; [`Done`] the finished run, whose record it leaves in a
@@ -6,22 +10,6 @@
 //! command line and the Python package are made of these, as any other program can be.
 //!
 //! [`disk`] is how results are written: whole or not at all, by one process at a time in a folder.
-//!
-//! # Example
-//!
-//! ```no_run
-//! use phihat_session::RunOptions;
-//!
-//! let options = RunOptions { study: "studies/first.toml".into(), ..RunOptions::default() };
-//! let (session, folder) = options.open()?;
-//! let done = session.simulate(&folder, Some(&folder.join("report.html")), &mut ())?;
-//! println!("{}: {}", done.study.name, done.verdict());
-//! # Ok::<(), phihat_session::SessionError>(())
-//! ```
-//!
-//! # Not claimed
-//!
-//! Runs are simulated: what the study's world does not hold did not act.
 #![forbid(unsafe_code)]
 
 mod along;

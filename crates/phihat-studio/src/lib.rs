@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Parts
+//!
 //! The arm under control, live, in a browser: `phihat studio`.
 //!
 //! [`Live`] is a run that goes on sample by sample and meets faults as they come; while none comes, its rows are
@@ -5,28 +9,11 @@
 //! pages get pictures of it and give orders that act between two samples, and the claims of their gains are
 //! computed alongside.
 //!
-//! # Example
-//!
-//! ```no_run
-//! use phihat_studio::StudioOptions;
-//!
-//! let study = "studies/first.toml".into();
-//! let studio = StudioOptions { study: Some(study), folder: ".".into(), ..StudioOptions::default() }.open()?;
-//! println!("open {}", studio.link());
-//! studio.serve()?;
-//! # Ok::<(), phihat_studio::StudioError>(())
-//! ```
-//!
 //! # Who is let in
 //!
 //! Connections of this machine, with the key that was printed, from no page of another origin. Nothing is read or
 //! written outside of the working folder. Connections, sizes, rates and times are bounded; `tests/attacks.rs` is
 //! the list of what was tried against that.
-//!
-//! # Not claimed
-//!
-//! The arm is simulated; a studio never talks to a robot. Whoever can read this process's output, or its memory,
-//! has the key.
 #![forbid(unsafe_code)]
 
 mod begin;

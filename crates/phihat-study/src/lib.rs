@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Parts
+//!
 //! The study file: read, checked with line-accurate errors, and resolved against its robot.
 //!
 //! A study says which arm, what error its user can live with, which gains, what the world does to
@@ -9,43 +13,6 @@
 //! position limits (a Cartesian curve excepted: its reach is known to inverse kinematics only).
 //!
 //! The format is described once, in tables; [`manual`] and [`schema`] are made from them.
-//!
-//! # Example
-//!
-//! ```
-//! use phihat_study::Study;
-//!
-//! let text = r#"
-//!     duration_s = 2.0
-//!     [robot]
-//!     name = "planar3r"
-//!     [spec]
-//!     settle_s = 1.0
-//!     error_max_rad = 2e-3
-//!     [gains]
-//!     order = 1
-//!     bandwidth_rad_s = 20.0
-//!     estimator_bandwidth_rad_s = 70.0
-//!     inertia_kg_m2 = [0.42, 0.18, 0.14]
-//!     [reference]
-//!     kind = "sines"
-//!     center = "ready"
-//!     fade_in_s = 1.0
-//!     [[reference.sine]]
-//!     amplitude_rad = 0.2
-//!     frequency_hz = 0.3
-//! "#;
-//! let study = Study::from_text(text, "demo.toml", "".as_ref())?;
-//! assert_eq!(study.robot.name, "planar3r");
-//! assert_eq!(study.spec.error_bound, Some(vec![2e-3; 3])); // one number in the file: for every joint
-//!
-//! // A misspelt key is refused, with its place and the right one.
-//! let wrong = text.replace("error_max_rad", "error_max_deg");
-//! let error = Study::from_text(&wrong, "demo.toml", "".as_ref()).unwrap_err();
-//! assert!(error.to_string().starts_with("demo.toml:7:"));
-//! assert!(error.to_string().contains("error_max_rad"));
-//! # Ok::<(), phihat_study::StudyError>(())
-//! ```
 //!
 //! # Where next
 //!

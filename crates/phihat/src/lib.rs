@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Parts
+//!
 //! The real-time core of phihat: a robust-adaptive joint torque law that needs no model of the arm.
 //!
 //! Everything the law does not know (inertia, Coriolis and gravity torque, friction, payload) is one
@@ -17,49 +21,17 @@
 //! - At the boundary: [`JointMap`] binds joints by name, [`Unwrap`] undoes the wrap of continuous joints,
 //!   [`VelocityFilter`] differences positions, [`Shaper`] limits references, [`Log`] never blocks.
 //!
-//! # Example
-//!
-//! ```
-//! use phihat::{
-//!     Controller, Form, JointDesign, JointGains, JointState, Limits, Measurement, Reference,
-//! };
-//!
-//! // A nominal inertia, an outer loop of 20 rad/s, an estimator with both poles at 70 rad/s, 1 kHz.
-//! let design = JointDesign {
-//!     inertia: 0.25, kp: 400.0, kd: 40.0, a: &[4900.0, 140.0], period: 1e-3, form: Form::Observer,
-//! };
-//! let limits = Limits::new(Some(40.0), None, 1e-3)?; // N·m
-//! let controller = Controller::<f64, 1>::new([JointGains::new(&design)?.with_limits(limits)]);
-//! let mut state = [JointState::new()];
-//!
-//! // A pendulum of 2 kg on 0.4 m (0.32 kg·m²), of which the controller is told nothing, to be held at 0.5 rad.
-//! let reference = [Reference { q: 0.5, dq: 0.0, ddq: 0.0 }];
-//! let (mut q, mut dq, mut tau) = (0.0_f64, 0.0, 0.0);
-//! for _ in 0..2000 {
-//!     let measurement = [Measurement { q, dq, tau_applied: tau }];
-//!     let [command] = controller.update(&mut state, &measurement, &reference);
-//!     tau = command.tau;
-//!     dq += 1e-3 * (tau - 2.0 * 9.81 * 0.4 * q.sin()) / 0.32;
-//!     q += 1e-3 * dq;
-//! }
-//! assert!((q - 0.5).abs() < 1e-6); // there, with gravity found
-//! # Ok::<(), phihat::GainError>(())
-//! ```
-//!
 //! # Real time
 //!
 //! `no_std`, no dependency, no heap, no panic, no clock, no `unsafe`; `f32` or `f64`. This crate cannot
 //! see a robot model: "model-free" is a fact of the dependency graph.
 //!
-//! # Not claimed
-//!
-//! This is research software, not a safety function. It does not replace an emergency stop, and valid
-//! gains are not yet stable gains on a given arm.
-//!
 //! # Where next
 //!
 //! [`Supervisor`] for a real arm; the crate `phihat-design` for gains from an error bound; `examples/rust` of the
 //! repository for whole programs.
+//!
+#![doc = include_str!("cookbook.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 
