@@ -159,7 +159,8 @@ fn blamed(error: GainError, estimator: &'static str) -> (Member, f64) {
         GainError::Sections { count } => ("sections", None, count as f64),
         GainError::UnstableSection { index } => ("section_rates", Some(index), none),
         GainError::Form => ("form", None, none),
-        GainError::Overflow => ("", None, none),
+        // Of no member: `Overflow`, and what the core may add.
+        _ => ("", None, none),
     };
     (Member(name, index), value)
 }
@@ -180,9 +181,7 @@ fn named(gain: Gain) -> (&'static str, Option<usize>) {
         Gain::VelocityCorrection(i) => ("velocity_correction", Some(i)),
         Gain::Section(i) => ("section_rates", Some(i)),
         // Of no structure here.
-        Gain::VelocityMax | Gain::AccelerationMax | Gain::JerkMax | Gain::VelocityFilter => {
-            ("", None)
-        }
+        _ => ("", None),
     }
 }
 

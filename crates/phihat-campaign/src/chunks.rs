@@ -89,6 +89,7 @@ impl Layout {
 
 /// Why rows cannot be kept.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ChunksError {
     /// The file of rows.
     #[error("{}: {what}: {error}", path.display())]

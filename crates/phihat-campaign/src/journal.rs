@@ -26,6 +26,7 @@ pub struct Journal {
 
 /// Why a journal cannot be used.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum JournalError {
     /// Reading, writing or locking failed.
     #[error("{}: {what}: {error}", path.display())]

@@ -80,6 +80,7 @@ pub struct Gains {
 
 /// Why a gains document cannot be used.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum GainsError {
     /// Not JSON, or not of this shape.
     #[error("not gains: {}; `phihat design` writes gains", plain(&.0.to_string()))]

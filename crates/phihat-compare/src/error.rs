@@ -11,6 +11,7 @@ use thiserror::Error;
 
 /// Why a comparison cannot be made, run or written.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum CompareError {
     /// A study cannot be read, or not in one of the worlds.
     #[error("{}", .0.render())]

@@ -34,6 +34,7 @@ pub struct Contradiction {
 
 /// Why typed knowledge cannot be used.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ContradictionError {
     /// The model says otherwise.
     #[error("{0}")]

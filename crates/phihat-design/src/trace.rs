@@ -67,6 +67,7 @@ pub struct InertiaEstimate {
 
 /// Why a trace tells no inertia.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum EstimateError {
     /// Signals of different length, or none.
     #[error("joint {joint}: {found} samples where {expected} are expected")]

@@ -34,6 +34,7 @@ impl Finding {
 
 /// Why this system keeps no time for a loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum SystemError {
     /// It is not Linux.
     #[error("real time is for Linux; on this system a drive runs in lock-step only")]

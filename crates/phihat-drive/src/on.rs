@@ -77,6 +77,7 @@ fn version(asked: &str) -> Option<Protocol> {
 
 /// Why there is no such link.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum OnError {
     /// It is none of the links.
     #[error(

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 /// Why the joints of a link are not those of a study.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum OrderError {
     /// A joint of the study is not among those of the link.
     #[error("joint {joint} is not among those of the link: {names}")]

@@ -6,6 +6,7 @@ use crate::input::plain;
 
 /// Why a model could not be changed as asked.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ModelError {
     /// Rotor inertia that no rotors have.
     #[error("armature {given:?} must be {joints} finite values of at least 0 kg·m², one per joint")]
@@ -49,6 +50,7 @@ pub enum NotRigid {
 
 /// Why a robot could not be read. `origin` is the file, or what stands for it.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum RobotError {
     /// The file could not be read.
     #[error("{origin}: cannot be read: {source}")]

@@ -36,6 +36,7 @@ impl Default for IkOptions {
 
 /// Why no joint positions were found.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum IkError {
     /// The best posture found misses the target: perhaps out of reach.
     #[error(

@@ -8,6 +8,7 @@ use crate::record::{self, FORMAT, Reproduction, Statement};
 
 /// Reason why a text is no `reproduction.json` of this program.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum KeptError {
     /// No JSON object.
     #[error("{NO_REPRODUCTION}; found no JSON object: {0}")]

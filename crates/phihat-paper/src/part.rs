@@ -30,6 +30,7 @@ pub struct Part {
 
 /// Why a part could not be done: a fault of this program or of a study.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum PartError {
     /// A study cannot be read.
     #[error(transparent)]

@@ -13,6 +13,7 @@ use crate::{arm, details, orders, reach, table1, table2, table3, theory};
 
 /// Why the paper could not be reproduced.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ReproduceError {
     /// A part could not be done: a fault of this program or of a study.
     #[error("{part}: {why}")]

@@ -175,7 +175,7 @@ fn refused(py: Python<'_>, joint: &str, error: GainError) -> PyErr {
             ("innovation_filter", Some(count as f64), "one or two sections, or none")
         }
         GainError::UnstableSection { .. } => ("innovation_filter", None, "stable sections"),
-        GainError::Form | GainError::Overflow => ("gains", None, "see the message"),
+        _ => ("gains", None, "see the message"),
     };
     let carried = PyDict::new(py);
     let fill = || {

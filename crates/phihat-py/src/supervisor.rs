@@ -113,6 +113,8 @@ impl Supervisor {
             };
             JointRules::new(i, &laws[i], &joint, &options).map_err(|e| refused(py, &names, &e))
         };
+        let mut report = Report::default();
+        report.brake = true;
         Ok(Self {
             rules: (0..n).map(rule).collect::<PyResult<_>>()?,
             arm,
@@ -124,7 +126,7 @@ impl Supervisor {
             preset: vec![0.0; n],
             feed_forward: vec![0.0; n],
             commands: vec![Command::default(); n],
-            report: Report { brake: true, ..Report::default() },
+            report,
             period_ns,
         })
     }

@@ -13,6 +13,7 @@ use crate::disk::DiskError;
 
 /// Why a study, its gains or its record cannot be taken further.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum SessionError {
     /// The study cannot be used; it shows the line that it concerns.
     Study(Box<StudyError>),

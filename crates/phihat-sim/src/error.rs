@@ -19,6 +19,7 @@ pub enum OutOfReach {
 
 /// A study that reads well, yet cannot be simulated.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum SimError {
     /// The description that is fed forward.
     #[error("feedforward.mass_scale: {0}")]

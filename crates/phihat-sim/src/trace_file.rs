@@ -33,6 +33,7 @@ impl fmt::Display for Place {
 
 /// Why a trace file cannot be read.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum TraceError {
     /// Reading failed.
     #[error("{0}")]

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 /// Why a studio does not open, or does not do what it was asked.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum StudioError {
     /// The study cannot be run.
     #[error(transparent)]

@@ -8,6 +8,7 @@ const WINDOW: usize = 96;
 
 /// Kind of an error; the message has the particulars.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum StudyErrorKind {
     /// A file could not be opened or read.
     Unreadable,

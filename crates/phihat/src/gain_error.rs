@@ -7,6 +7,7 @@ use crate::{ORDER_MAX, SECTIONS_MAX};
 
 /// Names a gain in an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Gain {
     /// `M̄`.
     Inertia,
@@ -86,6 +87,7 @@ impl fmt::Display for Gain {
 
 /// Why a design is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum GainError {
     /// A gain is zero, negative, infinite or NaN.
     NotPositive {

@@ -26,6 +26,7 @@ pub struct JointMap<const N: usize> {
 
 /// Why names do not fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum JointMapError {
     /// The message has no joint of this name.
     Missing {

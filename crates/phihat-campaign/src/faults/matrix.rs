@@ -56,6 +56,7 @@ pub struct Matrix {
 
 /// Why a matrix cannot be made, run or written.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum FaultsError {
     /// A study cannot be read, or not with the fault in it.
     #[error("{}", .0.render())]

@@ -8,6 +8,7 @@ use crate::sweep::RunError;
 
 /// Why rollouts cannot be made or run.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum RolloutsError {
     /// Numbers that cannot be set in the study.
     #[error("{name}: {why}")]

@@ -12,6 +12,7 @@ use crate::journal::JournalError;
 
 /// Why a sweep cannot be made, run, merged or written.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum SweepError {
     /// A study has no such number.
     #[error("{0}")]
@@ -86,6 +87,7 @@ impl From<StudyError> for SweepError {
 
 /// Why a run cannot begin.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum RunError {
     /// Its study is none.
     #[error("{0}")]

@@ -12,6 +12,7 @@ pub struct Figures {
 
 /// Why errors cannot be compared.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PairError {
     /// No restart, or no world.
     #[error("a table of errors needs one restart and one world at least")]

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 /// Why the range cannot be found.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ArmError {
     /// The payload cannot be attached.
     #[error("payload: {0}")]

@@ -45,6 +45,7 @@ pub struct MinimalGains {
 
 /// Why there are no minimum gains.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PaperError {
     /// A limit is not a positive number.
     #[error("limit {index} is {value}; it must be positive")]

@@ -7,6 +7,7 @@ use crate::claims::{PaperError, Refutation};
 
 /// Why a design cannot begin.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum DesignError {
     /// The study does not say which error is allowed.
     #[error("spec.error_max_rad is missing: a design needs the largest error you can live with")]

@@ -7,6 +7,7 @@ use crate::claims::Refutation;
 
 /// Why gains cannot be exported.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ExportError {
     /// Not gains that the core runs.
     #[error("{0}")]

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 /// Why a limit cannot be enclosed.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum LimitError {
     /// A number is not one of its kind.
     #[error("{name} is {value}: it has to be {needs}")]

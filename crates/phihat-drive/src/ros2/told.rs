@@ -42,6 +42,7 @@ pub struct RosCounts {
 
 /// Why there is no node.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum RosError {
     /// DDS does not start, or a topic cannot be made.
     #[error("--ros2: {0}")]

@@ -8,6 +8,7 @@ use crate::part::PartError;
 
 /// Why a study's arm and gains cannot be put in the place of the paper's.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum OwnError {
     /// No gains.
     #[error(

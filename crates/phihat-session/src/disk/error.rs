@@ -7,6 +7,7 @@ use thiserror::Error;
 
 /// Why files could not be written, and what is there now.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum DiskError {
     /// Nothing on the disk has changed.
     #[error("{}: cannot be written: {why}\n  = note: nothing that was there has changed", path.display())]

@@ -232,6 +232,7 @@ fn ends(joint: &Joint, center: f64, amplitude: f64) -> Result<(f64, f64), FirstM
 
 /// Why an arm cannot be moved for the first time.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum FirstMotionError {
     /// There is nothing to take a share of.
     #[error(

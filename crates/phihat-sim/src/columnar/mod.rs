@@ -21,6 +21,7 @@ const MAGIC: [u8; 4] = *b"PAR1";
 
 /// Why a Parquet file cannot be read.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ParquetError {
     /// The file is no Parquet file, or not whole.
     #[error("no whole Parquet file: {0}")]

@@ -90,6 +90,7 @@ pub enum Action {
 
 /// Why a request for a mode is not granted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Refusal {
     /// The arm is not armed: ask for [`ModeRequest::Arm`] first.
     NotArmed,

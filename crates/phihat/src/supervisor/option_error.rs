@@ -6,6 +6,7 @@ use crate::GainError;
 
 /// Why options are refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum OptionError {
     /// An option is out of its range.
     Value {

@@ -111,6 +111,7 @@ impl BitOrAssign for Events {
 
 /// Why a supervisor stops the arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Fault {
     /// Too many samples in a row were missed.
     LinkLost,
@@ -180,6 +181,7 @@ impl Fault {
 
 /// Report of a supervisor on one sample, in addition to the torques.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct Report {
     /// The mode from this sample on.
     pub mode: Mode,
