@@ -7,10 +7,10 @@ use super::programme::Programme;
 
 /// Cost that no stable law undercuts, whatever the multipliers: those outside of their box are put on its edge.
 ///
-/// For every law that holds `Σ|s_k| ≤ change`, `s_k = r_k − r_{k−1}`, with the signals of [`Played`],
+/// For every law that holds `Σ|s_k| ≤ change`, `s_k = ρ_k − ρ_{k−1}`, with the signals of [`Played`],
 ///
 /// ```text
-/// cost ≥ Σ κ^c c + κ^φ e^φ + κ^n e^n = −β²/2 (x_1 + x_2) + Σ σ_k s_k ≥ −β²/2 (x_1 + x_2) − max|σ_k| change
+/// cost ≥ Σ κ^C C + κ^φ e^φ + κ^n e^n = −β²/2 (x_1 + x_2) + Σ σ_k s_k ≥ −β²/2 (x_1 + x_2) − max|σ_k| change
 /// ```
 ///
 /// The sums are over all samples without end. The first step is `|κ| ≤` cost. The second is summation by
@@ -39,13 +39,13 @@ const SLACK: f64 = 1e-12;
 /// Multipliers, clamped to their box, played from the last sample to the first:
 ///
 /// ```text
-/// y_k = y_{k+1} + κ^c_k                                         of c
+/// y_k = y_{k+1} + κ^C_k                                         of C
 /// x_k = 2x_{k+1} − x_{k+2} + κ^φ_k + β y_k                       of e^φ
 /// ξ_k = 2ξ_{k+1} − ξ_{k+2} + κ^n_k − β²/2 (x_{k+1} + x_{k+2})   of e^n
-/// σ_k = σ_{k+1} + β²/2 (ξ_{k+1+d} + ξ_{k+2+d})                   of r_k − r_{k−1}
+/// σ_k = σ_{k+1} + β²/2 (ξ_{k+1+d} + ξ_{k+2+d})                   of ρ_k − ρ_{k−1}
 /// ```
 ///
-/// After the last sample `y` and `x` are constant, by `κ^φ = −β y` and `κ^n = β² x`; `κ^c` and `ξ` are 0 and `σ` stays.
+/// After the last sample `y` and `x` are constant, by `κ^φ = −β y` and `κ^n = β² x`; `κ^C` and `ξ` are 0 and `σ` stays.
 struct Played {
     /// `−β²/2 (x_1 + x_2)`: what `φ`'s impulse does without a law.
     value: f64,
@@ -75,7 +75,7 @@ impl Played {
                 excess[signal] = larger(excess[signal], ROUNDING * size / most);
             }
         };
-        // Where φ does not jump, y takes up what x is off, and κ^c its difference from sample to sample.
+        // Where φ does not jump, y takes up what x is off, and κ^C its difference from sample to sample.
         let most = larger(programme.jump, 0.5 * step * programme.ramp);
         for k in (0..n).rev() {
             y += inside(multipliers.ramp[k], programme.ramp);
@@ -161,7 +161,7 @@ mod tests {
     fn backward_is_the_transpose_of_forward() {
         for delay in 0..4_u32 {
             let programme = programme(delay as usize);
-            // Nothing after the last sample: any r, though its loop has not ended.
+            // Nothing after the last sample: any ρ, though its loop has not ended.
             let (cost, again) = sides(&programme, &multipliers(7 + delay, [0.0; 2]), &noise(3, 40));
             assert!((cost - again).abs() < 1e-10 * cost.abs().max(1.0), "{cost} {again}");
             // A loop that has ended: any constants.

@@ -21,7 +21,7 @@ pub struct Limit {
     pub read: f64,
     /// Largest change of the torque per sample by the encoder's errors, with `law` \[N·m\].
     pub torque_change: f64,
-    /// `r`: what `τ/M` does in the closed loop after an error of the encoder for one sample \[1/s²\]; then 0.
+    /// `ρ`: what `τ/M` does in the closed loop after an error of the encoder for one sample \[1/s²\]; then 0.
     ///
     /// The law itself is `τ_k/M = Σ_j r_j ν_{k−j}`, where `ν` is the measured error minus that which the
     /// torques made by themselves.

@@ -8,11 +8,11 @@ use super::rows::{Row, Signal, solved};
 /// Share of the torque's change that is kept for tying the ends, which the solver leaves open by its tolerance.
 const KEPT: f64 = 1e-7;
 
-/// The response `r` that costs the least:
+/// The response `ρ` that costs the least:
 ///
 /// ```text
-/// min  ramp Σ|c_k| + jump Σ|e^φ_k| + read Σ|e^n_k|    s.t.  Σ|r_k − r_{k−1}| ≤ change, all 0 at the end
-/// ∇²e^n_k = β²/2 (r_{k−1−d} + r_{k−2−d}),   ∇²e^φ_k = −β²/2 (w_{k−1} + w_{k−2}),   ∇c_k = β e^φ_k
+/// min  ramp Σ|C_k| + jump Σ|e^φ_k| + read Σ|e^n_k|    s.t.  Σ|ρ_k − ρ_{k−1}| ≤ change, all 0 at the end
+/// ∇²e^n_k = β²/2 (ρ_{k−1−d} + ρ_{k−2−d}),   ∇²e^φ_k = −β²/2 (w_{k−1} + w_{k−2}),   ∇C_k = β e^φ_k
 /// ```
 ///
 /// Differences backwards, `∇x_k = x_k − x_{k−1}`, are what `Responses` plays, without its velocities. Without `φ̇` the

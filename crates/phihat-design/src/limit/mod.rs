@@ -6,9 +6,9 @@
 //! |e| ≤ (ramp·φ̇ + jump·φ_J)/M + read·Δ/2
 //! ```
 //!
-//! with the peak-to-peak gains of the loop, and the encoder may change the torque by so much per sample. Let `r` be the
+//! with the peak-to-peak gains of the loop, and the encoder may change the torque by so much per sample. Let `ρ` be the
 //! loop's impulse response from the encoder's error to `τ/M`. All other responses are affine in it (Youla), so the
-//! smallest bound is a linear programme over `r`, whatever the order of the law.
+//! smallest bound is a linear programme over `ρ`, whatever the order of the law.
 //!
 //! # Method
 //!

@@ -18,7 +18,7 @@ const LENGTH_EXACT: usize = 32;
 const FASTEST: f64 = 0.3;
 const SLOWEST: f64 = 1e-3;
 
-/// `Σ|r_k − r_{k−1}|` of a good law, in `W²`.
+/// `Σ|ρ_k − ρ_{k−1}|` of a good law, in `W²`.
 const CHANGE: f64 = 50.0;
 
 /// Numbers of one length; time in `1/W`, torque over inertia in `W²`, cost in `unit_rad`.
@@ -36,7 +36,7 @@ pub(super) struct Programme {
     pub(super) ramp: f64,
     pub(super) jump: f64,
     pub(super) read: f64,
-    /// Largest `Σ|r_k − r_{k−1}|`; `None`: the position is exact.
+    /// Largest `Σ|ρ_k − ρ_{k−1}|`; `None`: the position is exact.
     pub(super) change: Option<f64>,
     /// Unit of the cost \[rad\].
     pub(super) unit_rad: f64,
@@ -87,7 +87,7 @@ pub(super) fn lengths(request: &LimitRequest, max: usize) -> Vec<usize> {
     core::iter::successors(Some(first), longer).collect()
 }
 
-/// `M Δ/2 Σ|r_k − r_{k−1}| ≤` the largest change \[N·m\], solved for the sum \[1/s²\].
+/// `M Δ/2 Σ|ρ_k − ρ_{k−1}| ≤` the largest change \[N·m\], solved for the sum \[1/s²\].
 fn change(request: &LimitRequest) -> f64 {
     request.torque_change_max / (0.5 * request.quantum * request.inertia)
 }

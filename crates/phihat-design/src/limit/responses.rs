@@ -23,7 +23,7 @@ impl Responses {
     /// Plays
     ///
     /// ```text
-    /// e^n_{k+1} = e^n_k + β v^n_k + β²/2 u_k,   v^n_{k+1} = v^n_k + β u_k,   u_k = r_{k−d}
+    /// e^n_{k+1} = e^n_k + β v^n_k + β²/2 u_k,   v^n_{k+1} = v^n_k + β u_k,   u_k = ρ_{k−d}
     /// e^φ_{k+1} = e^φ_k + β v^φ_k − β²/2 w_k,   v^φ_{k+1} = v^φ_k − β w_k,   w_k = δ_k + e^n_k
     /// ```
     ///
@@ -40,7 +40,7 @@ impl Responses {
         Self { read, jump, ramp, end: state.ends() }
     }
 
-    /// Contribution of the law alone after each sample, without `φ`: linear in `r`.
+    /// Contribution of the law alone after each sample, without `φ`: linear in `ρ`.
     pub(super) fn added(programme: &Programme, r: &[f64]) -> Vec<[f64; STATES]> {
         let mut state = State::default();
         let each = (0..programme.length).map(|k| {
@@ -56,7 +56,7 @@ impl Responses {
     }
 }
 
-/// `Σ|r_k − r_{k−1}|`, with 0 before and after.
+/// `Σ|ρ_k − ρ_{k−1}|`, with 0 before and after.
 pub(super) fn change(r: &[f64]) -> f64 {
     let before = core::iter::once(&0.0).chain(r);
     let after = r.iter().chain([&0.0]);

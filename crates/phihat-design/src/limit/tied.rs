@@ -14,7 +14,7 @@ const LEFT: f64 = 1e-9;
 /// The response with the least correction that ends the loop; `None` where it does not end or changes the
 /// torque too much.
 ///
-/// The contribution of a sample of `r` to the end depends on how long before the end it is, so one play of a
+/// The contribution of a sample of `ρ` to the end depends on how long before the end it is, so one play of a
 /// unit gives the whole matrix.
 pub(super) fn tied(programme: &Programme, mut r: Vec<f64>) -> Option<Vec<f64>> {
     let (n, free) = (programme.length, r.len());
