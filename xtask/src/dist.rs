@@ -25,7 +25,7 @@ const BUILD: &str = "target/dist-build";
 /// Package that makes the wheel.
 const MATURIN: [&str; 1] = ["maturin==1.16.0"];
 
-/// Package that checks the workflow files by the schema of their makers.
+/// Package that checks the workflow files, and the citation file, by the schemas of their makers.
 const LINT: [&str; 1] = ["check-jsonschema==0.39.0"];
 
 /// Examples of Python that need nothing but what the wheel declares.
@@ -147,16 +147,18 @@ pub(crate) fn tried(root: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Checks that the workflow files satisfy their schema.
+/// Checks that the workflow files and the citation file satisfy their schemas.
 pub(crate) fn workflows(root: &Path) -> Result<(), String> {
     let python = venv::python(root, &tools::folder()?.join("workflows"), &LINT)?;
     let all: Vec<String> = files(&root.join(".github/workflows"), "yml")?
         .into_iter()
         .map(|file| file.display().to_string())
         .collect();
-    let schema = ["-m", "check_jsonschema", "--builtin-schema", "vendor.github-workflows"];
-    let words = schema.into_iter().chain(all.iter().map(String::as_str));
-    command(root, &python, &words.collect::<Vec<_>>())
+    let schema = ["-m", "check_jsonschema", "--builtin-schema"];
+    let workflows = ["vendor.github-workflows"].into_iter().chain(all.iter().map(String::as_str));
+    command(root, &python, &schema.into_iter().chain(workflows).collect::<Vec<_>>())?;
+    let citation = ["vendor.citation-file-format", "CITATION.cff"];
+    command(root, &python, &[&schema[..], &citation].concat())
 }
 
 /// Files of a folder with an ending, sorted.
