@@ -1,4 +1,4 @@
-//! The joint that `docs/theory/example.md` works by hand: window (X2), ramp (X3), jump (X4). Wrong if the running law
+//! The joint that `docs/theory/example.md` works by hand: window (BH2), ramp (BH3), jump (BH4). Wrong if the running law
 //! were not the one of (T1), (T4), (T5), or if a number of that page were wrong.
 
 use crate::support::{KD, KP, Loop, gains};
@@ -16,7 +16,7 @@ fn alpha_t() -> f64 {
     1.0 - (-A_0 * T).exp()
 }
 
-/// Edges of the window, by (X1) and (X2).
+/// Edges of the window, by (BH1) and (BH2).
 fn window() -> (f64, f64) {
     let alpha = alpha_t();
     let a = KD * T + 0.5 * KP * T * T + alpha;
