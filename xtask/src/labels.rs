@@ -16,7 +16,7 @@ const OTHERS: [(&str, &str); 2] =
     [("H3", "a hypothesis of `phihat-paper`"), ("RK4", "a method of Runge and Kutta")];
 
 /// Folders that are searched, and files beside them.
-const FOLDERS: [&str; 6] = ["crates", "docs", "examples", "studies", "tools", "xtask/src"];
+const FOLDERS: [&str; 5] = ["crates", "docs", "examples", "tools", "xtask/src"];
 const FILES: [&str; 5] =
     ["README.md", "NOTATION.md", "GLOSSARY.md", "DESIGN.md", "ARCHITECTURE.md"];
 const ENDINGS: [&str; 9] = ["rs", "md", "py", "pyi", "h", "hpp", "c", "cpp", "mjs"];
@@ -32,6 +32,7 @@ impl Labels {
     /// Adds those of one file.
     fn read(&mut self, name: &str, text: &str) {
         let is_theory = name.starts_with("docs/theory/");
+        let is_rust = Path::new(name).extension().is_some_and(|ending| ending == "rs");
         for (number, line) in text.lines().enumerate() {
             let place = format!("{name}:{}", number + 1);
             if is_theory {
@@ -44,7 +45,7 @@ impl Labels {
                     self.defined.entry(label.1).or_default().push(place.clone());
                 }
             }
-            let comment = name.ends_with(".rs") && line.trim_start().starts_with("//");
+            let comment = is_rust && line.trim_start().starts_with("//");
             for (at, label) in enclosed(line, "(", ')') {
                 let is_last = at + label.len() + 2 == line.trim_end().len();
                 let defines = comment && is_last && line[..at].ends_with("  ");

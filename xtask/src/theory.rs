@@ -45,7 +45,7 @@ pub(crate) fn pdf(root: &Path) -> Result<(), String> {
     let print = format!("--print-to-pdf={}", pdf.display());
     let page = format!("file://{}", html.join("print.html").display());
     let plain = ["--headless", "--no-sandbox", "--disable-gpu", "--no-pdf-header-footer"];
-    command(&out, "chromium", &[&plain[..], &[&print, &page]].concat())?;
+    command(&out, "chromium", &[&plain[..], &[print.as_str(), page.as_str()]].concat())?;
     println!("{}", pdf.display());
     Ok(())
 }
