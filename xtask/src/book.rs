@@ -68,7 +68,7 @@ const DOCUMENTS: [&str; 10] = [
 /// repository.
 pub(crate) const THEORY: &str = "docs/theory";
 
-/// What typesets formulas, with its packages.
+/// The program that typesets formulas, with its packages.
 pub(crate) const MATH: &str = "tools/math";
 
 /// One fenced block of a page.

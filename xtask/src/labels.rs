@@ -74,8 +74,8 @@ impl Labels {
     }
 }
 
-/// Labels between two texts, each with the byte at which the first of the two begins: one or two capitals, then one or two
-/// digits.
+/// Labels between two texts, each with the byte at which the first of the two begins: one or two capitals, then
+/// one or two digits.
 fn enclosed(line: &str, before: &str, after: char) -> Vec<(usize, String)> {
     let is_label = |text: &str| {
         let letters = text.bytes().take_while(u8::is_ascii_uppercase).count();

@@ -1,5 +1,5 @@
-//! `cargo xtask theory`: the chapters of `docs/theory` as one PDF, printed by Chromium from the page that mdBook makes of
-//! them.
+//! `cargo xtask theory`: the chapters of `docs/theory` as one PDF, printed by Chromium from the page that mdBook
+//! makes of them.
 
 use std::fs;
 use std::path::Path;

@@ -78,7 +78,8 @@ pub(crate) fn from_debian(root: &Path, program: &str, packages: &[&str]) -> Resu
     })
 }
 
-/// The packages that a folder's `package-lock.json` names, installed beside it where they are missing or older; the folder.
+/// The packages that a folder's `package-lock.json` names, installed beside it where they are missing or older;
+/// the folder.
 pub(crate) fn from_npm(folder: PathBuf) -> Result<PathBuf, String> {
     let changed = |name: &str| folder.join(name).metadata().and_then(|file| file.modified()).ok();
     // npm leaves this list when it has installed the other.

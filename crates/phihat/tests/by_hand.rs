@@ -1,5 +1,5 @@
-//! The joint that `docs/theory/example.md` works by hand: window (BH2), ramp (BH3), jump (BH4). Wrong if the running law
-//! were not the one of (T1), (T4), (T5), or if a number of that page were wrong.
+//! The joint that `docs/theory/example.md` works by hand: window (BH2), ramp (BH3), jump (BH4). Wrong if the
+//! running law were not the one of (T1), (T4), (T5), or if a number of that page were wrong.
 
 use crate::support::{KD, KP, Loop, gains};
 use phihat::{Form, Reference};
@@ -71,8 +71,8 @@ fn jump_of_the_page() {
     let peak = |flip: f64| {
         let mut joint = joint(1.0, fine);
         let mut peak = 0.0_f64;
-        while joint.time() < 0.6 {
-            let push = if joint.time() < flip { -1.0 } else { 1.0 };
+        for k in 0..60_000 {
+            let push = if f64::from(k) * fine < flip { -1.0 } else { 1.0 };
             joint.step(&Reference::default(), push);
             peak = peak.max(joint.q.abs());
         }

@@ -89,7 +89,8 @@ pub(super) fn every() -> impl Iterator<Item = &'static Step> {
     STAGES.iter().flat_map(|stage| stage.iter())
 }
 
-/// Installs what later steps call: a Python environment, a browser with what drives it, mdBook with what typesets its formulas, valgrind.
+/// Installs what later steps call: a Python environment, a browser with what drives it, mdBook with what typesets
+/// its formulas, valgrind.
 fn install(root: &Path) -> Result<(), String> {
     tools::from_debian(root, "valgrind", &["valgrind"])?;
     browser::tools(root)?;
