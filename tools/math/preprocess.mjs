@@ -22,9 +22,11 @@ function typeset(tex, displayMode, place) {
   }
   const text = html.replace(/>([^<]*)</g, (_, inner) => {
     const escaped = inner.replace(/[\\`*_[\]|~$!]/g, (mark) => `&#${mark.codePointAt(0)};`);
-    return `>${escaped.replace(/\s+/g, " ")}<`;
+    return `>${escaped}<`;
   });
-  return displayMode ? `<div class="formula">${text}</div>` : text;
+  // The path of a root's sign has line ends, which would end a row of a table.
+  const row = text.replace(/[ \t\r\n]+/g, " ");
+  return displayMode ? `<div class="formula">${row}</div>` : row;
 }
 
 /** A line of text: formulas outside of code are typeset. */
