@@ -42,6 +42,7 @@ amplitude_rad = 0.2
 frequency_hz = 0.3
 "#;
 
+/// A candidate of the search joint by joint: stable, and without a bound on its error. Example 04 has one with its tube.
 fn designed() -> Result<Gains, Box<dyn Error>> {
     let study = Study::from_text(STUDY, "planar.toml", Path::new("."))?;
     let demand = Demand::along(&study)?;
@@ -85,6 +86,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("  {}: {}", line.what, line.value);
     }
     assert!(!verified.proved.is_empty() && !verified.trusted.is_empty());
+    println!("not proved:\n  {}", verified.not_proved.join("\n  "));
+    assert!(!verified.bounded);
 
     // Numbers come back to the same bits.
     assert!(Gains::from_json(&text)? == gains);

@@ -11,7 +11,7 @@ use serde_json::Value;
 /// A crate: its name, the crates of ours that it may use, and why it is one.
 type Row = (&'static str, &'static [&'static str], &'static str);
 
-const CRATES: [Row; 22] = [
+const CRATES: [Row; 23] = [
     (
         "phihat",
         &[],
@@ -58,6 +58,18 @@ const CRATES: [Row; 22] = [
         "the drawing kit (`kit`) and the page of a run: a pure function of recorded data, which runs nothing and does no I/O. It cannot see the paper or a rival",
     ),
     (
+        "phihat-synthesis",
+        &[
+            "phihat",
+            "phihat-certificate",
+            "phihat-design",
+            "phihat-model",
+            "phihat-sim",
+            "phihat-study",
+        ],
+        "from a study to gains: `synthesize.rs` is the algorithm (specification, candidates, tube, shares, certificate). Only here a candidate of an arm meets the motion whose tube bounds its error",
+    ),
+    (
         "phihat-session",
         &[
             "phihat",
@@ -68,6 +80,7 @@ const CRATES: [Row; 22] = [
             "phihat-report",
             "phihat-sim",
             "phihat-study",
+            "phihat-synthesis",
         ],
         "a study taken through gains, closed loop and record, and a record read back and checked; `disk`, the one way to the disk. Every shell is made of it",
     ),
@@ -109,6 +122,7 @@ const CRATES: [Row; 22] = [
             "phihat-session",
             "phihat-sim",
             "phihat-study",
+            "phihat-synthesis",
         ],
         "the rivals tuned alike, run in the same worlds and judged, and the page of it; `fronts/` the comparison at equal noise, `protocol/` its parts, \
          `statistics/` pure functions of figures",
@@ -125,6 +139,7 @@ const CRATES: [Row; 22] = [
             "phihat-session",
             "phihat-sim",
             "phihat-study",
+            "phihat-synthesis",
         ],
         "a run that goes on while faults come, another law beside it, or a record that is played; and the pages of this machine that look on and give orders; the only crate with a web server",
     ),
@@ -161,6 +176,7 @@ const CRATES: [Row; 22] = [
             "phihat-sim",
             "phihat-studio",
             "phihat-study",
+            "phihat-synthesis",
         ],
         "the binary `phihat`, one file per verb: arguments, tables, progress, exit codes",
     ),
@@ -180,6 +196,7 @@ const CRATES: [Row; 22] = [
             "phihat-session",
             "phihat-sim",
             "phihat-study",
+            "phihat-synthesis",
         ],
         "the Python package: a sibling of the command line, on the same options",
     ),
@@ -194,6 +211,7 @@ const CRATES: [Row; 22] = [
             "phihat-session",
             "phihat-sim",
             "phihat-study",
+            "phihat-synthesis",
         ],
         "random arms and studies that try to break a certificate: `cargo xtask attack`. Nothing uses it",
     ),
@@ -228,7 +246,7 @@ const CRATES: [Row; 22] = [
 ];
 
 /// The crates that go to a registry.
-pub(crate) const PUBLISHED: [&str; 16] = [
+pub(crate) const PUBLISHED: [&str; 17] = [
     "phihat",
     "phihat-model",
     "phihat-study",
@@ -238,6 +256,7 @@ pub(crate) const PUBLISHED: [&str; 16] = [
     "phihat-rivals",
     "phihat-fci",
     "phihat-report",
+    "phihat-synthesis",
     "phihat-session",
     "phihat-drive",
     "phihat-campaign",

@@ -85,8 +85,8 @@ pub fn claimed(gains: &Gains, study: &Study) -> Result<Claim, NoClaim> {
         return Ok(documented(tube, study));
     }
     // Without a tube: bounds on the steady error of each joint by itself.
-    let joints = certificate.joints.iter().map(|joint| {
-        let bounds = joint.bounds.as_ref().ok_or(NoClaim::NoBounds)?;
+    let joints = certificate.joints.iter().enumerate().map(|(i, joint)| {
+        let bounds = certificate.own_bounds(i).ok_or(NoClaim::NoBounds)?;
         let (e, v) = (bounds.error_rad, bounds.velocity_error_rad_s);
         Ok(JointClaim {
             name: joint.name.clone(),

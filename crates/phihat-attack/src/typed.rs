@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use phihat_design::prelude::FindCertificate as _;
-use phihat_design::tube::{Desired, FINER, PARTS, tube_in_parts};
+use phihat_design::tube::{FINER, PARTS};
 use phihat_design::{
-    Arm, ArmError, Certificate, DesignError, Gains, GainsError, Outcome, PositionSearch, Settle,
-    claims::Refutation, find_moving,
+    Arm, ArmError, Certificate, DesignError, Gains, Outcome, PositionSearch, claims::Refutation,
+    find_moving,
 };
-use phihat_session::{SessionError, arm, coupled_along, phi_along};
-use phihat_sim::{Demand, Motion, SimError};
+use phihat_session::{SessionError, arm};
+use phihat_sim::{Demand, SimError};
 use phihat_study::Study;
+use phihat_synthesis::{SynthesisError, bound_by_tube, coupled_along, phi_along};
 use thiserror::Error;
 
 /// Why laws have no certificate.
@@ -24,7 +25,7 @@ pub(crate) enum NotTyped {
     Arm(#[from] ArmError),
     /// The gains are none of this study.
     #[error(transparent)]
-    Gains(#[from] GainsError),
+    Synthesis(#[from] SynthesisError),
     /// Its reference cannot be followed.
     #[error(transparent)]
     Sim(#[from] SimError),
@@ -83,10 +84,6 @@ pub(crate) fn sketched(study: &Study, shares: &[f64], path: &Path) -> Result<Out
         return Ok(Outcome::Infeasible(search.refused()));
     };
     search.certify(&mut gains)?;
-    for joint in gains.certificate.iter_mut().flat_map(|certificate| &mut certificate.joints) {
-        // Bounds of joints by themselves are none of joints that push each other.
-        (joint.bounds, joint.phi) = (None, None);
-    }
     pushed_and_moved(study, with_tube(study, gains)?, &arm)
 }
 
@@ -94,27 +91,14 @@ fn designed(gains: Gains) -> Outcome {
     Outcome::Designed(Box::new(gains))
 }
 
-/// The envelope of the study's motion.
+/// The same gains, bounded by the envelope of the study's motion.
 fn with_tube(study: &Study, mut gains: Gains) -> Result<Gains, NotTyped> {
-    let Some(mut certificate) = gains.certificate.take() else { return Ok(gains) };
-    if certificate.refused().is_none() {
-        let motion = Motion::of(study)?;
-        let desired = Desired::of(study, |joint, t| motion.told(joint, t));
-        let mut own = study.clone();
-        gains.complete(&mut own)?;
-        // About every other tube is that of a payload in finer slices: a coin that was thrown with the gains.
-        let coin = gains.joints.first().map_or(0, |joint| joint.inertia_kg_m2.to_bits());
-        let parts = if coin.is_multiple_of(2) { PARTS } else { FINER };
-        match tube_in_parts(&own, &gains, (&desired, parts)) {
-            Ok(found) => {
-                let settle = Settle::of(study, Some(&found));
-                certificate.tube = Some(found.steady_from(settle.settle_s));
-                certificate.settle = Some(settle);
-            }
-            Err(why) => certificate.tube_refused = Some(why.to_string()),
-        }
+    // About every other tube is that of a payload in finer slices: a coin that was thrown with the gains.
+    let coin = gains.joints.first().map_or(0, |joint| joint.inertia_kg_m2.to_bits());
+    let parts = if coin.is_multiple_of(2) { PARTS } else { FINER };
+    if gains.certificate.as_ref().is_some_and(|certificate| certificate.refused().is_none()) {
+        bound_by_tube(study, &mut gains, parts)?;
     }
-    gains.certificate = Some(certificate);
     Ok(gains)
 }
 

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::refutation::refuse;
 use crate::{
-    AnySpeed, ArmInertia, Bounds, ContinuousLaw, CoupledGains, FrozenArm, InertiaWindow,
+    AnySpeed, ArmBasis, ArmInertia, Bounds, ContinuousLaw, CoupledGains, FrozenArm, InertiaWindow,
     LargestStep, LoopModel, Margins, Moving, NotCounted, Phi, ReadingError, ReferenceError,
     Refutation, SampledPeaks, SampledVarying, Settle, TorqueNoise, Tube, VaryingWindow,
 };
@@ -92,14 +93,18 @@ pub struct JointCertificate {
     pub step: Option<LargestStep>,
     /// Torque limit \[N·m\] and torque-rate limit \[N·m/s\] that `step` is about.
     pub limits: (Option<f64>, Option<f64>),
-    /// Bounds on `φ`; `None`: not known, so no bound on the error.
+    /// Bounds on `φ`; `None`: not known, or the joint's arm is coupled.
     pub phi: Option<Phi>,
-    /// Bounds on the error that follow.
-    pub bounds: Option<Bounds>,
+    /// Bounds on the error of the joint by itself: see [`Certificate::own_bounds`].
+    pub(crate) bounds: Option<Bounds>,
     /// Claims that do not hold, each with its inequality. Gains with any of these do not arm.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub refused: Vec<Refutation>,
 }
+
+/// The rule of [`Certificate::bound_each`].
+pub(crate) const UNCOUPLED: &str =
+    "a joint of a coupled arm has no bound of its own: only a tube bounds its error";
 
 /// Bounds on one joint's steady error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,8 +115,87 @@ pub struct ErrorBound {
     pub velocity_error_rad_s: f64,
 }
 
+impl JointCertificate {
+    /// The claims about a joint with this loop and these limits (torque \[N·m\], torque rate \[N·m/s\]): none yet.
+    pub fn new(name: String, model: LoopModel, limits: (Option<f64>, Option<f64>)) -> Self {
+        Self {
+            name,
+            model,
+            window: None,
+            varying: None,
+            sampled_varying: None,
+            continuous: None,
+            margins: None,
+            sampled: None,
+            reading: None,
+            reference: None,
+            noise: None,
+            step: None,
+            limits,
+            phi: None,
+            bounds: None,
+            refused: Vec::new(),
+        }
+    }
+}
+
 impl Certificate {
-    /// The bound on a joint's steady error: that of the tube, or, for joints that are known one by one, their own.
+    /// Returns true if the joints push each other, as those of a robot's description do. Only a tube bounds their
+    /// errors. Joints that are known by an interval of inertia each are taken for uncoupled.
+    pub fn is_coupled(&self) -> bool {
+        self.arm.basis == ArmBasis::Postures
+    }
+
+    /// Gives each joint bounds of its own, in the robot's order; `None`: nothing is known.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`]: the arm is coupled, or there is not one entry per joint.
+    pub fn bound_each(&mut self, own: Vec<Option<Bounds>>) -> Result<(), Refutation> {
+        if self.is_coupled() {
+            return Err(refuse("error bound", UNCOUPLED, 1.0, 0.0));
+        }
+        let (given, joints) = (own.len(), self.joints.len());
+        let all = given == joints;
+        Refutation::unless("error bound", "one entry per joint", given as f64, joints as f64, all)?;
+        self.joints.iter_mut().zip(own).for_each(|(joint, own)| joint.bounds = own);
+        Ok(())
+    }
+
+    /// Takes a tube as the bound on the errors, with its settling time and the clauses of the specification that it
+    /// does not satisfy.
+    pub fn bound_by(&mut self, tube: Tube, settle: Settle, unproved: Vec<String>) {
+        self.tube = Some(tube);
+        self.tube_refused = None;
+        self.settle = Some(settle);
+        self.unproved = unproved;
+    }
+
+    /// Takes back any tube: no error is bounded, for this reason.
+    pub fn unbounded(&mut self, why: String, settle: Settle) {
+        self.tube = None;
+        self.unproved = vec![format!("the specification: no tube, {why}")];
+        self.tube_refused = Some(why);
+        self.settle = Some(settle);
+    }
+
+    /// Bounds on the error of a joint by itself; `None`: nothing is known, or the arm is coupled.
+    pub fn own_bounds(&self, joint: usize) -> Option<&Bounds> {
+        let own = self.joints.get(joint)?.bounds.as_ref();
+        own.filter(|_| !self.is_coupled())
+    }
+
+    /// Reason why the error of some joint is not bounded; `None`: all are.
+    pub fn without_bound(&self) -> Option<String> {
+        if (0..self.joints.len()).all(|joint| self.error_bound(joint).is_some()) {
+            return None;
+        }
+        let why = if self.is_coupled() { "no tube was computed" } else { "φ is not known" };
+        Some(self.tube_refused.clone().unwrap_or_else(|| why.to_owned()))
+    }
+
+    /// Bound on a joint's steady error: that of the tube, or, for joints that are known one by one, their own; `None`:
+    /// there is none. A coupled arm has no bound without a tube.
     pub fn error_bound(&self, joint: usize) -> Option<ErrorBound> {
         if let Some(tube) = &self.tube {
             let own = tube.joints.get(joint)?;
@@ -119,8 +203,7 @@ impl Certificate {
                 (own.error_max_rad, own.velocity_error_max_rad_s);
             return Some(ErrorBound { error_rad, velocity_error_rad_s });
         }
-        let own = self.joints.get(joint)?.bounds?;
-        let Bounds { error_rad, velocity_error_rad_s, .. } = own;
+        let Bounds { error_rad, velocity_error_rad_s, .. } = *self.own_bounds(joint)?;
         Some(ErrorBound { error_rad, velocity_error_rad_s })
     }
 
@@ -129,5 +212,42 @@ impl Certificate {
         let own =
             |joint: &JointCertificate| joint.refused.first().map(|why| why.clone().on(&joint.name));
         self.joints.iter().find_map(own).or_else(|| self.frozen_refused.clone())
+    }
+}
+
+/// A certificate in a document: one that states a bound of its own for a joint of a coupled arm is neither written nor
+/// read.
+pub(crate) mod document {
+    use serde::de::Error as _;
+    use serde::ser::Error as _;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    use super::{Certificate, UNCOUPLED};
+
+    fn stray(certificate: &Certificate) -> Option<String> {
+        let coupled = certificate.is_coupled();
+        let joint = certificate.joints.iter().find(|joint| coupled && joint.bounds.is_some())?;
+        Some(format!("{}: {UNCOUPLED}; design these gains again", joint.name))
+    }
+
+    #[allow(clippy::ref_option, reason = "the signature that serde calls")]
+    pub(crate) fn serialize<S: Serializer>(
+        certificate: &Option<Certificate>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        match certificate.as_ref().and_then(stray) {
+            Some(why) => Err(S::Error::custom(why)),
+            None => certificate.serialize(serializer),
+        }
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<Certificate>, D::Error> {
+        let certificate = Option::<Certificate>::deserialize(deserializer)?;
+        match certificate.as_ref().and_then(stray) {
+            Some(why) => Err(D::Error::custom(why)),
+            None => Ok(certificate),
+        }
     }
 }

@@ -64,7 +64,11 @@ pub struct Gains {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sliding: Vec<String>,
     /// Claims about the gains, with their evidence.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        with = "crate::certificate::document"
+    )]
     pub certificate: Option<Certificate>,
     /// Torque noise of laws with other errors, ascending in noise; empty where nothing was searched.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -37,6 +37,10 @@ pub struct Verified {
     pub tube: Option<TubeAgain>,
     /// Effects in the study that the claims leave out, as the file says.
     pub not_counted: Vec<NotCounted>,
+    /// Clauses of the specification that the file does not prove, and the reason where it bounds no error.
+    pub not_proved: Vec<String>,
+    /// True if the error of every joint has a bound. If false, the claims are about the loop alone.
+    pub bounded: bool,
 }
 
 impl Certificate {
@@ -81,6 +85,8 @@ impl Certificate {
             derived: Vec::new(),
             tube: None,
             not_counted: self.not_counted.clone(),
+            not_proved: self.not_proved(),
+            bounded: self.without_bound().is_none(),
         })
     }
 
@@ -141,6 +147,12 @@ impl Certificate {
         let of = |joint: &JointCertificate| trusted(joint, uncoupled, gains.slides(&joint.name));
         list.extend(merged(self.joints.iter().map(|joint| (joint.name.as_str(), of(joint)))));
         list
+    }
+
+    /// Clauses that are not proved, and the reason where no error is bounded.
+    fn not_proved(&self) -> Vec<String> {
+        let why = self.without_bound().map(|why| format!("no bound on the error: {why}"));
+        why.into_iter().chain(self.unproved.iter().cloned()).collect()
     }
 
     /// Results of searches, which are no better than the search.

@@ -227,7 +227,7 @@ fn nothing_rests_on_a_claim_that_is_refused() {
             right: 0.0,
         }];
         (joint.margins, joint.sampled, joint.reading, joint.reference) = (None, None, None, None);
-        (joint.noise, joint.step, joint.bounds) = (None, None, None);
+        (joint.noise, joint.step) = (None, None);
         joint
     }
     let list: [Forgery; 10] = [

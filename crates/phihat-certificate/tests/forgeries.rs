@@ -6,9 +6,9 @@ use std::path::Path;
 
 use phihat_certificate::{Gains, Refutation};
 use phihat_design::{Arm, Outcome, design};
-use phihat_session::phi_along;
 use phihat_sim::Demand;
 use phihat_study::Study;
+use phihat_synthesis::phi_along;
 use serde_json::{Value, json};
 
 fn study() -> Study {

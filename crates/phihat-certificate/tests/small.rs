@@ -2,8 +2,9 @@
 #![allow(clippy::float_cmp, reason = "tests: small whole numbers")]
 
 use phihat_certificate::{
-    Attenuation, Gains, InertiaWindow, Interval, LeftOut, LoopModel, Matrix, Motion, Moving,
-    NotCounted, PeakGain, PeakGains, Phi, PhiBasis, Proved, Quantity, Refutation, TorqueNoise,
+    ArmBasis, Attenuation, Bounds, Gains, InertiaWindow, Interval, LeftOut, LoopModel, Matrix,
+    Motion, Moving, NotCounted, PeakGain, PeakGains, Phi, PhiBasis, Proved, Quantity, Refutation,
+    TorqueNoise,
 };
 
 /// An edit, and a part of the inequality that has to stop it.
@@ -141,11 +142,27 @@ fn the_bound_of_a_steady_error_is_the_tubes_or_the_joints_own() {
     assert_eq!(certificate.error_bound(2), None);
     certificate.tube = None;
     assert_eq!(certificate.error_bound(1), None);
-    certificate.joints[1].bounds = Some(phihat_certificate::Bounds {
-        error_rad: 3.0,
-        velocity_error_rad_s: 4.0,
-        integral_rad_s: None,
-    });
+    let why = certificate.without_bound().unwrap();
+    assert!(why.contains("no tube"), "{why}");
+    // Joints of a coupled arm push each other: none has a bound of its own.
+    let own = Bounds { error_rad: 3.0, velocity_error_rad_s: 4.0, integral_rad_s: None };
+    let refused = certificate.bound_each(vec![None, Some(own)]).unwrap_err();
+    assert!(refused.inequality.contains("only a tube"), "{refused}");
+    assert_eq!((certificate.error_bound(1), certificate.own_bounds(1)), (None, None));
+    // Joints that are known one by one have; if they turn out to be coupled, they have none.
+    certificate.arm.basis = ArmBasis::Typed;
+    certificate.bound_each(vec![None]).unwrap_err();
+    certificate.bound_each(vec![None, Some(own)]).unwrap();
+    let mut coupled = certificate.clone();
+    coupled.arm.basis = ArmBasis::Postures;
+    assert_eq!((coupled.error_bound(1), coupled.own_bounds(1)), (None, None));
+    let document = Gains { certificate: Some(coupled), ..document() };
+    assert!(document.to_json().unwrap_err().to_string().contains("only a tube"));
+    let typed = Gains { certificate: Some(certificate.clone()), ..document };
+    let text = typed.to_json().unwrap();
+    assert_eq!(Gains::from_json(&text).unwrap(), typed);
+    let forged = text.replace("\"typed\"", "\"postures\"");
+    assert!(Gains::from_json(&forged).unwrap_err().to_string().contains("only a tube"));
     let bound = certificate.error_bound(1).unwrap();
     assert_eq!((bound.error_rad, bound.velocity_error_rad_s), (3.0, 4.0));
     assert_eq!(certificate.refused(), None);

@@ -11,9 +11,9 @@ use phihat_study::{DesignMethod, Study};
 use serde_json::json;
 
 use phihat_session::{
-    Advice, BudgetFiles, Tried, are_of_a_run, arm, beside_limits, budget, designed_for, files,
-    read, write_budget,
+    BudgetFiles, are_of_a_run, arm, beside_limits, budget, designed_for, files, read, write_budget,
 };
+use phihat_synthesis::{Advice, Tried};
 
 use crate::failure::Failure;
 use crate::shown::{Shown, spinner};

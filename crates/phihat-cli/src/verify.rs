@@ -131,7 +131,16 @@ fn blocks(verified: &Verified, found: &Verification) -> String {
     let left = table::not_counted(&verified.not_counted);
     let left = left.into_iter().map(|one| format!("  {one}")).collect();
     blocks.push(block("NOT COUNTED", left));
-    blocks.push("every claim holds".to_owned());
+    if !verified.not_proved.is_empty() {
+        let lines = verified.not_proved.iter().map(|one| format!("  {one}"));
+        blocks.push(block("NOT PROVED", lines.collect()));
+    }
+    let result = if verified.bounded {
+        "every claim holds"
+    } else {
+        "the claims about the loop hold; the error has NO bound"
+    };
+    blocks.push(result.to_owned());
     blocks.join("\n")
 }
 

@@ -85,7 +85,7 @@ impl ArmCase {
         let n = study.robot.joints.len();
         let motion = Motion::new(&study.reference, &study.robot, study.duration);
         let motion = motion.map_err(|e| unfit(e.into()))?;
-        let inertias = phihat_session::arm_along(&study).map_err(|e| unfit(e.into()))?;
+        let inertias = phihat_synthesis::arm_along(&study).map_err(|e| unfit(e.into()))?;
         let given = study.gains.as_ref().map(|gains| gains.inertia.clone());
         let units = given.unwrap_or_else(|| inertias.nominal());
         let over = |units: Vec<f64>| inertias.against(units).map_err(|e| unfit(e.into()));

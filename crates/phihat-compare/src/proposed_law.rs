@@ -3,9 +3,9 @@
 use phihat_design::claims::UnitLaw;
 use phihat_design::{ArmError, Clause, DesignError, Outcome, design};
 use phihat_rivals::{DesignedJoint, Entry, rival};
-use phihat_session::{arm_along, phi_along};
 use phihat_sim::{Demand, SimError};
 use phihat_study::{DesignMethod, Study};
+use phihat_synthesis::{arm_along, phi_along};
 use thiserror::Error;
 
 /// Why there are no designed gains. A comparison records it as the refusal of the rows that need them.

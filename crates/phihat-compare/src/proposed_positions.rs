@@ -3,9 +3,9 @@
 use phihat::Form;
 use phihat_design::PositionSearch;
 use phihat_rivals::DesignedPosition;
-use phihat_session::{arm_along, filtered_laws, phi_along};
 use phihat_sim::Demand;
 use phihat_study::{DesignMethod, Study};
+use phihat_synthesis::{arm_along, filtered_laws, phi_along};
 
 use crate::cost::NOISE_CAP;
 use crate::proposed_law::NotDesigned;

@@ -8,9 +8,9 @@ use std::time::Instant;
 
 use phihat_design::tube::{Desired, tube};
 use phihat_design::{Arm, Gains, Outcome, design};
-use phihat_session::phi_along;
 use phihat_sim::{Demand, Motion};
 use phihat_study::Study;
+use phihat_synthesis::phi_along;
 
 /// An error of 2 mrad with an unknown payload and friction, on a motion of two sines.
 fn study(robot: &str, duration: f64) -> Study {

@@ -2,15 +2,18 @@
 //!
 //! # Parts
 //!
-//! From a study's specification to gains that are proved, or a "no" with its reason.
+//! Finders: laws for a specification, and the claims about them.
 //!
-//! [`design()`] searches; [`Certificate`] holds what is claimed, as data; [`Certificate::verify`] checks it again
-//! from the gains alone. [`claims`] are about the continuous law, [`sampled`] about the loop as it runs.
+//! [`design()`] searches for a candidate, joint by joint; [`tube::tube`] finds the envelope of the error of a whole run;
+//! [`Certificate`] holds the claims, as data; [`Certificate::verify`] checks them again from the gains alone. [`claims`]
+//! are about the continuous law, [`sampled`] about the loop as it runs. The way from a study to gains is
+//! `phihat-synthesis`, which is made of these finders.
 //!
 //! # Example
 //!
 //! ```
-//! use phihat_design::{Arm, Outcome, Phi, PhiBasis, arm_inside_window, design};
+//! use phihat_design::tube::{Desired, tube};
+//! use phihat_design::{Arm, Outcome, Phi, PhiBasis, Settle, arm_inside_window, design};
 //!
 //! # let text = r#"
 //! #     duration_s = 2.0
@@ -44,21 +47,32 @@
 //!     jump_nm: 0.5,
 //!     motion: None,
 //! };
-//! let Outcome::Designed(gains) = design(&study, &arm, &phi)? else { return Ok(()) };
+//! let Outcome::Designed(mut gains) = design(&study, &arm, &phi)? else { return Ok(()) };
+//!
+//! // A candidate: stable, and without a bound on its error, for joints push each other.
+//! let mut certificate = gains.certificate.take().ok_or("no certificate")?;
+//! assert!(certificate.error_bound(0).is_none());
+//!
+//! // The bound is that of the tube along the motion of the study.
+//! let motion = phihat_sim::Motion::of(&study)?;
+//! let desired = Desired::of(&study, |joint, t| motion.told(joint, t));
+//! let tube = tube(&study, &gains, &desired)?;
+//! let settle = Settle::of(&study, Some(&tube));
+//! certificate.bound_by(tube.steady_from(settle.settle_s), settle, Vec::new());
+//! assert!(certificate.error_bound(0).is_some_and(|bound| bound.error_rad < 0.02));
+//!
+//! gains.certificate = Some(certificate);
 //! let certificate = gains.certificate.as_ref().ok_or("no certificate")?;
-//! certificate.verify(&gains)?; // by methods that the search does not know
+//! certificate.verify(&gains)?; // by methods that the search does not use
 //! arm_inside_window(&study, &arm, &gains)?; // only then may they run
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Joints push each other, which bounds that go joint by joint do not count: [`tube::tube`] finds an envelope
-//! of the error of a whole run, as the command `phihat design` does.
-//!
 //! # Where next
 //!
 //! [`sampled::FindWindow`] for the inertia window alone, [`requested_gains`] for gains that a study states,
-//! [`export::export`] for ROS 2, C and tables, `examples/rust/04_design.rs` of the repository for a design
-//! with its tube.
+//! [`export::export`] for ROS 2, C and tables, `phihat_synthesis::synthesize` for gains whose tube keeps the
+//! specification, `examples/rust/04_design.rs` of the repository for a program around it.
 #![forbid(unsafe_code)]
 
 mod arm;

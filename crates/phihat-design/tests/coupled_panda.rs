@@ -4,9 +4,9 @@
 use phihat_design::coupled::{Postures, coupled};
 use phihat_design::prelude::*;
 use phihat_design::{Arm, CoupledGains, Outcome, design};
-use phihat_session::phi_along;
 use phihat_sim::{Demand, Motion};
 use phihat_study::Study;
+use phihat_synthesis::phi_along;
 
 #[test]
 fn the_pandas_design_says_how_far_a_push_moves_every_joint() {

@@ -20,7 +20,8 @@ const HOSTILE: [&str; 3] = ["a\"b\\n ??/ */ end", "γ: {x}, #1\t\u{7}", "- 'yes'
 fn study(order: u32, rest: &str) -> Study {
     let text = format!(
         "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 2.0\nerror_max_rad = 4e-3\n\
-         [design]\npayload_max_kg = 0.3\norders = [{order}]\n[loop]\ndelay_samples = 1\n{rest}\n[sensor]\n\
+         [design]\ninertia_low_kg_m2 = [0.3, 0.2, 0.1]\n\
+         inertia_high_kg_m2 = [0.6, 0.4, 0.2]\norders = [{order}]\n[loop]\ndelay_samples = 1\n{rest}\n[sensor]\n\
          encoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = 100.0\n[reference]\n\
          kind = \"sines\"\ncenter_rad = [0.3, 0.8, 0.4]\nfade_in_s = 1.0\n[[reference.sine]]\n\
          amplitude_rad = 0.2\nfrequency_hz = 0.2\nphase_rad = 0.7\n"

@@ -10,7 +10,6 @@ mod claims_support;
 mod sampled_support;
 
 mod arm_range;
-mod bounds_hold;
 mod budget;
 mod claims_corrupted;
 mod claims_optimality;

@@ -5,9 +5,9 @@
 use std::path::Path;
 
 use phihat_design::{Arm, PositionSearch};
-use phihat_session::phi_along;
 use phihat_sim::Demand;
 use phihat_study::Study;
+use phihat_synthesis::phi_along;
 
 /// The planar arm, with this error allowed on every joint.
 fn study(error: &str) -> Study {

@@ -4,9 +4,9 @@
 use std::path::Path;
 
 use phihat_design::{Arm, Gains, Outcome, TradeOff, design};
-use phihat_session::phi_along;
 use phihat_sim::Demand;
 use phihat_study::Study;
+use phihat_synthesis::phi_along;
 
 fn study(error: f64, encoder: &str) -> Study {
     let text = format!(

@@ -8,8 +8,9 @@ use phihat_campaign::faults::FaultsOptions;
 use phihat_compare::CompareOptions;
 use phihat_design::Outcome;
 use phihat_paper::ReproduceOptions;
-use phihat_session::{Advice, Done, Session, SessionError, TraceKind, Tried, budget, designed_for};
+use phihat_session::{Done, Session, SessionError, TraceKind, budget, designed_for};
 use phihat_sim::JointTrace;
+use phihat_synthesis::{Advice, Tried};
 use pyo3::prelude::*;
 
 use crate::gains::Gains;

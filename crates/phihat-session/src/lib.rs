@@ -6,21 +6,18 @@
 //!
 //! [`Session`] is a study and its gains, ready to run; [`Done`] the finished run, whose record it leaves in a
 //! folder; [`RunRecord`] such a record, read back. [`OutsideRun`] is a study under an external controller,
-//! [`Serve`] its world behind a robot's interface. [`designed`] finds gains, [`verify`] checks them. The
-//! command line and the Python package are made of these, as any other program can be.
+//! [`Serve`] its world behind a robot's interface. [`designed`] has gains found by `phihat-synthesis`, [`verify`]
+//! checks them. The command line and the Python package are made of these, as any other program can be.
 //!
 //! [`disk`] is how results are written: whole or not at all, by one process at a time in a folder.
 #![forbid(unsafe_code)]
 
-mod along;
 mod arm;
 mod begin;
 mod budget;
 mod check;
-mod coarser;
 mod design;
 mod dice;
-mod digits;
 pub mod disk;
 mod drawn_worlds;
 mod driven;
@@ -30,38 +27,29 @@ pub mod files;
 mod first_motion;
 mod hash;
 mod identify;
-mod judged;
 mod layout;
-mod limits;
 mod log;
 mod log_layout;
 mod observer;
 mod origin;
 mod outside;
 mod page;
-mod position_search;
 mod record;
 mod referred;
-mod rotor;
 mod run_record;
 mod served;
 mod served_record;
 mod session;
-mod spec_search;
-mod told;
-mod tube_parts;
-mod typed_phi;
 mod unfinished;
 mod verify;
 mod watch;
 mod words;
 
-pub use along::{arm_along, coupled_along, motion_along, phi_along};
 pub use arm::arm as drawn_arm;
 pub use begin::{ArmOptions, BeginOptions, Begun, begin, described, write_arm};
-pub use budget::{BudgetFiles, Tried, budget, write_budget};
+pub use budget::{BudgetFiles, write_budget};
 pub use check::{Looked, Mistake, check, check_text};
-pub use design::{Advice, arm, designed, designed_for, read};
+pub use design::{arm, beside_limits, budget, designed, designed_for, read};
 pub use dice::Dice;
 pub use drawn_worlds::{DrawnRuns, WORLDS};
 pub use driven::{Driven, Leave, Take};
@@ -75,7 +63,6 @@ pub use first_motion::{
 pub use hash::{sha256, share, short_hash};
 pub use identify::{IdentifiedJoint, IdentifyOptions, identify, identify_moving};
 pub use layout::TraceKind;
-pub use limits::beside_limits;
 pub use log::LOGS;
 pub use log_layout::log_layout;
 pub use observer::RunFigures;
@@ -88,8 +75,6 @@ pub use run_record::{RunRecord, are_of_a_run, recorded, report_again};
 pub use served::{Serve, ServeOptions, ServeWatch};
 pub use served_record::ServedMotion;
 pub use session::{RunOptions, Session};
-pub use tube_parts::filtered_laws;
-pub use typed_phi::typed_phi_holds;
 pub use unfinished::{LOST_MAX_S, Recovered, none_unfinished, recover};
 pub use verify::{Checked, Stage, Verification, verify};
 pub use watch::{Watch, threads};

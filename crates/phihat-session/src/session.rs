@@ -9,9 +9,10 @@ use phihat_design::{Arm, Gains, Infeasible, Outcome, arm_inside_window, requeste
 use phihat_report::RunInfo;
 use phihat_sim::{BLOCK, Divergence, Ended, Simulation, Trace};
 use phihat_study::{JOINT_BY_JOINT, Study};
+use phihat_synthesis::Tried;
 
-use crate::budget::{BudgetFiles, Tried, budget, write_budget};
-use crate::design::{self, Advice};
+use crate::budget::{BudgetFiles, write_budget};
+use crate::design::{self, budget};
 use crate::disk::{DiskError, Lock};
 use crate::error::SessionError;
 use crate::files::read_gains;
@@ -380,7 +381,7 @@ fn own_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Box<Gains>, Sessio
 /// Gains for a study that leaves them to the design.
 #[inline(never)]
 fn designed_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, SessionError> {
-    let outcome = design::found_for(study, arm, path, Advice::Clauses)?;
+    let outcome = design::designed_beyond(study, arm, path)?;
     let (no, budget) = match outcome {
         Outcome::Designed(gains) => return Ok(*gains),
         Outcome::Infeasible(ref no) => {

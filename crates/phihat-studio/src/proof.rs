@@ -6,9 +6,9 @@ use std::time::Instant;
 
 use phihat_design::tube::{Desired, tube};
 use phihat_design::{Arm, Gains, Outcome, search};
-use phihat_session::{arm_along, phi_along};
 use phihat_sim::{Demand, Motion};
 use phihat_study::Study;
+use phihat_synthesis::{arm_along, phi_along};
 use serde::Deserialize;
 use serde_json::{Value, json};
 

@@ -1,5 +1,6 @@
 //! That the bounds on one joint's error are not below what its gains and `φ` give.
 
+use crate::certificate::UNCOUPLED;
 use crate::check::plausible::enough;
 use crate::refutation::refuse;
 use crate::{Certificate, JointCertificate, JointRecord, Refutation};
@@ -15,6 +16,8 @@ impl JointCertificate {
         whole: &Certificate,
     ) -> Result<(), Refutation> {
         let yes = Refutation::unless;
+        let own = self.bounds.is_none() || !whole.is_coupled();
+        yes(CLAIM, UNCOUPLED, 1.0, 0.0, own)?;
         let (Some(bounds), Some(phi)) = (&self.bounds, &self.phi) else {
             let neither = self.bounds.is_none();
             return yes(CLAIM, "a bound needs a φ to be a bound for", 1.0, 0.0, neither);
@@ -70,7 +73,7 @@ impl JointCertificate {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Bounds, Gains, Motion, Phi, PhiBasis};
+    use crate::{ArmBasis, Bounds, Gains, Motion, Phi, PhiBasis};
     use phihat::{Form, VelocitySource};
 
     /// Inputs of a bound; the cases set some of them to more than nothing.
@@ -103,6 +106,7 @@ mod tests {
         let mut whole = gains.certificate.take()?;
         whole.duration_s = 3.0;
         whole.arm.low = 0.5;
+        whole.arm.basis = ArmBasis::Typed;
         let record = &mut gains.joints[0];
         (record.inertia_kg_m2, record.kp_per_s2, record.kd_per_s) = (2.0, 100.0, 25.0);
         let mut joint = whole.joints[0].clone();
@@ -195,8 +199,15 @@ mod tests {
 
     #[test]
     fn a_bound_rests_on_gains_on_phi_and_on_what_a_motion_costs() -> Result<(), crate::GainsError> {
-        let gains = Gains::from_json(include_str!("../../tests/forged/two_joints.json"))?;
-        let Some(whole) = &gains.certificate else { return Ok(()) };
+        let mut gains = Gains::from_json(include_str!("../../tests/forged/two_joints.json"))?;
+        let Some(mut certificate) = gains.certificate.take() else { return Ok(()) };
+        let mut coupled = certificate.joints[0].clone();
+        coupled.bounds =
+            Some(Bounds { error_rad: 1e9, velocity_error_rad_s: 1e9, integral_rad_s: None });
+        let why = coupled.verify_bounds(&gains.joints[0], &certificate);
+        assert!(why.is_err_and(|why| why.inequality.contains("only a tube")));
+        certificate.arm.basis = ArmBasis::Typed;
+        let whole = &certificate;
         let record = &gains.joints[0];
         let large = Bounds { error_rad: 1e9, velocity_error_rad_s: 1e9, integral_rad_s: None };
         let motion = Motion { velocity_rad_s: 0.0, acceleration_rad_s2: 1.0, jerk_rad_s3: 1.0 };

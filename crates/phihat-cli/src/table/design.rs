@@ -69,7 +69,9 @@ pub(crate) fn certificate(certificate: &Certificate, gains: &Gains) -> String {
         "largest step\nmrad",
     ]);
     for (i, joint) in certificate.joints.iter().enumerate() {
-        table.add_row(row(joint, certificate.error_bound(i), gains.slides(&joint.name)));
+        let integral = certificate.own_bounds(i).and_then(|own| own.integral_rad_s);
+        let bounds = (certificate.error_bound(i), integral);
+        table.add_row(row(joint, bounds, gains.slides(&joint.name)));
     }
     align(&mut table);
     let arm = &certificate.arm;
@@ -140,7 +142,11 @@ fn any_speed(certificate: &Certificate) -> String {
     )
 }
 
-fn row(joint: &JointCertificate, bound: Option<ErrorBound>, slides: bool) -> Vec<String> {
+fn row(
+    joint: &JointCertificate,
+    (bound, integral): (Option<ErrorBound>, Option<f64>),
+    slides: bool,
+) -> Vec<String> {
     let none = || "–".to_owned();
     let milli = |value: Option<f64>, decimals: usize| {
         value.map_or_else(none, |v| figure(v * MILLI, decimals))
@@ -154,7 +160,7 @@ fn row(joint: &JointCertificate, bound: Option<ErrorBound>, slides: bool) -> Vec
         joint.name.clone(),
         own(bound.map(|b| b.error_rad), 3, "mrad"),
         own(bound.map(|b| b.velocity_error_rad_s), 1, "mrad/s"),
-        own(joint.bounds.and_then(|b| b.integral_rad_s), 2, "mrad·s"),
+        own(integral, 2, "mrad·s"),
         joint.window.map_or_else(none, |w| format!("{:.3} … {:.2}", w.low, w.high)),
         margins.map_or_else(none, |m| format!("{:.2} … {:.2}", m.gain_down, m.gain_up)),
         margins.map_or_else(none, |m| format!("{:.0}", m.phase_deg)),

@@ -6,7 +6,22 @@ use phihat_certificate::extremes::Extremes as _;
 
 use crate::sampled::LoopParts;
 use crate::sampled::{LoopModel, ReadingError, ReferenceError, SampledPeaks};
-use crate::{JointRecord, Phi};
+use crate::{JointCertificate, JointRecord, Phi};
+
+/// Estimate of the bounds on one joint's error from the claims about its loop, an encoder's quantum \[rad\] and the
+/// length of the run \[s\]: a bound of joints that no other joint moves; `None`: nothing follows.
+pub(crate) fn alone(
+    record: &JointRecord,
+    claims: &JointCertificate,
+    phi: &Phi,
+    given: (f64, f64),
+) -> Option<Bounds> {
+    let (peaks, moved) = (claims.sampled.as_ref()?, claims.reference.as_ref());
+    let known = moved.is_some() || phi.motion.is_none();
+    let evidence =
+        || Evidence::new((record, &claims.model), peaks, claims.reading.as_ref(), moved, given);
+    known.then(|| evidence().bounds(phi))
+}
 
 /// Data from which bounds are computed.
 #[derive(Debug, Clone, Copy)]

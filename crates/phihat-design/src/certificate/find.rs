@@ -1,10 +1,8 @@
 //! Finding every claim about one joint; what cannot be claimed is told with its inequality.
 
-use super::bounds::Evidence;
 use super::{JointCertificate, RATIOS, inside};
 use crate::ArmInertia;
 use crate::JointRecord;
-use crate::Phi;
 use crate::claims::{
     Attenuation, Iss, NormH, Optimality, PaperRadius, PeakGains, Refutation, UnitLaw,
 };
@@ -116,55 +114,36 @@ impl OverRange {
     }
 }
 
-/// Data of one joint: its gains, inertia, encoder and limits, and the length of the run.
+/// Data of one joint: its gains, inertia, encoder and limits.
 pub(super) struct Context<'a> {
     pub(super) record: &'a JointRecord,
     pub(super) arm: &'a ArmInertia,
     /// Torque limit \[N·m\] and torque-rate limit \[N·m/s\].
     pub(super) limits: (Option<f64>, Option<f64>),
     pub(super) quantum: Option<f64>,
-    /// Length of the run \[s\].
-    pub(super) duration: f64,
 }
 
 impl Context<'_> {
-    pub(super) fn claims(
-        &self,
-        shared: &Shared,
-        phi: Option<Phi>,
-    ) -> Result<JointCertificate, Refutation> {
+    pub(super) fn claims(&self, shared: &Shared) -> Result<JointCertificate, Refutation> {
         let Self { record, arm, .. } = self;
         let shared = shared.clone();
         let (model, range) = (shared.model, (arm.low, arm.high));
         let over = shared.over;
-        let bounds = over.as_ref().zip(phi.as_ref()).map(|(over, phi)| {
-            let (reading, quantum) = (over.reading.as_ref(), self.quantum.unwrap_or(0.0));
-            let (loop_, given) = ((*record, &model), (quantum, self.duration));
-            let moved = over.reference.as_ref();
-            let told = moved.is_some() || phi.motion.is_none();
-            told.then(|| Evidence::new(loop_, &over.sampled, reading, moved, given).bounds(phi))
-        });
-        let bounds = bounds.flatten();
         let noise = |quantum| TorqueNoise::find(record, &model, quantum, range, RATIOS);
         let step = |_: &OverRange| LargestStep::find(record, &model, self.limits, range, RATIOS);
-        Ok(JointCertificate {
-            name: record.name.clone(),
-            model,
-            window: shared.window,
-            varying: shared.varying,
-            sampled_varying: shared.sampled_varying,
-            continuous: shared.continuous,
-            margins: over.as_ref().map(|o| o.margins),
-            noise: over.as_ref().and(self.quantum).map(noise).transpose()?,
-            step: over.as_ref().map(step).transpose()?,
-            reading: over.as_ref().and_then(|o| o.reading.clone()),
-            reference: over.as_ref().and_then(|o| o.reference.clone()),
-            sampled: over.map(|o| o.sampled),
-            limits: self.limits,
-            phi,
-            bounds,
-            refused: shared.refused,
-        })
+        let mut joint = JointCertificate::new(record.name.clone(), model, self.limits);
+        joint.window = shared.window;
+        joint.varying = shared.varying;
+        joint.sampled_varying = shared.sampled_varying;
+        joint.continuous = shared.continuous;
+        joint.margins = over.as_ref().map(|o| o.margins);
+        joint.noise = over.as_ref().and(self.quantum).map(noise).transpose()?;
+        joint.step = over.as_ref().map(step).transpose()?;
+        joint.reading = over.as_ref().and_then(|o| o.reading.clone());
+        joint.reference = over.as_ref().and_then(|o| o.reference.clone());
+        joint.sampled = over.map(|o| o.sampled);
+        joint.refused = shared.refused;
+        Ok(joint)
     }
 }
 

@@ -12,7 +12,7 @@ use phihat_study::Study;
 
 pub use arming::arm_inside_window;
 use arming::shared_law;
-pub(crate) use bounds::Evidence;
+pub(crate) use bounds::{Evidence, alone};
 pub(crate) use inside::inside;
 pub use moving::find_moving;
 pub(crate) use scope::{as_modelled, missing};
@@ -20,14 +20,20 @@ pub(crate) use scope::{as_modelled, missing};
 use crate::claims::Refutation;
 use crate::parallel::{parallel, threads};
 use crate::sampled::{LoopModel, TorqueNoise};
-use crate::{ArmBasis, ArmInertia, Certificate, Gains, JointCertificate, NotCounted, Phi, Settle};
+use crate::{
+    ArmBasis, ArmInertia, Certificate, Gains, JointCertificate, JointRecord, NotCounted, Phi,
+    Settle,
+};
 
 pub(crate) use phihat_certificate::RATIOS;
 
 /// Finding a [`Certificate`].
 pub trait FindCertificate: Sized {
-    /// Finds every claim about gains on a study's arm, and what follows for `φ` as far as it is known. Claims
-    /// that the sampled loop refuses are told in the certificate: see `Certificate::refused`.
+    /// Finds every claim about the loop of gains on a study's arm. Claims that the sampled loop refuses stand in the
+    /// certificate: see `Certificate::refused`.
+    ///
+    /// A coupled arm gets no bound on its error here: joints push each other, and only a tube counts that. Joints that
+    /// are known one by one get bounds of their own for `φ` as far as it is known.
     ///
     /// # Errors
     ///
@@ -93,15 +99,14 @@ impl FindCertificate for Certificate {
                 arm: &arm,
                 // The robot's own rules are limits like the study's.
                 limits: study.limits(i),
-                quantum: bits.and_then(|b| b.get(i)).map(|bits| TorqueNoise::quantum(*bits)),
-                duration: study.duration,
+                quantum: quantum(study, i),
             };
-            let claims = context.claims(&known[of[i]], phi.get(i).cloned().flatten());
+            let claims = context.claims(&known[of[i]]);
             claims.map_err(|why| why.on(&law.record.name))
         };
         let joints = laws.iter().enumerate().map(joint).collect::<Result<_, _>>()?;
         let (window_margin, duration_s) = (study.design.window_margin, study.duration);
-        Ok(Self {
+        let mut certificate = Self {
             arm,
             window_margin,
             duration_s,
@@ -117,6 +122,34 @@ impl FindCertificate for Certificate {
             tube_refused: None,
             unproved: Vec::new(),
             settle: Some(Settle::of(study, None)),
-        })
+        };
+        bound_each(&mut certificate, (study, gains), phi)?;
+        Ok(certificate)
     }
+}
+
+/// Step of a joint's encoder \[rad\]; `None`: its position is exact.
+fn quantum(study: &Study, joint: usize) -> Option<f64> {
+    let bits = study.sensor.encoder_bits.as_ref()?.get(joint)?;
+    Some(TorqueNoise::quantum(*bits))
+}
+
+/// Gives joints that are known one by one the bounds that follow from their own `φ`; a coupled arm none.
+fn bound_each(
+    certificate: &mut Certificate,
+    (study, gains): (&Study, &Gains),
+    phi: &[Option<Phi>],
+) -> Result<(), Refutation> {
+    if certificate.is_coupled() {
+        certificate.unproved.push("the specification: no tube was computed".to_owned());
+        return Ok(());
+    }
+    let own = |(i, (record, claims)): (usize, (&JointRecord, &mut JointCertificate))| {
+        claims.phi = phi.get(i).cloned().flatten();
+        let given = (quantum(study, i).unwrap_or(0.0), study.duration);
+        claims.phi.as_ref().and_then(|phi| alone(record, claims, phi, given))
+    };
+    let joints = gains.joints.iter().zip(&mut certificate.joints).enumerate();
+    let bounds = joints.map(own).collect();
+    certificate.bound_each(bounds)
 }

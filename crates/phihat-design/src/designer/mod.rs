@@ -1,4 +1,4 @@
-//! From a specification to gains with a certificate, or a "no" with its reason.
+//! From a specification to a candidate, joint by joint, or the reason why there is none.
 
 mod advice;
 mod attempt;
@@ -28,7 +28,7 @@ use crate::positions;
 use attempt::Attempt;
 use search::{FINE, Search};
 
-/// Finds gains that keep a study's specification, by the method it asks for.
+/// Finds a candidate for a study's specification, by the method that the study states.
 ///
 /// # Method
 ///
@@ -36,9 +36,15 @@ use search::{FINE, Search};
 /// argument holds for the coupled arm; `M̄` is shared out so that the joints with the worst error have more of
 /// it. Over a grid of order, `ω`, `ω_o/ω`, a common factor on `M̄` and, where it is left to the design, the
 /// velocity filter: those that keep the inertia window with its margin, in the order of the torque that
-/// encoder steps cause; the first whose certified bounds keep the specification is taken. Where none does,
+/// encoder steps cause; the first is taken whose errors keep the specification by its certified gains and `φ`, each
+/// joint by itself. Where none does,
 /// the search goes on between the points of the grid. What is infeasible in the end is told with the
 /// nearest value of each clause, and with changes of the loop that make it feasible.
+///
+/// # Not claimed
+///
+/// That a coupled arm keeps the specification: joints push each other, and the certificate bounds no error until a tube
+/// does.
 ///
 /// # Errors
 ///

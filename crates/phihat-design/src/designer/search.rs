@@ -12,7 +12,7 @@ use super::verdict::{KEYS, Verdict};
 use crate::Certificate;
 use crate::TradeOff;
 use crate::budget::loop_in_words;
-use crate::certificate::{Evidence, as_modelled};
+use crate::certificate::{Evidence, alone, as_modelled};
 use crate::claims::times::{from_rise_time, from_settling_time};
 use crate::parallel::{parallel, threads};
 use crate::prelude::*;
@@ -261,7 +261,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The gains with their certificate, if its bounds keep the specification too.
+    /// The gains with their certificate, if the specification is kept too by the error of each joint alone that
+    /// follows from its claims: an estimate for a coupled arm, a bound for joints that are known one by one.
     pub(super) fn certify(&self, candidate: &Candidate) -> Result<Option<Gains>, DesignError> {
         let mut gains = self.gains(candidate);
         let known = |(i, joint): (usize, &JointRecord)| Some((self.phi)(i, joint.inertia_kg_m2));
@@ -273,7 +274,9 @@ impl<'a> Search<'a> {
         let mut found = Certificate::find(study, &gains, arm.clone(), &phi)?;
         let mut verdict = Verdict::default();
         for (joint, claims) in found.joints.iter().enumerate() {
-            let (Some(bounds), Some(phi)) = (&claims.bounds, &claims.phi) else { return Ok(None) };
+            let (record, given) = (&gains.joints[joint], (self.quanta[joint], study.duration));
+            let Some(phi) = &phi[joint] else { return Ok(None) };
+            let Some(bounds) = alone(record, claims, phi, given) else { return Ok(None) };
             let change = claims.noise.as_ref().map_or(0.0, |noise| noise.change_max_nm);
             let values = [
                 bounds.error_rad,

@@ -42,7 +42,7 @@ impl Pid {
 ///
 /// # Claim
 ///
-/// Stable for the arm's inertia. From rest on the reference, `|e| ≤ bounds`, and in addition the error that the
+/// Stable for the arm's inertia. From rest on the reference, for joints known one by one, `|e| ≤ bounds`, and in addition the error that the
 /// reference's own motion costs, with or without `M̄ q̈_d`; `|i ∫e| ≤ integral_nm` from `φ`, held over each sample.
 ///
 /// # Not claimed
@@ -56,7 +56,7 @@ pub struct PidClaims {
     pub window: InertiaWindow,
     /// Stability margins of the PID's loop over the arm's range.
     pub margins: Margins,
-    /// Bounds on `e` and `ė` from `φ` and encoder; `None`: `φ` is not known.
+    /// Bounds on `e` and `ė` from `φ` and encoder; `None`: `φ` is not known, or the arm is coupled.
     pub bounds: Option<Bounds>,
     /// Largest integral term \[N·m\]; `None`: the size of `φ` is not known.
     pub integral_nm: Option<f64>,
@@ -106,12 +106,14 @@ impl PidClaims {
         let reading = quantum.map(|_| ReadingError::find(record, &model, range, RATIOS));
         let reading = reading.transpose().map_err(named)?;
         let inertia = record.inertia_kg_m2;
-        let bounds = joint.phi.as_ref().map(|phi| {
+        // Joints of a coupled arm push each other: nothing bounds the error of their PIDs.
+        let phi = joint.phi.as_ref().filter(|_| !whole.is_coupled());
+        let bounds = phi.map(|phi| {
             let (reading, quantum) = (reading.as_ref(), quantum.unwrap_or(0.0));
             let given = (quantum, whole.duration_s);
             Evidence::new((record, &model), &peaks, reading, None, given).bounds(phi)
         });
-        let size = joint.phi.as_ref().and_then(|phi| phi.size_nm);
+        let size = phi.and_then(|phi| phi.size_nm);
         let reference = |forward: bool| {
             ReferenceError::find(record, &model, forward, range, RATIOS).map_err(named)
         };

@@ -3,9 +3,9 @@
 use core::f64::consts::TAU;
 
 use phihat_model::{Joint, JointKind, Robot};
+use phihat_synthesis::digits;
 
 use super::posture::travel;
-use crate::digits;
 
 /// Frequencies \[Hz\], one joint after the other: no two joints in step.
 const FREQUENCIES: [f64; 8] = [0.10, 0.15, 0.20, 0.12, 0.25, 0.30, 0.18, 0.22];

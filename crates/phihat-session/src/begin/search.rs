@@ -9,18 +9,17 @@ use phihat_design::{Arm, Gains, Infeasible, Outcome};
 use phihat_model::{JointKind, Profile, Robot, Rotor};
 use phihat_sim::{Demand, SimError, derive_substeps};
 use phihat_study::Study;
+use phihat_synthesis::{
+    Advice, SETTLED_S, any_law, arm_along, digits, lacking, late_error, one_search, smallest_rotor,
+};
 
 use super::arm::{Chosen, READY};
 use super::motion::Sines;
 use super::options::BeginOptions;
 use super::posture::unit;
 use super::text::{Centre, Words};
-use crate::along::arm_along;
-use crate::design::{Advice, designed_for};
-use crate::digits;
+use crate::design::{at, designed_for};
 use crate::error::SessionError;
-use crate::judged::{SETTLED_S, late_error};
-use crate::rotor::{any_law, lacking, one_search, smallest_rotor};
 use crate::session::Session;
 use crate::watch::Watch;
 
@@ -159,7 +158,7 @@ impl<'a> Looked<'a> {
     /// Returns true if, by estimates, there are gains for some error of the present arm.
     fn bearable(&mut self) -> Result<bool, SessionError> {
         self.arm = arm_of(&self.study, &self.path)?;
-        Ok(any_law(&self.study, &self.arm, &self.path)?.is_some())
+        Ok(any_law(&self.study, &self.arm).map_err(|why| at(&self.path, why))?.is_some())
     }
 
     /// Largest requested error \[rad\]: the largest amplitude of the motion, so that an arm at standstill
@@ -286,7 +285,8 @@ impl<'a> Looked<'a> {
     fn least(&self, watch: &mut dyn Watch) -> Result<Least, SessionError> {
         let mut study = self.study.clone();
         ask(&mut study, IN_VAIN);
-        let Outcome::Infeasible(no) = one_search(&study, &self.arm, &self.path)? else {
+        let here = |why| at(&self.path, why);
+        let Outcome::Infeasible(no) = one_search(&study, &self.arm).map_err(here)? else {
             return Ok(Least::Error(IN_VAIN));
         };
         let clause = no.clauses.iter().find(|clause| clause.key == "spec.error_max_rad");
@@ -295,7 +295,7 @@ impl<'a> Looked<'a> {
             return Ok(Least::Error(least));
         }
         watch.step("no gains keep the arm inside the stability window: looking for the rotors that make it possible");
-        let found = smallest_rotor(&self.study, &self.path)?;
+        let found = smallest_rotor(&self.study).map_err(here)?;
         let told = found.map(|found| lacking(&self.study, found.value));
         Ok(Least::None(told.unwrap_or_else(|| no.to_string())))
     }

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use phihat_certificate::extremes::Extremes as _;
 use phihat_model::{Body, Joint, JointKind, Robot, SPEED_ASSUMED, Workspace, evenly};
+use phihat_synthesis::digits;
 
 use super::posture::travel;
-use crate::digits;
 use crate::error::SessionError;
 
 /// Postures that are looked at.

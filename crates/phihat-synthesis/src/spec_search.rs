@@ -1,14 +1,12 @@
 //! Gains whose tube keeps the specification: designed, bounded, and designed again where the tube says no.
 
-use std::path::Path;
-
 use phihat_certificate::extremes::Extremes as _;
 use phihat_design::tube::{Desired, PARTS};
 use phihat_design::{ArmBasis, Gains, Infeasible, JointRecord, Outcome};
 use phihat_sim::Motion;
 use phihat_study::{DesignMethod, Study};
 
-use crate::error::SessionError;
+use crate::error::SynthesisError;
 use crate::judged::{ERROR_KEY, Judged, beyond_error, judge, missed};
 
 /// Rounds of a search for gains, at most.
@@ -34,20 +32,15 @@ const ENOUGH: f64 = 0.6;
 const EASIEST: f64 = 3.0;
 
 /// One search.
-type Make<'a> = &'a dyn Fn(&Study) -> Result<Outcome, SessionError>;
+type Make<'a> = &'a dyn Fn(&Study) -> Result<Outcome, SynthesisError>;
 
 /// Designs for a study by `make`, until the tube of what was designed keeps the specification.
 ///
 /// # Errors
 ///
-/// [`SessionError`] of the search.
-pub(crate) fn within_spec(
-    study: &Study,
-    path: &Path,
-    make: Make<'_>,
-) -> Result<Outcome, SessionError> {
-    let motion = Motion::of(study);
-    let motion = motion.map_err(|e| SessionError::at(path, e))?;
+/// [`SynthesisError`] of the search.
+pub(crate) fn within_spec(study: &Study, make: Make<'_>) -> Result<Outcome, SynthesisError> {
+    let motion = Motion::of(study)?;
     let desired = Desired::of(study, |joint, t| motion.told(joint, t));
     let alone = || {
         let mut outcome = make(study)?;
@@ -98,7 +91,7 @@ fn kept_by_tube(
     study: &Study,
     desired: &Desired,
     make: Make<'_>,
-) -> Result<Infeasible, SessionError> {
+) -> Result<Infeasible, SynthesisError> {
     let error = no.clauses.iter_mut().find(|clause| clause.key == ERROR_KEY);
     let Some(clause) = error.filter(|clause| clause.possible.is_some()) else { return Ok(no) };
     let mut eased = study.clone();

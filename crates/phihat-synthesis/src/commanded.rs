@@ -1,18 +1,18 @@
-//! The motion that the tube of gains is around: what the study's controller is told of it.
+//! The motion that the tube of gains is around: as the study's controller receives it.
 
 use phihat_design::Gains;
 use phihat_design::tube::Desired;
 use phihat_sim::{Motion, SimError, fed_along};
 use phihat_study::Study;
 
-/// The motion of a study as its controller is told of it, sampled once for all the gains that are tried.
-pub(crate) struct Told<'s> {
+/// The motion of a study as its controller receives it, sampled once for all the gains that are tried.
+pub(crate) struct Commanded<'s> {
     study: &'s Study,
     motion: Motion,
     bare: Desired,
 }
 
-impl<'s> Told<'s> {
+impl<'s> Commanded<'s> {
     /// # Errors
     ///
     /// [`SimError`]: the arm cannot follow the reference.
@@ -22,12 +22,12 @@ impl<'s> Told<'s> {
         Ok(Self { study, motion, bare })
     }
 
-    /// With what the study feeds forward, which goes by the gains' `M̄`.
+    /// The same with the study's feed-forward, which goes by the gains' `M̄`.
     ///
     /// # Errors
     ///
-    /// [`SimError`]: what is fed forward is no torque of an arm.
-    pub(crate) fn to(&self, gains: &Gains) -> Result<Desired, SimError> {
+    /// [`SimError`]: the feed-forward is no torque of an arm.
+    pub(crate) fn desired(&self, gains: &Gains) -> Result<Desired, SimError> {
         let inertia: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
         let samples = self.bare.q.len() / inertia.len().max(1);
         let fed = fed_along(self.study, &self.motion, &inertia, samples)?;

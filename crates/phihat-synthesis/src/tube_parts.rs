@@ -5,8 +5,8 @@ use phihat_design::{Gains, PositionSearch, Tube, TubeParts};
 use phihat_sim::SimError;
 use phihat_study::Study;
 
+use crate::commanded::Commanded;
 use crate::judged::{promised, without_rate_limits};
-use crate::told::Told;
 
 /// Parts of the tube of gains by cause, each by the tube of the heaviest payloads without that cause; `None`
 /// where one of these tubes does not exist. The study has no limits of torque rate.
@@ -60,7 +60,7 @@ pub fn filtered_laws(
     search: &mut PositionSearch<'_>,
     plain: &Gains,
 ) -> Result<Option<Gains>, SimError> {
-    let desired = Told::of(study)?.to(plain)?;
+    let desired = Commanded::of(study)?.desired(plain)?;
     let unlimited = without_rate_limits(study);
     let Some(parts) = tube_parts(&unlimited, plain, (&desired, PARTS)) else { return Ok(None) };
     search.weigh(plain, &parts);

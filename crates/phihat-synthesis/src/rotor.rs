@@ -1,8 +1,5 @@
 //! The smallest rotor inertia with which there are gains, found by trying.
 
-use std::error::Error;
-use std::path::Path;
-
 use phihat::Form;
 use phihat_design::{Alternative, Arm, DesignError, Outcome, PhiOf, has_law, search};
 use phihat_sim::Demand;
@@ -10,7 +7,7 @@ use phihat_study::{DesignMethod, Study};
 
 use crate::along::{arm_along, phi_along};
 use crate::digits;
-use crate::error::SessionError;
+use crate::error::SynthesisError;
 
 /// Rotor inertias that are tried \[kg·m²\], and how often the gap between two is halved.
 const LEAST: f64 = 1e-6;
@@ -32,25 +29,18 @@ const KEY: &str = "robot.armature_kg_m2";
 ///
 /// # Errors
 ///
-/// [`SessionError`]: the arm cannot follow its reference, or the search not begin.
-pub(crate) fn one_search(study: &Study, arm: &Arm, path: &Path) -> Result<Outcome, SessionError> {
-    sought(study, path, |phi| search(study, arm, phi))
+/// [`SynthesisError`]: the arm cannot follow its reference, or the search not begin.
+pub fn one_search(study: &Study, arm: &Arm) -> Result<Outcome, SynthesisError> {
+    sought(study, |phi| search(study, arm, phi))
 }
 
 /// Result of a search for a study, with φ along its reference.
 fn sought<T>(
     study: &Study,
-    path: &Path,
     find: impl FnOnce(PhiOf<'_>) -> Result<T, DesignError>,
-) -> Result<T, SessionError> {
-    let at = |why: Box<dyn Error + Send + Sync>| SessionError::at(path, why);
-    let demand = Demand::along(study).map_err(|why| at(why.into()))?;
-    find(&|joint, inertia| phi_along(&demand, joint, inertia)).map_err(|why| at(why.into()))
-}
-
-/// A study's arm with the postures of its reference.
-fn arm_of(study: &Study, path: &Path) -> Result<Arm, SessionError> {
-    arm_along(study).map_err(|why| SessionError::at(path, why))
+) -> Result<T, SynthesisError> {
+    let demand = Demand::along(study)?;
+    Ok(find(&|joint, inertia| phi_along(&demand, joint, inertia))?)
 }
 
 /// The study, with any error allowed.
@@ -66,16 +56,12 @@ fn easy(study: &Study) -> Study {
 /// # Errors
 ///
 /// As [`one_search`].
-pub(crate) fn any_law(
-    study: &Study,
-    arm: &Arm,
-    path: &Path,
-) -> Result<Option<usize>, SessionError> {
+pub fn any_law(study: &Study, arm: &Arm) -> Result<Option<usize>, SynthesisError> {
     if study.control.form == Form::Positions || study.design.method != DesignMethod::Ours {
-        return any_gains(study, arm, path);
+        return any_gains(study, arm);
     }
     let easy = easy(study);
-    sought(&easy, path, |phi| has_law(&easy, arm, phi))
+    sought(&easy, |phi| has_law(&easy, arm, phi))
 }
 
 /// The order of gains for whatever error; `None`: no law keeps the arm inside its window with the margins.
@@ -83,8 +69,8 @@ pub(crate) fn any_law(
 /// # Errors
 ///
 /// As [`one_search`].
-fn any_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Option<usize>, SessionError> {
-    match one_search(&easy(study), arm, path)? {
+fn any_gains(study: &Study, arm: &Arm) -> Result<Option<usize>, SynthesisError> {
+    match one_search(&easy(study), arm)? {
         Outcome::Designed(gains) => Ok(gains.joints.first().map(|joint| joint.a.len())),
         Outcome::Infeasible(_) => Ok(None),
     }
@@ -95,10 +81,7 @@ fn any_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Option<usize>, Ses
 /// # Errors
 ///
 /// As [`one_search`].
-pub(crate) fn smallest_rotor(
-    study: &Study,
-    path: &Path,
-) -> Result<Option<Alternative>, SessionError> {
+pub fn smallest_rotor(study: &Study) -> Result<Option<Alternative>, SynthesisError> {
     let with = |least: f64| -> Study {
         let mut own = study.clone();
         for joint in &mut own.robot.joints {
@@ -110,11 +93,11 @@ pub(crate) fn smallest_rotor(
     };
     let law = |least: f64| {
         let own = with(least);
-        any_law(&own, &arm_of(&own, path)?, path)
+        any_law(&own, &arm_along(&own)?)
     };
     let gains = |least: f64| {
         let own = with(least);
-        any_gains(&own, &arm_of(&own, path)?, path)
+        any_gains(&own, &arm_along(&own)?)
     };
     let factor = (MOST / LEAST).powf(1.0 / f64::from(STEPS));
     let mut before = LEAST;
@@ -139,8 +122,8 @@ pub(crate) fn smallest_rotor(
 /// Three digits, upwards, with gains that are certified: somewhat more where those that were estimated are not.
 fn rounded(
     value: f64,
-    gains: &dyn Fn(f64) -> Result<Option<usize>, SessionError>,
-) -> Result<Option<Alternative>, SessionError> {
+    gains: &dyn Fn(f64) -> Result<Option<usize>, SynthesisError>,
+) -> Result<Option<Alternative>, SynthesisError> {
     let mut up = digits::up(value, 3);
     for _ in 0..CERTIFIED {
         if let Some(order) = gains(up)? {
@@ -152,7 +135,7 @@ fn rounded(
 }
 
 /// Text about the joints whose rotor inertia is below the least for which there are gains.
-pub(crate) fn lacking(study: &Study, least: f64) -> String {
+pub fn lacking(study: &Study, least: f64) -> String {
     let own =
         |joint: &phihat_model::Joint| joint.armature_range.map_or(joint.armature, |(low, _)| low);
     let joints = study.robot.joints.iter().filter(|joint| own(joint) < least);

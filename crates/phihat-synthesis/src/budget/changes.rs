@@ -1,18 +1,17 @@
 //! Changes that would help, each tried out before it is reported.
 
-use std::path::Path;
-
 use phihat::{Form, VelocitySource};
 use phihat_certificate::extremes::Extremes as _;
 use phihat_design::budget::TriedChange;
-use phihat_design::{Arm, Gains, Outcome};
+use phihat_design::{Gains, Outcome};
 use phihat_study::{AHEAD_MAX, DesignMethod, FeedForward, InertiaSource, Known, Study};
 
 use super::slower::slower;
-use crate::design::{Advice, arm, found_for};
+use crate::arm::arm;
 use crate::digits;
 use crate::judged::shares;
-use crate::watch::Watch;
+use crate::recordings::Recordings;
+use crate::synthesize::{Advice, SynthesisOptions, synthesize};
 
 /// Factors on the motion's times, the least first.
 const SLOWER: [f64; 3] = [1.5, 2.0, 4.0];
@@ -54,20 +53,24 @@ struct Rung {
 type Ladder = Vec<Rung>;
 
 /// Changes that a user of this robot can make, tried out; those that help first.
-pub(super) fn tried(study: &Study, path: &Path, watch: &mut dyn Watch) -> Vec<TriedChange> {
+pub(super) fn tried(
+    study: &Study,
+    recordings: &Recordings,
+    step: &mut dyn FnMut(&str),
+) -> Vec<TriedChange> {
     let mut all = Vec::new();
-    for ladder in ladders(study, path) {
+    for ladder in ladders(study, recordings) {
         let Some(last) = ladder.last() else { continue };
-        watch.step(&format!("trying: {}", last.change));
+        step(&format!("trying: {}", last.change));
         // What the largest change does not mend the smaller ones do not.
-        let Some(most) = shares_of(&last.study, path) else {
+        let Some(most) = shares_of(&last.study, recordings) else {
             all.push(told(last, None));
             continue;
         };
         let mut best = (last, most);
         for rung in &ladder[..ladder.len() - 1] {
-            watch.step(&format!("trying: {}", rung.change));
-            if let Some(share) = shares_of(&rung.study, path) {
+            step(&format!("trying: {}", rung.change));
+            if let Some(share) = shares_of(&rung.study, recordings) {
                 best = (rung, share);
                 break;
             }
@@ -89,9 +92,10 @@ fn told(rung: &Rung, share: Option<f64>) -> TriedChange {
 }
 
 /// Share of the allowed error that the gains for a changed study use; `None`: no gains satisfy every clause.
-fn shares_of(study: &Study, path: &Path) -> Option<f64> {
-    let known: Result<Arm, _> = arm(study, path);
-    let outcome = found_for(study, &known.ok()?, path, Advice::Clauses).ok()?;
+fn shares_of(study: &Study, recordings: &Recordings) -> Option<f64> {
+    let known = arm(study, recordings).ok()?;
+    let options = SynthesisOptions { advice: Advice::Clauses, beyond_drives: true };
+    let outcome = synthesize(study, &known, recordings, options).ok()?;
     let Outcome::Designed(gains) = outcome else { return None };
     let gains: &Gains = &gains;
     let certificate = gains.certificate.as_ref()?;
@@ -100,8 +104,8 @@ fn shares_of(study: &Study, path: &Path) -> Option<f64> {
     }
     let bounds = || {
         let allowed = study.spec.error_bound.iter().flatten();
-        let used = certificate.joints.iter().zip(allowed);
-        used.filter_map(|(joint, allowed)| Some(joint.bounds?.error_rad / allowed)).largest()
+        let used = allowed.enumerate();
+        used.filter_map(|(i, most)| Some(certificate.own_bounds(i)?.error_rad / most)).largest()
     };
     let by_tube = certificate
         .tube
@@ -110,12 +114,12 @@ fn shares_of(study: &Study, path: &Path) -> Option<f64> {
     Some(by_tube.unwrap_or_else(bounds))
 }
 
-fn ladders(study: &Study, path: &Path) -> Vec<Ladder> {
+fn ladders(study: &Study, recordings: &Recordings) -> Vec<Ladder> {
     let mut all = vec![motion(study), payload(study), form(study), filter(study), noise(study)];
     all.push(rate(study));
     all.extend([friction_known(study), friction_fed(study)]);
     if study.interface.profile.name == OWN_DRIVES {
-        all.extend([delay(study), encoder(study), less_friction(study), rotors(study, path)]);
+        all.extend([delay(study), encoder(study), less_friction(study), rotors(study, recordings)]);
     }
     all
 }
@@ -337,12 +341,12 @@ fn less_friction(study: &Study) -> Ladder {
 }
 
 /// Rotors where a description states none, over the least inertia that the joint moves.
-fn rotors(study: &Study, path: &Path) -> Ladder {
+fn rotors(study: &Study, recordings: &Recordings) -> Ladder {
     let stated = |joint: &phihat_model::Joint| joint.armature > 0.0;
     if study.design.inertia != InertiaSource::Robot || study.robot.joints.iter().all(stated) {
         return Vec::new();
     }
-    let Ok(known) = arm(study, path) else { return Vec::new() };
+    let Ok(known) = arm(study, recordings) else { return Vec::new() };
     let nominal = known.nominal();
     let rung = |share: &f64| {
         let with = |own: &mut Study| {

@@ -1,22 +1,22 @@
 //! Numbers of few digits, for people to read.
 
 /// To so many significant digits, upwards.
-pub(crate) fn up(value: f64, digits: i32) -> f64 {
+pub fn up(value: f64, digits: i32) -> f64 {
     rounded(value, digits, f64::ceil)
 }
 
 /// To so many significant digits, downwards.
-pub(crate) fn down(value: f64, digits: i32) -> f64 {
+pub fn down(value: f64, digits: i32) -> f64 {
     rounded(value, digits, f64::floor)
 }
 
 /// To the nearest number of so many significant digits.
-pub(crate) fn nearest(value: f64, digits: i32) -> f64 {
+pub fn nearest(value: f64, digits: i32) -> f64 {
     rounded(value, digits, f64::round)
 }
 
 /// To so many places behind the point.
-pub(crate) fn places(value: f64, places: usize) -> f64 {
+pub fn places(value: f64, places: usize) -> f64 {
     format!("{value:.places$}").parse().unwrap_or(value)
 }
 

@@ -5,8 +5,8 @@ use phihat_design::{CoarserEncoder, Gains, Tube};
 use phihat_sim::SimError;
 use phihat_study::Study;
 
+use crate::commanded::Commanded;
 use crate::judged::without_rate_limits;
-use crate::told::Told;
 
 /// Numbers of bits by which the encoders are coarser.
 const FEWER: core::ops::RangeInclusive<u32> = 1..=3;
@@ -33,7 +33,7 @@ pub(crate) fn coarser(study: &Study, gains: &Gains) -> Result<Vec<CoarserEncoder
     if gains.complete(&mut own).is_err() {
         return Ok(Vec::new());
     }
-    let desired = Told::of(&own)?.to(gains)?;
+    let desired = Commanded::of(&own)?.desired(gains)?;
     let encoders = encoders(bits);
     let tubes = tubes_behind(&own, gains, (&desired, parts), &encoders)
         .unwrap_or_else(|why| vec![Err(why); encoders.len()]);

@@ -2,10 +2,7 @@
 
 mod by_tube;
 mod changes;
-mod files;
 mod slower;
-
-use std::path::Path;
 
 use phihat_certificate::extremes::Extremes as _;
 use phihat_design::budget::{Budget, BudgetBasis, JointBudget, by_own_loop};
@@ -14,11 +11,9 @@ use phihat_sim::Demand;
 use phihat_study::{InertiaSource, PhiSource, Study};
 
 use crate::along::phi_along;
-use crate::design::with_tip;
-use crate::error::SessionError;
-use crate::watch::Watch;
-
-pub use files::{BudgetFiles, write_budget};
+use crate::error::SynthesisError;
+use crate::recordings::Recordings;
+use crate::synthesize::with_tip;
 
 /// Extent of the search for changes that would help.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,7 +27,7 @@ pub enum Tried {
 /// Shares of the allowed torque noise at which laws from positions are looked at for the front.
 const SHARES: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
 
-/// Error budget of a study, from the outcome of its design.
+/// Error budget of a study, from the outcome of its synthesis; `step` receives the current step in words.
 ///
 /// # Method
 ///
@@ -43,15 +38,14 @@ const SHARES: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
 ///
 /// # Errors
 ///
-/// [`SessionError`]: the study's arm cannot follow its reference.
+/// [`SynthesisError`]: the study's arm cannot follow its reference.
 pub fn budget(
     study: &Study,
-    arm: &Arm,
-    path: &Path,
+    (arm, recordings): (&Arm, &Recordings),
     (outcome, tried): (&Outcome, Tried),
-    watch: &mut dyn Watch,
-) -> Result<Budget, SessionError> {
-    let for_tip = with_tip(study).map_err(|e| SessionError::at(path, e))?;
+    step: &mut dyn FnMut(&str),
+) -> Result<Budget, SynthesisError> {
+    let for_tip = with_tip(study)?;
     let study = &*for_tip;
     let (gains, feasible, mut words) = match outcome {
         Outcome::Designed(gains) => {
@@ -61,10 +55,10 @@ pub fn budget(
         }
         Outcome::Infeasible(no) => (no.nearest.as_deref(), false, no.words.clone()),
     };
-    watch.step("what the error is spent on");
-    let demand = Demand::along(study).map_err(|e| SessionError::at(path, e))?;
+    step("what the error is spent on");
+    let demand = Demand::along(study)?;
     let (basis, joints) = match gains {
-        Some(gains) => parts(study, gains, (arm, &demand), path)?,
+        Some(gains) => parts(study, gains, (arm, &demand))?,
         None => (None, Vec::new()),
     };
     let front = match outcome {
@@ -73,7 +67,7 @@ pub fn budget(
         _ => front(study, arm, &demand),
     };
     let changes = match tried {
-        Tried::Changes if !feasible => changes::tried(study, path, watch),
+        Tried::Changes if !feasible => changes::tried(study, recordings, step),
         _ => Vec::new(),
     };
     if gains.is_none() {
@@ -81,7 +75,6 @@ pub fn budget(
             "no law holds on this arm: there is none whose error could be split up".to_owned(),
         );
     }
-    watch.ended();
     Ok(Budget {
         study: study.name.clone(),
         study_sha256: study.sha256.clone(),
@@ -99,16 +92,15 @@ fn parts(
     study: &Study,
     gains: &Gains,
     (arm, demand): (&Arm, &Demand),
-    path: &Path,
-) -> Result<(Option<BudgetBasis>, Vec<JointBudget>), SessionError> {
+) -> Result<(Option<BudgetBasis>, Vec<JointBudget>), SynthesisError> {
     if study.design.inertia == InertiaSource::Robot {
-        let found = by_tube::parts(study, gains).map_err(|e| SessionError::at(path, e))?;
+        let found = by_tube::parts(study, gains)?;
         if let Some(joints) = found {
             return Ok((Some(BudgetBasis::Tube), joints));
         }
     }
     let nominal = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
-    let range = arm.against(nominal).map_err(|e| SessionError::at(path, e))?;
+    let range = arm.against(nominal)?;
     let joints = by_own_loop(study, gains, (range.low, range.high), &|joint, inertia| {
         known(study, demand, (joint, inertia))
     });

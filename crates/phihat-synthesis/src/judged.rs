@@ -6,7 +6,7 @@ use phihat_design::{Clause, Gains, Settle, Tube, TubeJoint};
 use phihat_study::Study;
 
 /// Latest settling time where the study states none \[s\]: an error bound that holds only later is no claim.
-pub(crate) const SETTLED_S: f64 = 3.0;
+pub const SETTLED_S: f64 = 3.0;
 
 /// Result of the tube of some gains.
 pub(crate) enum Judged {
@@ -42,27 +42,16 @@ pub(crate) fn judge_by(
 ) -> Judged {
     let found = found(study, gains, find);
     let Some(certificate) = &mut gains.certificate else { return Judged::Unknown };
-    // A bound by each joint's own φ is none for joints that push each other.
-    for joint in &mut certificate.joints {
-        joint.bounds = None;
-        joint.phi = None;
-    }
-    certificate.unproved.clear();
     let tube = match found {
         Ok(tube) => tube,
         Err((why, open)) => {
-            certificate.unproved.push(format!("the specification: no tube, {why}"));
-            // One that was found for another study is none of this.
-            certificate.tube = None;
-            certificate.tube_refused = Some(why);
-            certificate.settle = Some(Settle::of(study, None));
+            certificate.unbounded(why, Settle::of(study, None));
             return if open { Judged::Open } else { Judged::Unknown };
         }
     };
-    let (judged, settle, tube) = judged(study, tube, &mut certificate.unproved);
-    certificate.settle = Some(settle);
-    certificate.tube_refused = None;
-    certificate.tube = Some(tube);
+    let mut unproved = Vec::new();
+    let (judged, settle, tube) = judged(study, tube, &mut unproved);
+    certificate.bound_by(tube, settle, unproved);
     judged
 }
 
@@ -109,7 +98,7 @@ fn found(
 }
 
 /// Largest error of a tube's joint \[rad, m\] in the bins from a time \[s\] on.
-pub(crate) fn late_error(bin_s: f64, joint: &TubeJoint, from_s: f64) -> f64 {
+pub fn late_error(bin_s: f64, joint: &TubeJoint, from_s: f64) -> f64 {
     let bins = joint.error_low_rad.iter().zip(&joint.error_high_rad).enumerate();
     let late = bins.filter(|(bin, _)| *bin as f64 * bin_s >= from_s);
     late.map(|(_, (low, high))| larger(low.abs(), high.abs())).largest()

@@ -7,8 +7,8 @@ use phihat_model::JointKind;
 use phihat_sim::SimError;
 use phihat_study::{Held, Study};
 
+use crate::commanded::Commanded;
 use crate::judged::without_rate_limits;
-use crate::told::Told;
 
 /// The parts of each joint's error after settling; `None`: these gains have no tube.
 ///
@@ -30,7 +30,7 @@ pub(super) fn parts(study: &Study, gains: &Gains) -> Result<Option<Vec<JointBudg
         certificate.and_then(|c| c.settle.as_ref()).map_or(study.spec.settle, |s| s.settle_s);
     let slices = certificate.and_then(|c| c.tube.as_ref()).map_or(PARTS, |tube| tube.slices);
     let errors = |study: &Study| -> Result<Option<Vec<f64>>, SimError> {
-        let desired = Told::of(study)?.to(gains)?;
+        let desired = Commanded::of(study)?.desired(gains)?;
         let found = tube_in_parts(study, gains, (&desired, slices)).ok();
         let found = found.map(|tube| tube.steady_from(settle));
         Ok(found.map(|tube| tube.joints.iter().map(|joint| joint.error_max_rad).collect()))
