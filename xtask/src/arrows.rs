@@ -11,7 +11,7 @@ use serde_json::Value;
 /// A crate: its name, the crates of ours that it may use, and why it is one.
 type Row = (&'static str, &'static [&'static str], &'static str);
 
-const CRATES: [Row; 22] = [
+const CRATES: [Row; 23] = [
     (
         "phihat",
         &[],
@@ -28,8 +28,13 @@ const CRATES: [Row; 22] = [
         "the study file: text to checked plain data, with errors that name file, line and key. It computes nothing",
     ),
     (
+        "phihat-kernel",
+        &[],
+        "the trusted base: stability and margins of sampled linear loops, proved in exact arithmetic; to be read in an evening. It knows no law, no document and no arm",
+    ),
+    (
         "phihat-certificate",
-        &["phihat", "phihat-model", "phihat-study"],
+        &["phihat", "phihat-kernel", "phihat-model", "phihat-study"],
         "the documents: gains and every claim about them, as data, and `verify`. It sees neither the finders nor a package of linear algebra: whoever checks does not know how a claim was found",
     ),
     (
@@ -228,8 +233,9 @@ const CRATES: [Row; 22] = [
 ];
 
 /// The crates that go to a registry.
-pub(crate) const PUBLISHED: [&str; 16] = [
+pub(crate) const PUBLISHED: [&str; 17] = [
     "phihat",
+    "phihat-kernel",
     "phihat-model",
     "phihat-study",
     "phihat-certificate",

@@ -18,6 +18,7 @@ mod moving_laws;
 mod support;
 
 mod continuous;
+mod exact;
 mod documents;
 mod forged_leaves;
 mod forgeries;

@@ -1,0 +1,141 @@
+//! A joint's law as numbers, by playing the core, and its loop as the kernel's polynomials.
+
+use phihat::{
+    Form, JointGains, JointState, Measurement, Reference, STATE_ENTRIES, TorqueSource, VelocityFilter,
+    VelocitySource, VelocityState,
+};
+use phihat_kernel::{Drive, Joint, Law, Setting, Told, Velocity};
+
+use super::drive;
+use crate::refutation::refuse;
+use crate::{JointRecord, LoopModel, Refutation};
+
+/// The loop of a joint, from the numbers that the core runs with.
+///
+/// # Errors
+///
+/// [`Refutation`]: the core refuses the gains, or a unit.
+pub(crate) fn joint(
+    claim: &str,
+    record: &JointRecord,
+    model: &LoopModel,
+) -> Result<Joint, Refutation> {
+    let law = played(claim, record, model)?;
+    let setting = Setting {
+        period: model.period_s,
+        inertia: record.inertia_kg_m2,
+        late: (model.delay_samples + model.sample_delay_samples) as usize,
+        velocity: velocity(claim, model)?,
+        drive: drive::Drive::of(model)
+            .map(|drive::Drive { lost, mean, double }| Drive { lost, mean, double }),
+        told: match model.torque {
+            TorqueSource::Applied => Told::Applied,
+            TorqueSource::Demanded => Told::Commanded,
+        },
+    };
+    Joint::new(&law, &setting).map_err(|why| refuse(claim, &format!("a loop: {why}"), 0.0, 0.0))
+}
+
+/// What a sample makes of the state, and the torque, when all is zero but one.
+struct Answer {
+    next: [f64; STATE_ENTRIES],
+    tau: f64,
+}
+
+/// The law's matrices: one column for a unit in each entry of its state and in each measurement.
+///
+/// Entries that nothing reaches stay at zero and are left out, and so are those that nothing reads.
+fn played(claim: &str, record: &JointRecord, model: &LoopModel) -> Result<Law, Refutation> {
+    let gains = record.core(model.form, model.period_s).map_err(|why| {
+        refuse(claim, &format!("gains that the core runs: {why}"), 0.0, 0.0)
+    })?;
+    let unit = |at: usize| core::array::from_fn(|i| f64::from(u8::from(i == at)));
+    let nothing = Measurement::default();
+    let states: Vec<Answer> = (0..STATE_ENTRIES)
+        .map(|at| answer(claim, &gains, &unit(at), &nothing))
+        .collect::<Result<_, _>>()?;
+    let inputs = [
+        Measurement { q: 1.0, ..nothing },
+        Measurement { dq: 1.0, ..nothing },
+        Measurement { tau_applied: 1.0, ..nothing },
+    ]
+    .map(|m| answer(claim, &gains, &[0.0; STATE_ENTRIES], &m));
+    let [q, dq, tau] = inputs;
+    let inputs = [q?, dq?, tau?];
+    let kept = kept(&states, &inputs);
+    let row = |i: &usize| kept.iter().map(|j| states[*j].next[*i]).collect();
+    Ok(Law {
+        state: kept.iter().map(row).collect(),
+        input: kept.iter().map(|i| inputs.each_ref().map(|of| of.next[*i])).collect(),
+        output: kept.iter().map(|j| states[*j].tau).collect(),
+        direct: inputs.each_ref().map(|of| of.tau),
+    })
+}
+
+fn answer(
+    claim: &str,
+    gains: &JointGains<f64>,
+    entries: &[f64; STATE_ENTRIES],
+    measurement: &Measurement<f64>,
+) -> Result<Answer, Refutation> {
+    let mut state = JointState::of_entries(entries);
+    let command = gains.update(&mut state, measurement, &Reference::default());
+    let answered = !command.status.refused;
+    Refutation::unless(claim, "the core answers a unit", 0.0, 1.0, answered)?;
+    Ok(Answer { next: state.entries(), tau: command.tau })
+}
+
+/// Entries that a measurement reaches in some samples, and that are read.
+fn kept(states: &[Answer], inputs: &[Answer; 3]) -> Vec<usize> {
+    let there = |value: f64| value.abs() > 0.0;
+    let mut reached: Vec<usize> =
+        (0..STATE_ENTRIES).filter(|i| inputs.iter().any(|of| there(of.next[*i]))).collect();
+    let mut at = 0;
+    while let Some(j) = reached.get(at).copied() {
+        at += 1;
+        let more = (0..STATE_ENTRIES).filter(|i| there(states[j].next[*i]));
+        let new: Vec<usize> = more.filter(|i| !reached.contains(i)).collect();
+        reached.extend(new);
+    }
+    reached.sort_unstable();
+    loop {
+        let read = |j: &usize| {
+            there(states[*j].tau) || reached.iter().any(|i| there(states[*j].next[*i]))
+        };
+        let Some(idle) = reached.iter().position(|j| !read(j)) else { return reached };
+        reached.remove(idle);
+    }
+}
+
+/// The velocity that the law gets, by playing the core's filter.
+fn velocity(claim: &str, model: &LoopModel) -> Result<Velocity, Refutation> {
+    let t = model.period_s;
+    let filter = VelocityFilter::<f64>::new(model.velocity_filter_hz, t)
+        .map_err(|why| refuse(claim, &format!("a velocity filter: {why}"), 0.0, 0.0))?;
+    let of = |before: f64, last: f64, q: f64| {
+        filter.estimate(&mut VelocityState::after(before, last), q, t)
+    };
+    let last = of(0.0, 1.0, 0.0);
+    Ok(match model.velocity {
+        // A position that moves by T in T moves at 1.
+        VelocitySource::Measured => {
+            Velocity { last, velocity: of(0.0, 0.0, t), position: 0.0, before: 0.0 }
+        }
+        VelocitySource::Differenced => Velocity {
+            last,
+            velocity: 0.0,
+            position: of(0.0, 0.0, 1.0),
+            before: of(1.0, 0.0, 0.0),
+        },
+    })
+}
+
+impl JointRecord {
+    /// The core's gains of this law.
+    fn core(&self, form: Form, period: f64) -> Result<JointGains<f64>, phihat::GainError> {
+        match &self.observer {
+            Some(own) => own.gains(self, period),
+            None => self.gains(form, period),
+        }
+    }
+}
