@@ -68,7 +68,8 @@ impl FrozenArm {
         one_drive(loops)?;
         let joints = loops.iter().map(|(record, model)| linear::joint(CLAIM, record, model));
         let joints = joints.collect::<Result<Vec<_>, _>>()?;
-        let range = Range::new(low, high).map_err(|why| refuse(CLAIM, &why.to_string(), low, high))?;
+        let range =
+            Range::new(low, high).map_err(|why| refuse(CLAIM, &why.to_string(), low, high))?;
         frozen(&joints, &range).map_err(|why| match why {
             Unproved::Unstable { joint } => {
                 let what = "alone at the middle of the range: roots of N + cΔ are inside";

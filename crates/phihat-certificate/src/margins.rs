@@ -72,7 +72,8 @@ impl Margins {
             high_hz: 0.0,
         };
         wide.stable(&joint).map_err(|why| Refutation { claim: "gain margin".to_owned(), ..why })?;
-        let range = Range::new(low, high).map_err(|_| refuse(CLAIM, "0 < low ≤ high < ∞", low, high))?;
+        let range =
+            Range::new(low, high).map_err(|_| refuse(CLAIM, "0 < low ≤ high < ∞", low, high))?;
         let of = |claim: &'static str| {
             let joint = &joint;
             move |why: Unproved| unproved(claim, joint, (low, high), why)

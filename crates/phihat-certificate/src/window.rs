@@ -111,7 +111,8 @@ impl InertiaWindow {
     /// Proves all loops of the window stable.
     pub(crate) fn stable(&self, joint: &Joint) -> Result<(), Refutation> {
         let Self { low, high, .. } = *self;
-        let range = Range::new(low, high).map_err(|_| refuse(CLAIM, "0 < low ≤ high < ∞", low, high))?;
+        let range =
+            Range::new(low, high).map_err(|_| refuse(CLAIM, "0 < low ≤ high < ∞", low, high))?;
         frozen(core::slice::from_ref(joint), &range)
             .map_err(|why| unproved(CLAIM, joint, (low, high), why))
     }

@@ -1,7 +1,9 @@
 //! Linear claims of a Panda's laws in exact arithmetic. Wrong if a claim that holds by a hair were refused, or one that
 //! fails by a hair proved; the edges were found with python-flint by other code.
 
-use phihat_certificate::{AnySpeed, FrozenArm, InertiaWindow, JointRecord, LoopModel, Margins, Moving};
+use phihat_certificate::{
+    AnySpeed, FrozenArm, InertiaWindow, JointRecord, LoopModel, Margins, Moving,
+};
 use serde::Deserialize;
 
 #[derive(Deserialize)]

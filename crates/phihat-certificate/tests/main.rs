@@ -18,8 +18,8 @@ mod moving_laws;
 mod support;
 
 mod continuous;
-mod exact;
 mod documents;
+mod exact;
 mod forged_leaves;
 mod forgeries;
 mod positions;

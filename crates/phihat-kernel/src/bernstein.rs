@@ -10,6 +10,9 @@ const MOST: usize = 200_000;
 /// Halvings after which a proof is given up.
 const DEEPEST: u32 = 400;
 
+/// Halvings up to which doubles tell the ends of a cell exactly.
+const DEEPEST_EXACT: u32 = 50;
+
 /// Bernstein coefficients of several polynomials over one cell, in one common unit: all of one length.
 ///
 /// Between the ends of the cell each polynomial is a mean of its coefficients, with weights that are positive and the
@@ -83,6 +86,18 @@ pub(crate) fn not_positive(form: &[BigInt]) -> bool {
     form.iter().all(|c| c.sign() != Sign::Plus)
 }
 
+/// The form, one degree higher, of its product with the line from `start` to `end` over the cell, times that degree.
+pub(crate) fn times_line(form: &[BigInt], start: &BigInt, end: &BigInt) -> Vec<BigInt> {
+    let degree = form.len();
+    let entry = |i: usize| {
+        let from = form.get(i).map(|b| b * start * (degree - i)).unwrap_or_default();
+        let to =
+            i.checked_sub(1).and_then(|k| form.get(k)).map(|b| b * end * i).unwrap_or_default();
+        from + to
+    };
+    (0..=degree).map(entry).collect()
+}
+
 /// Bernstein coefficients over `[0, 1]` of a group, times `n!` and a power of two.
 ///
 /// Of degree `n`, `b_i = Σ_k C(i,k)/C(n,k) c_k`, and `n! C(i,k)/C(n,k) = i!/(i−k)! · (n−k)!`.
@@ -96,7 +111,8 @@ fn bernstein(group: &[Polynomial]) -> Forms {
     }
     let of = |p: &Polynomial| -> Vec<BigInt> {
         let c: Vec<BigInt> = p.coefficients().iter().map(|c| c.in_units(unit)).collect();
-        let term = |i: usize, k: usize| &c[k] * &factorial[i] / &factorial[i - k] * &factorial[n - k];
+        let term =
+            |i: usize, k: usize| &c[k] * &factorial[i] / &factorial[i - k] * &factorial[n - k];
         (0..=n).map(|i| (0..c.len().min(i + 1)).map(|k| term(i, k)).sum()).collect()
     };
     group.iter().map(of).collect()
@@ -106,6 +122,15 @@ impl Cell {
     /// Its end, exact as its start is.
     pub(crate) fn to(&self) -> f64 {
         self.from + self.width
+    }
+
+    /// Both ends, exactly; `None`: too narrow a cell to tell them.
+    pub(crate) fn ends(&self) -> Option<(Number, Number)> {
+        if self.depth > DEEPEST_EXACT {
+            None
+        } else {
+            Number::of(self.from).zip(Number::of(self.to()))
+        }
     }
 
     /// The single `t` at its start.

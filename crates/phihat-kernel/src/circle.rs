@@ -7,7 +7,7 @@ use crate::{Number, Polynomial};
 
 /// `Re(P Q*)` in `t`: `Σ a_k T_k(cos θ)`, `a_k` the sum of `p_i q_j` with `|i − j| = k`, `T_k` Chebyshev's polynomial of
 /// the first kind.
-pub fn real(p: &Polynomial, q: &Polynomial) -> Polynomial {
+pub(crate) fn real(p: &Polynomial, q: &Polynomial) -> Polynomial {
     let (above, below) = by_difference(p, q);
     let both = |k: usize| &above[k] + &below[k];
     let first: Vec<Number> =
@@ -17,20 +17,15 @@ pub fn real(p: &Polynomial, q: &Polynomial) -> Polynomial {
 
 /// `Im(P Q*)/sin θ` in `t`: `Σ b_k U_{k−1}(cos θ)`, `b_k` the sum of `p_i q_j` with `i − j = k` less that with `i − j = −k`,
 /// `U_k` Chebyshev's polynomial of the second kind.
-pub fn turned(p: &Polynomial, q: &Polynomial) -> Polynomial {
+pub(crate) fn turned(p: &Polynomial, q: &Polynomial) -> Polynomial {
     let (above, below) = by_difference(p, q);
     let odd: Vec<Number> = (1..above.len()).map(|k| &above[k] - &below[k]).collect();
-    sines(&odd)
-}
-
-/// `Σ_k b_k sin((k+1)θ)/sin θ` in `t`.
-pub fn sines(b: &[Number]) -> Polynomial {
     let one = Polynomial::constant(&Number::from(1));
-    sum(b, &one, &cosine().times(&Number::from(2)))
+    sum(&odd, &one, &cosine().times(&Number::from(2)))
 }
 
 /// `sin²θ = 4t(1 − t)`.
-pub fn sine_squared() -> Polynomial {
+pub(crate) fn sine_squared() -> Polynomial {
     Polynomial::new([0, 4, -4].map(Number::from).to_vec())
 }
 

@@ -5,9 +5,10 @@ use core::cmp::Ordering;
 use num_bigint::{BigInt, Sign};
 
 use crate::bernstein::{
-    Cell, Fails, Forms, everywhere, negative, not_negative, not_positive, positive,
+    Cell, Fails, Forms, everywhere, negative, not_negative, not_positive, positive, times_line,
 };
-use crate::circle::{real, sine_squared, sines, turned};
+use crate::circle::{real, sine_squared, turned};
+use crate::multiplier::{Line, Multiplier};
 use crate::schur::inside;
 use crate::{Joint, Number, Polynomial, Unproved};
 
@@ -28,7 +29,11 @@ impl Range {
         let (Some(low), Some(high)) = (Number::of(low), Number::of(high)) else {
             return Err(Unproved::NoClaim);
         };
-        if low.is_positive() && low <= high { Ok(Self { low, high }) } else { Err(Unproved::NoClaim) }
+        if low.is_positive() && low <= high {
+            Ok(Self { low, high })
+        } else {
+            Err(Unproved::NoClaim)
+        }
     }
 
     /// `c = (low + high)/2`.
@@ -92,7 +97,7 @@ pub fn frozen(joints: &[Joint], range: &Range) -> Result<(), Unproved> {
 /// |N + cΔ|² + y Im(NΔ*) > (r² + κ + λη²)(|Δ|² + |K|²/λ) + |K|²y²/4λ                                      (X2)
 /// ```
 ///
-/// times `144 λa⁴`, so that nothing is divided.
+/// times `144 λa⁴`, so that nothing is divided; `y` is enclosed over each cell.
 ///
 /// # Errors
 ///
@@ -123,8 +128,7 @@ pub fn moving(joints: &[Joint], motion: &Motion<'_>) -> Result<(), Unproved> {
     let thrice = &twelve * &Number::from(3);
     let half = square(&width).shifted(-2);
     let whole = &(&(&half * &thrice) + &(&kappa * &Number::from(3))) + &(&drift * &x2);
-    let doubled: Vec<Number> = taps.iter().map(|h| h.shifted(1)).collect();
-    level(joints, &motion.range, &Level { drift, whole, unit: thrice, multiplier: sines(&doubled) })
+    level(joints, &motion.range, &Level { drift, whole, unit: thrice, taps })
 }
 
 /// Proves (P4): the arm's loop is stable however fast `W` moves in its range: (X2) at rest, without taps, with `λ = 3ab`.
@@ -136,40 +140,68 @@ pub fn any_speed(joints: &[Joint], range: &Range) -> Result<(), Unproved> {
     let drift = &(&range.low * &range.high) * &Number::from(3);
     let width = &range.high - &range.low;
     let whole = (&width * &width).shifted(-2);
-    let multiplier = Polynomial::new(Vec::new());
-    level(joints, range, &Level { drift, whole, unit: Number::from(1), multiplier })
+    level(joints, range, &Level { drift, whole, unit: Number::from(1), taps: Vec::new() })
 }
 
-/// Numbers of (X2): `λ`, `(r² + κ + λη²) · unit`, that unit, and `y/sin θ`.
+/// Numbers of (X2): `λ`, `(r² + κ + λη²) · unit`, that unit, and the taps.
 struct Level {
     drift: Number,
     whole: Number,
     unit: Number,
-    multiplier: Polynomial,
+    taps: Vec<Number>,
 }
 
 /// (X2) for each joint.
+///
+/// `above + U turning − U² bent` with `U = y/sin θ` is concave in `U`: over a cell its least value is at an end of what `U`
+/// can be, on one side of a line or the other.
 fn level(joints: &[Joint], range: &Range, of: &Level) -> Result<(), Unproved> {
     alone(joints, range)?;
-    let middle = range.middle();
-    let sine = sine_squared();
+    let (middle, sine) = (range.middle(), sine_squared());
     let left = (&of.drift * &of.unit).shifted(2);
-    let right = of.whole.shifted(2);
-    let y2 = sine.product(&of.multiplier.product(&of.multiplier)).times(&of.unit);
+    let multiplier = Multiplier::new(&of.taps);
     for (index, joint) in joints.iter().enumerate() {
         let Joint { back, open, kick: Some(kick), .. } = joint else {
             return Err(Unproved::NoLoop);
         };
         let size = |p: &Polynomial| real(p, p);
-        let turning = sine.product(&of.multiplier.product(&turned(back, open)));
-        let above = size(&joint.at(&middle)).plus(&turning).times(&left);
         let kick = size(kick);
-        let below = size(open).times(&of.drift).plus(&kick).times(&right).plus(&y2.product(&kick));
-        let room = above.minus(&below);
-        everywhere(&[vec![room]], |cell| cell.groups.iter().flatten().all(|form| positive(form)))
+        let below = size(open).times(&of.drift).plus(&kick).times(&of.whole.shifted(2));
+        let above = size(&joint.at(&middle)).times(&left).minus(&below);
+        let turning = sine.product(&turned(back, open)).times(&left);
+        let bent = sine.product(&kick).times(&of.unit);
+        everywhere(&[vec![above, turning, bent]], |cell| concave(cell, &multiplier))
             .map_err(|fails| at(fails, Some(index)))?;
     }
     Ok(())
+}
+
+/// Returns true if `above + U turning − U² bent > 0` on a cell, `bent ≥ 0`.
+fn concave(cell: &Cell, multiplier: &Multiplier<'_>) -> bool {
+    let all: Vec<&Vec<BigInt>> = cell.groups.iter().flatten().collect();
+    let ([above, turning, bent], Some((from, to))) = (all.as_slice(), cell.ends()) else {
+        return false;
+    };
+    let Line { ends: [start, end], off } = multiplier.over(&from, &to);
+    [-&off, off].iter().all(|off| {
+        // Both ends of the line in one unit 2^u: above/2^{2u} + U/2^u · turning/2^u − (U/2^u)² bent.
+        let (start, end) = (&start + off, &end + off);
+        let unit =
+            [&start, &end].into_iter().filter_map(Number::exponent).min().unwrap_or(0).min(0);
+        let (start, end) = (start.in_units(unit), end.in_units(unit));
+        let one = BigInt::from(1) << -unit;
+        let raised = |form: &[BigInt], by: [(&BigInt, &BigInt); 2]| {
+            by.iter().fold(form.to_vec(), |form, (start, end)| times_line(&form, start, end))
+        };
+        let [even, line] = [(&one, &one), (&start, &end)];
+        let terms = [
+            raised(above, [even, even]),
+            raised(turning, [line, even]),
+            raised(bent, [line, line]),
+        ];
+        let [above, turning, bent] = &terms;
+        above.iter().zip(turning).zip(bent).all(|((a, t), b)| (a + t - b).sign() == Sign::Plus)
+    })
 }
 
 /// Proves `|1 + L/μ| > modulus` on the unit circle for each `μ` of a range, and stability there.
@@ -297,9 +329,10 @@ struct Beyond {
 
 impl Beyond {
     fn new(cell: &Cell, samples: f64) -> Option<Self> {
+        cell.ends()?;
         let (from, to) = (angle(cell.from), angle(cell.to()));
         let most = samples * to * (1.0 + ROOM) + ROOM;
-        if most >= 6.28 || cell.depth > 50 {
+        if most >= 6.28 {
             return None;
         }
         let (sine, cosine) = most.sin_cos();
@@ -318,7 +351,8 @@ impl Beyond {
     fn holds(&self, cross: &[BigInt], turn: &[BigInt]) -> bool {
         let [cosine, sine] = &self.toward;
         // cos B · Im(−L) − sin B · Re(−L) > 0, linear in sin θ.
-        let past = self.sines.iter().all(|sin| above_zero((sine, cross), (&-&(cosine * sin), turn)));
+        let past =
+            self.sines.iter().all(|sin| above_zero((sine, cross), (&-&(cosine * sin), turn)));
         let below_axis = positive(turn);
         if self.reflex { past && below_axis } else { past || below_axis }
     }
@@ -386,8 +420,7 @@ fn one_multiplier(groups: &[Forms]) -> bool {
             };
             // κ > −f/g where g > 0, κ < f/|g| where g < 0.
             let own = if g.sign() == Sign::Plus { (-f, g.clone()) } else { (f.clone(), -g) };
-            let tighter =
-                bound.as_ref().is_none_or(|old| compared(&own, old) == wanted);
+            let tighter = bound.as_ref().is_none_or(|old| compared(&own, old) == wanted);
             if tighter {
                 *bound = Some(own);
             }

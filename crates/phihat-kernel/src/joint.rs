@@ -40,7 +40,8 @@ impl Joint {
         let all = reduced(sample.matrices());
         let [fixed, moved, kicked, misread] = all.as_slice() else { return Err(Unproved::NoLoop) };
         let open = characteristic(fixed);
-        let with = |added: &Matrix, times: i64| characteristic(&sum(fixed, added, times)).minus(&open);
+        let with =
+            |added: &Matrix, times: i64| characteristic(&sum(fixed, added, times)).minus(&open);
         let (back, kick, reading) = (with(moved, 1), with(kicked, 1), with(misread, 1));
         if with(moved, 2) != back.times(&Number::from(2)) {
             return Err(Unproved::NoLoop);
@@ -98,9 +99,8 @@ impl Sample {
         let misread = line + setting.late;
         let size = misread + 1;
         let number = Number::of;
-        let unit = |i: usize| -> Form {
-            (0..size).map(|j| Number::from(i64::from(i == j))).collect()
-        };
+        let unit =
+            |i: usize| -> Form { (0..size).map(|j| Number::from(i64::from(i == j))).collect() };
         let period = number(setting.period)?;
         let half = (&period * &period).shifted(-1);
 

@@ -43,6 +43,7 @@ mod circle;
 mod claims;
 mod joint;
 mod matrix;
+mod multiplier;
 mod number;
 mod polynomial;
 mod schur;

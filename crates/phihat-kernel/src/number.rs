@@ -82,6 +82,11 @@ impl Number {
         if self.mantissa.sign() == Sign::Minus { -self } else { self.clone() }
     }
 
+    /// The largest integer that is not above it.
+    pub(crate) fn floor(&self) -> BigInt {
+        if self.exponent >= 0 { self.in_units(0) } else { &self.mantissa >> -self.exponent }
+    }
+
     /// The exponent of two in it; `None`: zero.
     pub(crate) fn exponent(&self) -> Option<i64> {
         (!self.is_zero()).then_some(self.exponent)

@@ -13,7 +13,7 @@ use crate::Polynomial;
 /// `p` of degree `n` has all roots inside exactly if `|p_0| < |p_n|` and `(p_n p − p_0 p*)/z`, of degree `n − 1`, has;
 /// `p*` has the coefficients in reverse. A positive common factor changes nothing: coefficients are integers in a
 /// common unit, and what divides all of them, known from two steps before, is taken out.
-pub fn inside(p: &Polynomial) -> bool {
+pub(crate) fn inside(p: &Polynomial) -> bool {
     let unit = p.coefficients().iter().filter_map(crate::Number::exponent).min().unwrap_or(0);
     let mut c: Vec<BigInt> = p.coefficients().iter().map(|c| c.in_units(unit)).collect();
     let mut divisor = BigInt::from(1);

@@ -31,7 +31,7 @@ fn roots_are_eigenvalues() {
             let first = at(Complex::new(1.3, 0.2));
             for z in [Complex::new(-1.1, 0.4), Complex::new(0.2, 1.2), Complex::new(0.6, 0.9)] {
                 let off = (at(z) / first - 1.0).norm();
-                assert!(off < 1e-8, "{case} {mu} {off}");
+                assert!(off < 1e-8, "{case} {mu} {off} {} {} {setting:?} {law:?}", a.nrows(), p.degree());
             }
         }
     }
@@ -116,7 +116,8 @@ fn what_is_no_loop_is_refused() {
     for law in bad {
         assert_eq!(Joint::new(&law, &around), Err(Unproved::NoLoop));
     }
-    for (low, high) in [(0.0, 1.0), (2.0, 1.0), (-1.0, 1.0), (1.0, f64::INFINITY), (f64::NAN, 1.0)] {
+    for (low, high) in [(0.0, 1.0), (2.0, 1.0), (-1.0, 1.0), (1.0, f64::INFINITY), (f64::NAN, 1.0)]
+    {
         assert_eq!(Range::new(low, high), Err(Unproved::NoClaim));
     }
 }

@@ -1,6 +1,6 @@
 //! Random laws in random settings, and their loops written sample by sample, in doubles.
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::DMatrix;
 use phihat_kernel::{Drive, Law, Setting, Told, Velocity};
 
 /// Numbers that are the same in every run.
@@ -9,7 +9,8 @@ pub(crate) struct Dice(pub(crate) u64);
 impl Dice {
     /// Even over −1 … 1.
     pub(crate) fn roll(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let high = u32::try_from(self.0 >> 32).unwrap();
         f64::from(high) / f64::from(u32::MAX) * 2.0 - 1.0
     }
@@ -101,15 +102,18 @@ impl Memory {
     pub(crate) fn answer(&mut self, law: &Law, setting: &Setting, misread: f64) -> (f64, f64, f64) {
         let read = self.q + misread;
         let f = &setting.velocity;
-        let velocity =
-            f.last * self.velocity + f.velocity * self.v + f.position * read + f.before * self.position;
+        let velocity = f.last * self.velocity
+            + f.velocity * self.v
+            + f.position * read
+            + f.before * self.position;
         let inputs = [read, velocity, self.told];
         let row = |state: &[f64], input: &[f64; 3]| -> f64 {
             let own: f64 = state.iter().zip(&self.law).map(|(a, x)| a * x).sum();
             own + input.iter().zip(inputs).map(|(b, u)| b * u).sum::<f64>()
         };
         let command = row(&law.output, &law.direct);
-        let next = law.state.iter().zip(&law.input).map(|(state, input)| row(state, input)).collect();
+        let next =
+            law.state.iter().zip(&law.input).map(|(state, input)| row(state, input)).collect();
         self.law = next;
         (self.position, self.velocity) = (read, velocity);
         self.line.push(command);
@@ -121,6 +125,8 @@ impl Memory {
             mean += drive.mean * gap;
             double += drive.double * gap;
             self.end = told + (1.0 - drive.lost) * gap;
+        } else {
+            self.end = told;
         }
         self.told = if setting.told == Told::Applied { mean } else { told };
         (mean, double, command)
@@ -159,9 +165,21 @@ pub(crate) fn matrix(joints: &[(Law, Setting)], inverse: &DMatrix<f64>) -> DMatr
     out
 }
 
-/// Largest modulus of an eigenvalue.
+/// Largest modulus of an eigenvalue, by squaring: `‖A^{2^k}‖^{1/2^k}`. (Eigenvalues by the QR algorithm do not converge
+/// for some of these matrices, whose delays are nilpotent.)
 pub(crate) fn radius(a: &DMatrix<f64>) -> f64 {
-    a.complex_eigenvalues().iter().map(|z: &Complex<f64>| z.norm()).fold(0.0, f64::max)
+    let (mut power, mut log, mut share) = (a.clone(), 0.0, 1.0);
+    for _ in 0..32 {
+        let size = power.amax();
+        if size <= 0.0 {
+            return 0.0;
+        }
+        log += size.ln() * share;
+        power /= size;
+        power = &power * &power;
+        share *= 0.5;
+    }
+    log.exp()
 }
 
 /// One joint's loop at a ratio of inertia.

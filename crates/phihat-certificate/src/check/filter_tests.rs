@@ -22,11 +22,11 @@ use crate::{
 const T: f64 = 1e-3;
 
 impl Dice {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * 0.5 * (self.roll() + 1.0)
     }
 
-    fn below(&mut self, end: u32) -> u32 {
+    pub(super) fn below(&mut self, end: u32) -> u32 {
         let x = self.between(0.0, f64::from(end));
         (0..end).take_while(|i| f64::from(*i) <= x).last().unwrap_or(0)
     }
@@ -96,7 +96,7 @@ fn law(dice: &mut Dice, order: usize, sections: usize, delay_samples: u32) -> Jo
 }
 
 /// Every order, number of sections and delay, several times.
-fn laws(seed: u64, times: usize) -> Vec<JointRecord> {
+pub(super) fn laws(seed: u64, times: usize) -> Vec<JointRecord> {
     let mut dice = Dice(seed);
     let mut all = Vec::new();
     for _ in 0..times {
@@ -199,9 +199,8 @@ fn what_is_proved_stable_is_what_does_not_grow() {
         }
         let joint = linear::joint("", &record, &model).unwrap();
         let range = Range::new(mu, mu).unwrap();
-        let proved = |radius: f64| {
-            frozen(&[joint.within(&Number::of(radius).unwrap())], &range).is_ok()
-        };
+        let proved =
+            |radius: f64| frozen(&[joint.within(&Number::of(radius).unwrap())], &range).is_ok();
         assert_eq!(proved(1.0), found < 1.0, "{found} {mu} {model:?} {record:?}");
         // All roots are where the matrix has them, those of the filter among them.
         assert!(proved(found * 1.001) && !proved(found * 0.999), "{found} {mu} {record:?}");

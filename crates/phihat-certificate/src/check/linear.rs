@@ -1,8 +1,8 @@
 //! A joint's law as numbers, by playing the core, and its loop as the kernel's polynomials.
 
 use phihat::{
-    Form, JointGains, JointState, Measurement, Reference, STATE_ENTRIES, TorqueSource, VelocityFilter,
-    VelocitySource, VelocityState,
+    Form, JointGains, JointState, Measurement, Reference, STATE_ENTRIES, TorqueSource,
+    VelocityFilter, VelocitySource, VelocityState,
 };
 use phihat_kernel::{Drive, Joint, Law, Setting, Told, Velocity};
 
@@ -26,8 +26,11 @@ pub(crate) fn joint(
         inertia: record.inertia_kg_m2,
         late: (model.delay_samples + model.sample_delay_samples) as usize,
         velocity: velocity(claim, model)?,
-        drive: drive::Drive::of(model)
-            .map(|drive::Drive { lost, mean, double }| Drive { lost, mean, double }),
+        drive: drive::Drive::of(model).map(|drive::Drive { lost, mean, double }| Drive {
+            lost,
+            mean,
+            double,
+        }),
         told: match model.torque {
             TorqueSource::Applied => Told::Applied,
             TorqueSource::Demanded => Told::Commanded,
@@ -46,9 +49,9 @@ struct Answer {
 ///
 /// Entries that nothing reaches stay at zero and are left out, and so are those that nothing reads.
 fn played(claim: &str, record: &JointRecord, model: &LoopModel) -> Result<Law, Refutation> {
-    let gains = record.core(model.form, model.period_s).map_err(|why| {
-        refuse(claim, &format!("gains that the core runs: {why}"), 0.0, 0.0)
-    })?;
+    let gains = record
+        .core(model.form, model.period_s)
+        .map_err(|why| refuse(claim, &format!("gains that the core runs: {why}"), 0.0, 0.0))?;
     let unit = |at: usize| core::array::from_fn(|i| f64::from(u8::from(i == at)));
     let nothing = Measurement::default();
     let states: Vec<Answer> = (0..STATE_ENTRIES)
@@ -99,9 +102,8 @@ fn kept(states: &[Answer], inputs: &[Answer; 3]) -> Vec<usize> {
     }
     reached.sort_unstable();
     loop {
-        let read = |j: &usize| {
-            there(states[*j].tau) || reached.iter().any(|i| there(states[*j].next[*i]))
-        };
+        let read =
+            |j: &usize| there(states[*j].tau) || reached.iter().any(|i| there(states[*j].next[*i]));
         let Some(idle) = reached.iter().position(|j| !read(j)) else { return reached };
         reached.remove(idle);
     }
@@ -121,12 +123,9 @@ fn velocity(claim: &str, model: &LoopModel) -> Result<Velocity, Refutation> {
         VelocitySource::Measured => {
             Velocity { last, velocity: of(0.0, 0.0, t), position: 0.0, before: 0.0 }
         }
-        VelocitySource::Differenced => Velocity {
-            last,
-            velocity: 0.0,
-            position: of(0.0, 0.0, 1.0),
-            before: of(1.0, 0.0, 0.0),
-        },
+        VelocitySource::Differenced => {
+            Velocity { last, velocity: 0.0, position: of(0.0, 0.0, 1.0), before: of(1.0, 0.0, 0.0) }
+        }
     })
 }
 

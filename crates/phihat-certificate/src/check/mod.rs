@@ -20,4 +20,6 @@ mod filter_tests;
 #[cfg(test)]
 mod kick_tests;
 #[cfg(test)]
+mod linear_tests;
+#[cfg(test)]
 pub(crate) mod tests;

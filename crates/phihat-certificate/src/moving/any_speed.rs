@@ -61,10 +61,11 @@ impl AnySpeed {
         let Self { low, high } = *self;
         let sensible = 0.0 < low && low <= high && high.is_finite();
         Refutation::unless(CLAIM, "0 < low ≤ high < ∞", low, high, sensible)?;
-        let range = Range::new(low, high).map_err(|why| refuse(CLAIM, &why.to_string(), low, high))?;
+        let range =
+            Range::new(low, high).map_err(|why| refuse(CLAIM, &why.to_string(), low, high))?;
         one_clock(CLAIM, loops)?;
         for (i, (gains, model)) in loops.iter().enumerate() {
-            if loops[..i].iter().any(|before| same_loop(before, &(gains, model))) {
+            if loops[..i].iter().any(|before| same_loop(before, (gains, model))) {
                 continue;
             }
             let proved = joint(CLAIM, gains, model).and_then(|joint| {

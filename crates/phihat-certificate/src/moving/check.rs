@@ -45,7 +45,8 @@ impl Moving {
     pub fn stable(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Unstable> {
         let joint = joint(CLAIM, gains, model)?;
         self.plausible()?;
-        let nonsense = |_| Unstable::new("0 < low ≤ high < ∞".to_owned(), 0.0, (self.low, self.high));
+        let nonsense =
+            |_| Unstable::new("0 < low ≤ high < ∞".to_owned(), 0.0, (self.low, self.high));
         let motion = Motion {
             range: Range::new(self.low, self.high).map_err(nonsense)?,
             rate: self.rate_per_s,
@@ -122,7 +123,10 @@ pub(super) fn one_clock(
 }
 
 /// Returns true if two joints differ in name and `M̄` alone.
-pub(super) fn same_loop(one: &(&JointRecord, &LoopModel), other: (&JointRecord, &LoopModel)) -> bool {
+pub(super) fn same_loop(
+    one: &(&JointRecord, &LoopModel),
+    other: (&JointRecord, &LoopModel),
+) -> bool {
     let named = JointRecord {
         name: other.0.name.clone(),
         inertia_kg_m2: other.0.inertia_kg_m2,
