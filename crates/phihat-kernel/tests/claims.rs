@@ -57,7 +57,7 @@ fn no_frozen_arm_that_is_proved_grows() {
     for _ in 0..150 {
         let n = 2 + dice.below(2);
         let (own, joints) = arm(&mut dice, n);
-        let spread = 1.0 + 3.0 * dice.between(0.0, 1.0).powi(2);
+        let spread = 1.0 + 8.0 * dice.between(0.0, 1.0).powi(2);
         let (low, high) = (1.0 / spread, spread);
         let holds = frozen(&joints, &range(low, high)).is_ok();
         for _ in 0..10 {
@@ -103,13 +103,13 @@ fn a_window_ends_where_a_root_crosses() {
 fn no_arm_that_may_move_grows_while_it_moves() {
     let mut dice = Dice(13);
     let (mut proved, mut refused) = ([0, 0], 0);
-    for _ in 0..80 {
+    for _ in 0..100 {
         let n = 2;
         let (own, joints) = arm(&mut dice, n);
-        let spread = 1.0 + dice.between(0.02, 0.6);
+        let spread = 1.0 + 4.0 * dice.between(0.0, 1.0).powi(2);
         let (low, high) = (1.0 / spread, spread);
         let any = any_speed(&joints, &range(low, high)).is_ok();
-        let rate = dice.between(0.1, 3.0);
+        let rate = dice.between(0.02, 1.0);
         let taps = [dice.between(-0.5, 0.5), dice.between(-0.5, 0.5)];
         let period = own[0].1.period;
         let of = |taps: &[f64]| {
@@ -143,7 +143,7 @@ fn no_arm_that_may_move_grows_while_it_moves() {
         assert!(grown < 0.0, "{grown} {own:?}");
     }
     println!("{proved:?} proved at a rate and at any speed, {refused} refused");
-    assert!(proved[1] > 10 && proved[0] > 5 && refused > 5);
+    assert!(proved[1] > 10 && proved[0] > 0 && refused > 5);
 }
 
 /// `N`, `Δ` at a point of the circle.
@@ -155,11 +155,21 @@ fn values(joint: &Joint, theta: f64) -> [Complex<f64>; 2] {
     })
 }
 
+/// A matrix with the roots of a polynomial as its eigenvalues.
+fn companion(p: &Polynomial) -> DMatrix<f64> {
+    let c: Vec<f64> = p.coefficients().iter().map(Number::near).collect();
+    let n = p.degree();
+    DMatrix::from_fn(n, n, |i, j| match i {
+        0 => -c[n - 1 - j] / c[n],
+        _ => f64::from(u8::from(i == j + 1)),
+    })
+}
+
 #[test]
 fn margins_are_those_of_dense_samples() {
     let mut dice = Dice(14);
     let grid: Vec<f64> = (1..=60_000).map(|k| PI * f64::from(k) / 60_000.0).collect();
-    let mut lags = 0;
+    let (mut lags, mut counted) = (0, 0);
     for _ in 0..40 {
         let (own, joints) = arm(&mut dice, 1);
         let joint = &joints[0];
@@ -194,18 +204,23 @@ fn margins_are_those_of_dense_samples() {
             lags += 1;
             // Whole samples more of delay: eigenvalues say the same.
             for late in (1..5_u8).take_while(|late| f64::from(*late) < lag * 0.998) {
-                let mut later = own[0].1;
-                later.late += usize::from(late);
-                assert!(radius(&alone(&own[0].0, &later, 1.0)) < 1.0 || lag < 1.0);
+                let shift = std::iter::repeat_n(Number::zero(), usize::from(late));
+                let open = shift.chain(joint.open.coefficients().iter().cloned()).collect();
+                assert!(
+                    radius(&companion(&joint.back.plus(&Polynomial::new(open)))) < 1.0,
+                    "{late}"
+                );
+                counted += 1;
             }
         }
     }
-    assert!(lags > 20, "{lags}");
+    println!("{lags} lags, {counted} whole samples");
+    assert!(lags > 15 && counted > 10, "{lags} {counted}");
 }
 
 #[test]
 fn a_radius_that_decays_is_told_from_one_that_does_not() {
-    for x in [0.0_f64, 1e-9, 0.0045, 0.3, 1.0] {
+    for x in [0.0_f64, 1e-9, 0.0045, 0.3, 0.5] {
         let of = |share: f64| Number::of((-x).exp() * share).unwrap();
         let x = Number::of(x).unwrap();
         assert!(decays(&of(1.0 - 4e-16), &x) && !decays(&of(1.0 + 4e-16), &x), "{x:?}");

@@ -31,7 +31,12 @@ fn roots_are_eigenvalues() {
             let first = at(Complex::new(1.3, 0.2));
             for z in [Complex::new(-1.1, 0.4), Complex::new(0.2, 1.2), Complex::new(0.6, 0.9)] {
                 let off = (at(z) / first - 1.0).norm();
-                assert!(off < 1e-8, "{case} {mu} {off} {} {} {setting:?} {law:?}", a.nrows(), p.degree());
+                assert!(
+                    off < 1e-8,
+                    "{case} {mu} {off} {} {} {setting:?} {law:?}",
+                    a.nrows(),
+                    p.degree()
+                );
             }
         }
     }

@@ -21,11 +21,12 @@ pub(crate) fn joint(
     model: &LoopModel,
 ) -> Result<Joint, Refutation> {
     let law = played(claim, record, model)?;
+    let hears = law.input.iter().chain([&law.direct]).any(|[_, dq, _]| dq.abs() > 0.0);
     let setting = Setting {
         period: model.period_s,
         inertia: record.inertia_kg_m2,
         late: (model.delay_samples + model.sample_delay_samples) as usize,
-        velocity: velocity(claim, model)?,
+        velocity: if hears { velocity(claim, model)? } else { NO_VELOCITY },
         drive: drive::Drive::of(model).map(|drive::Drive { lost, mean, double }| Drive {
             lost,
             mean,
@@ -39,6 +40,9 @@ pub(crate) fn joint(
     Joint::new(&law, &setting).map_err(|why| refuse(claim, &format!("a loop: {why}"), 0.0, 0.0))
 }
 
+/// The velocity of a law that does not hear it.
+const NO_VELOCITY: Velocity = Velocity { last: 0.0, velocity: 0.0, position: 0.0, before: 0.0 };
+
 /// What a sample makes of the state, and the torque, when all is zero but one.
 struct Answer {
     next: [f64; STATE_ENTRIES],
@@ -47,7 +51,7 @@ struct Answer {
 
 /// The law's matrices: one column for a unit in each entry of its state and in each measurement.
 ///
-/// Entries that nothing reaches stay at zero and are left out, and so are those that nothing reads.
+/// Entries that nothing reaches stay at zero, and those that do not reach the torque move nothing: both are left out.
 fn played(claim: &str, record: &JointRecord, model: &LoopModel) -> Result<Law, Refutation> {
     let gains = record
         .core(model.form, model.period_s)
@@ -88,25 +92,28 @@ fn answer(
     Ok(Answer { next: state.entries(), tau: command.tau })
 }
 
-/// Entries that a measurement reaches in some samples, and that are read.
+/// Entries that a measurement reaches and that reach the torque, in some samples.
 fn kept(states: &[Answer], inputs: &[Answer; 3]) -> Vec<usize> {
     let there = |value: f64| value.abs() > 0.0;
-    let mut reached: Vec<usize> =
-        (0..STATE_ENTRIES).filter(|i| inputs.iter().any(|of| there(of.next[*i]))).collect();
+    let leads = |from: usize, to: usize| there(states[from].next[to]);
+    let all = 0..STATE_ENTRIES;
+    let reached = all.clone().filter(|i| inputs.iter().any(|of| there(of.next[*i])));
+    let reached = closed(reached.collect(), leads);
+    let reaching = all.filter(|i| there(states[*i].tau));
+    let reaching = closed(reaching.collect(), |from, to| leads(to, from));
+    (0..STATE_ENTRIES).filter(|i| reached.contains(i) && reaching.contains(i)).collect()
+}
+
+/// A set of entries with all that these lead to.
+fn closed(mut set: Vec<usize>, leads: impl Fn(usize, usize) -> bool) -> Vec<usize> {
     let mut at = 0;
-    while let Some(j) = reached.get(at).copied() {
+    while let Some(from) = set.get(at).copied() {
         at += 1;
-        let more = (0..STATE_ENTRIES).filter(|i| there(states[j].next[*i]));
-        let new: Vec<usize> = more.filter(|i| !reached.contains(i)).collect();
-        reached.extend(new);
+        let more = (0..STATE_ENTRIES).filter(|to| leads(from, *to));
+        let new: Vec<usize> = more.filter(|to| !set.contains(to)).collect();
+        set.extend(new);
     }
-    reached.sort_unstable();
-    loop {
-        let read =
-            |j: &usize| there(states[*j].tau) || reached.iter().any(|i| there(states[*j].next[*i]));
-        let Some(idle) = reached.iter().position(|j| !read(j)) else { return reached };
-        reached.remove(idle);
-    }
+    set
 }
 
 /// The velocity that the law gets, by playing the core's filter.

@@ -55,11 +55,6 @@ impl Sight {
         self.expected() + self.filtered()
     }
 
-    /// `g`.
-    pub(crate) fn share(&self) -> f64 {
-        self.share
-    }
-
     /// One sample on, under a torque.
     fn carry(&self, held: &mut [f64], torque: f64) {
         let t = self.period;
