@@ -135,12 +135,12 @@ impl Cell {
 
     /// The single `t` at its start.
     fn start(&self) -> Self {
-        self.at(self.from, |form| form.first())
+        self.at(self.from, <[BigInt]>::first)
     }
 
     /// The single `t` at its end.
     fn end(&self) -> Self {
-        self.at(self.to(), |form| form.last())
+        self.at(self.to(), <[BigInt]>::last)
     }
 
     fn at(&self, from: f64, value: impl Fn(&[BigInt]) -> Option<&BigInt>) -> Self {

@@ -332,7 +332,7 @@ impl Beyond {
         cell.ends()?;
         let (from, to) = (angle(cell.from), angle(cell.to()));
         let most = samples * to * (1.0 + ROOM) + ROOM;
-        if most >= 6.28 {
+        if most >= core::f64::consts::TAU - ROOM {
             return None;
         }
         let (sine, cosine) = most.sin_cos();

@@ -24,7 +24,9 @@ pub(crate) fn inside(p: &Polynomial) -> bool {
         let last = c.len() - 1;
         let mut next: Vec<BigInt> = (1..=last).map(|k| high * &c[k] - low * &c[last - k]).collect();
         if next.iter().all(|c| c % &divisor == BigInt::ZERO) {
-            next.iter_mut().for_each(|c| *c /= &divisor);
+            for c in &mut next {
+                *c /= &divisor;
+            }
         }
         // Of the leading coefficients only the first is not a factor.
         divisor = if c.len() == p.coefficients().len() { BigInt::from(1) } else { high.clone() };

@@ -24,7 +24,7 @@ fn roots_are_eigenvalues() {
             let p = joint.at(&Number::of(mu).unwrap());
             // Away from the roots: the determinant, up to roots at zero and a factor.
             let at = |z: Complex<f64>| {
-                let shifted = DMatrix::identity(a.nrows(), a.nrows()) * z - a.map(|x| x.into());
+                let shifted = DMatrix::identity(a.nrows(), a.nrows()) * z - a.map(Into::into);
                 let idle = i32::try_from(a.nrows() - p.degree()).unwrap();
                 shifted.determinant() / z.powi(idle) / value(&p, z).0
             };
