@@ -28,8 +28,13 @@ const CRATES: [Row; 23] = [
         "the study file: text to checked plain data, with errors that name file, line and key. It computes nothing",
     ),
     (
+        "phihat-kernel",
+        &[],
+        "the trusted base: stability and margins of sampled linear loops, proved in exact arithmetic; to be read in an evening. It knows no law, no document and no arm",
+    ),
+    (
         "phihat-certificate",
-        &["phihat", "phihat-model", "phihat-study"],
+        &["phihat", "phihat-kernel", "phihat-model", "phihat-study"],
         "the documents: gains and every claim about them, as data, and `verify`. It sees neither the finders nor a package of linear algebra: whoever checks does not know how a claim was found",
     ),
     (
@@ -248,6 +253,7 @@ const CRATES: [Row; 23] = [
 /// The crates that go to a registry.
 pub(crate) const PUBLISHED: [&str; 17] = [
     "phihat",
+    "phihat-kernel",
     "phihat-model",
     "phihat-study",
     "phihat-certificate",

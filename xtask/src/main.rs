@@ -52,7 +52,7 @@ const USAGE: &str = "usage:
   cargo xtask fuzz [MINUTES]   documents and samples that nobody would write, against every reader and the core
   cargo xtask mutants [--shard K/N] [FILE …]
                                changes the core in one place at a time and counts what no test notices (hours; K from 0);
-                               files of phihat-certificate: its mutants
+                               files of phihat-kernel or phihat-certificate: its mutants
   cargo xtask twice [PACKAGE]  builds what is committed in two folders and compares the bytes
   cargo xtask dist             makes what a release consists of in target/dist: the command for the baseline processor, a wheel, source
                                packages, their hashes (minutes)

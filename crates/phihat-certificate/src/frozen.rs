@@ -1,12 +1,10 @@
 //! Stability of a coupled arm at every frozen posture where each joint has a law of its own.
 
 use phihat::VelocitySource;
+use phihat_kernel::{Range, Unproved, frozen};
 use serde::{Deserialize, Serialize};
 
-use crate::check::complex::Disc;
-use crate::check::exclusion::{Family, over_arcs};
-use crate::check::plausible;
-use crate::check::returns::{Return, Returns};
+use crate::check::{linear, plausible};
 use crate::{JointRecord, LoopModel, Refutation, refutation::refuse};
 
 const CLAIM: &str = "laws of their own";
@@ -33,7 +31,7 @@ const CLAIM: &str = "laws of their own";
 ///
 /// # Evidence
 ///
-/// None is needed: [`Self::verify`] cuts the circle into arcs and finds `y/x` for each, by disc arithmetic.
+/// None is needed: [`Self::verify`] finds `y/x` over cells of the circle, in exact arithmetic ([`phihat_kernel::frozen`]).
 ///
 /// # Not claimed
 ///
@@ -63,27 +61,27 @@ impl FrozenArm {
             (of(0) - of(1)).abs() <= f64::EPSILON * of(0)
         });
         Refutation::unless(CLAIM, "all joints are sampled together", 0.0, 1.0, one_clock)?;
-        let mut returns = Vec::with_capacity(loops.len());
         for (record, model) in loops {
             plausible::gains(CLAIM, record)?;
             plausible::model(CLAIM, record, model)?;
-            let own = Returns::new(record, model);
-            let middle = (low * high).sqrt();
-            Family { returns: &own, low: middle, high: middle }
-                .stable(CLAIM, (1.0, 0.0, 0))
-                .map_err(|why| why.on(&record.name))?;
-            returns.push(own);
         }
         one_drive(loops)?;
-        let proved = over_arcs(1.0, |arc| {
-            let sides = returns.iter().map(|own| Sides::of(&own.at(arc.disc), (low, high)));
-            one_circle(sides)
-        });
-        proved.map_err(|theta| {
-            let what = format!(
-                "one circle through −{low:.5} and −{high:.5} has every L_i outside at θ = {theta:.6} rad/sample"
-            );
-            refuse(CLAIM, &what, 0.0, 1.0)
+        let joints = loops.iter().map(|(record, model)| linear::joint(CLAIM, record, model));
+        let joints = joints.collect::<Result<Vec<_>, _>>()?;
+        let range =
+            Range::new(low, high).map_err(|why| refuse(CLAIM, &why.to_string(), low, high))?;
+        frozen(&joints, &range).map_err(|why| match why {
+            Unproved::Unstable { joint } => {
+                let what = "alone at the middle of the range: roots of N + cΔ are inside";
+                let own = refuse(CLAIM, what, low, high);
+                loops.get(joint).map_or(own.clone(), |(record, _)| own.on(&record.name))
+            }
+            why => {
+                let what = format!(
+                    "one circle through −{low:.5} and −{high:.5} has every L_i outside: {why}"
+                );
+                refuse(CLAIM, &what, 0.0, 1.0)
+            }
         })
     }
 }
@@ -98,43 +96,4 @@ fn one_drive(loops: &[(&JointRecord, &LoopModel)]) -> Result<(), Refutation> {
     let same = (1..loops.len()).all(|i| bits(i) == bits(0));
     let what = "with a measured velocity all joints have the same drive";
     Refutation::unless(CLAIM, what, 0.0, 1.0, same || !measured)
-}
-
-/// Bounds of `Re((N + aΔ)(N + bΔ)*)` and `Im(NΔ*)` over an arc.
-struct Sides {
-    apart_low: f64,
-    turned: (f64, f64),
-}
-
-impl Sides {
-    fn of(at: &Return, (low, high): (f64, f64)) -> Self {
-        let conjugate = |disc: Disc| Disc::new(disc.centre.conjugate(), disc.radius);
-        let sum = |end: f64| at.back + at.open.times(end);
-        let apart = sum(low) * conjugate(sum(high));
-        let turned = at.back * conjugate(at.open);
-        let (re, im) = (apart.centre.re, turned.centre.im);
-        Self { apart_low: re - apart.radius, turned: (im - turned.radius, im + turned.radius) }
-    }
-}
-
-/// Returns true if one `κ = y/x` serves all joints: `f + κg > 0` over every box of `f`, `g`.
-fn one_circle(sides: impl Iterator<Item = Sides>) -> bool {
-    // κ ≥ 0 asks `f_low + κ g_low > 0`, κ ≤ 0 `f_low + |κ| (−g_high) > 0`.
-    let mut halves = [(0.0_f64, f64::INFINITY); 2];
-    for Sides { apart_low, turned } in sides {
-        for (half, slope) in halves.iter_mut().zip([turned.0, -turned.1]) {
-            let (least, most) = half;
-            if apart_low > 0.0 {
-                if slope < 0.0 {
-                    *most = most.min(-apart_low / slope);
-                }
-            } else if slope > 0.0 && apart_low.is_finite() {
-                *least = least.max(-apart_low / slope);
-            } else {
-                // NaN is no proof either.
-                *most = -1.0;
-            }
-        }
-    }
-    halves.iter().any(|(least, most)| least * (1.0 + 1e-9) < *most && *most > 0.0)
 }

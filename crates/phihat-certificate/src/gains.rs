@@ -248,7 +248,7 @@ impl Gains {
 
 impl JointRecord {
     /// The core's gains of a law that is fed with velocity.
-    fn gains(&self, form: Form, period: f64) -> Result<JointGains<f64>, GainError> {
+    pub(crate) fn gains(&self, form: Form, period: f64) -> Result<JointGains<f64>, GainError> {
         JointGains::new(&JointDesign {
             inertia: self.inertia_kg_m2,
             kp: self.kp_per_s2,

@@ -5,9 +5,9 @@ use core::f64::consts::{PI, TAU};
 use serde::{Deserialize, Serialize};
 
 use crate::check::decay::{Decay, Output};
-use crate::check::exclusion::on_circle;
+use crate::check::linear;
 use crate::check::plausible::{self, at_most, enough};
-use crate::check::returns::Returns;
+use crate::check::response::{Response, on_circle};
 use crate::check::sample::{Loop, Outside, Signals};
 use crate::{JointRecord, LoopModel, Refutation};
 
@@ -74,7 +74,7 @@ impl TorqueNoise {
         at_most(CLAIM, "0 < quantum", f64::MIN_POSITIVE, self.quantum_rad)?;
         at_most(CLAIM, "quantum < ∞", self.quantum_rad, f64::MAX)?;
         let unit = gains.inertia_kg_m2 * self.quantum_rad;
-        let returns = Returns::new(gains, model);
+        let response = Response::of(&linear::joint(CLAIM, gains, model)?);
         for mu in &self.mu {
             let of = Loop::new(gains, model, *mu);
             let misread = Outside { reading: 1.0, ..Outside::default() };
@@ -82,7 +82,8 @@ impl TorqueNoise {
             let run = Decay::of(CLAIM, &of)?.run(&of, &after);
             let rest = run.left(Output::Torque)[0];
             let all: f64 = first.abs() + run.sum(Output::Torque);
-            let (rms, change_rms) = spectrum(&returns, *mu, (run.seen.len() + 2) as f64);
+            let least = (run.seen.len() + 2) as f64;
+            let (rms, change_rms) = spectrum(&response, (*mu, gains.inertia_kg_m2), least);
             // Products of samples further apart than the run is long, on either side.
             let alias = 2.0 * all * rest;
             let share = unit / 12.0_f64.sqrt();
@@ -98,13 +99,13 @@ impl TorqueNoise {
     }
 }
 
-/// Means of `|H|²` and `|(1 − 1/z)H|²` over at least `least` even points of the circle.
-fn spectrum(returns: &Returns, mu: f64, least: f64) -> (f64, f64) {
+/// Means of `|H|²` and `|(1 − 1/z)H|²`, `H` from a misreading to the torque over `M̄`, over at least `least` even points of the circle.
+fn spectrum(response: &Response, (mu, inertia): (f64, f64), least: f64) -> (f64, f64) {
     let half = (0.5 * least).ceil().max(2.0);
     let (mut size, mut change) = (0.0, 0.0);
     for k in (0..u32::MAX).map(f64::from).take_while(|k| *k <= half) {
         let w = on_circle(PI * k / half);
-        let h = returns.reading_to_torque(w, mu).size();
+        let h = response.reading_to_torque(w, mu) / inertia;
         // Both ends of the half circle stand once on the circle, all between twice.
         let weight = if k > 0.0 && k < half { 1.0 } else { 0.5 };
         size += weight * h * h;

@@ -2,12 +2,14 @@
 
 use core::f64::consts::TAU;
 
+use phihat_kernel::{Joint, Number, Range, Unproved, decays, frozen};
 use serde::{Deserialize, Serialize};
 
 use crate::check::complex::Complex;
-use crate::check::exclusion::{self, Family};
+use crate::check::linear;
 use crate::check::plausible::{self, at_most};
-use crate::check::returns::Returns;
+use crate::check::response::{Response, on_circle};
+use crate::refutation::refuse;
 use crate::{JointRecord, LoopModel, Refutation};
 
 const CLAIM: &str = "inertia window";
@@ -23,7 +25,7 @@ const EDGE: f64 = 1e-4;
 ///
 /// # Evidence
 ///
-/// The two numbers; [`Self::verify`] proves them by zero exclusion, from nothing but gains and model.
+/// The two numbers; [`Self::verify`] proves them in exact arithmetic, from nothing but gains and model.
 ///
 /// # Not claimed
 ///
@@ -67,13 +69,14 @@ impl InertiaWindow {
     ///
     /// [`Refutation`], with the frequency at which the proof fails.
     pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
-        self.verify_decay(gains, model, 0.0)?;
-        let returns = Returns::new(gains, model);
+        let joint = loop_of(gains, model)?;
+        self.stable(&joint)?;
+        let response = Response::of(&joint);
         for (mu, hz) in [(self.low, self.low_hz), (self.high, self.high_hz)] {
             at_most(CLAIM, "0 ≤ frequency of an edge", 0.0, hz)?;
             // An edge without a frequency is where the search ended.
             if hz.abs() > 0.0 {
-                let value = exclusion::crossing(&returns, TAU * hz * model.period_s);
+                let value = response.crossing(on_circle(TAU * hz * model.period_s));
                 let off = (value - Complex::new(mu, 0.0)).size() / mu;
                 at_most(CLAIM, "−L at the edge's frequency is μ", off, EDGE)?;
             }
@@ -92,11 +95,46 @@ impl InertiaWindow {
         model: &LoopModel,
         rate: f64,
     ) -> Result<(), Refutation> {
-        plausible::gains(CLAIM, gains)?;
-        plausible::model(CLAIM, gains, model)?;
-        let returns = Returns::new(gains, model);
-        let radius = (-rate * model.period_s).exp();
-        let Self { low, high, .. } = *self;
-        Family { returns: &returns, low, high }.stable(CLAIM, (radius, 0.0, 0))
+        let joint = loop_of(gains, model)?;
+        let of = |value: f64| Number::of(value).filter(|_| rate >= 0.0);
+        // Below e^{−rate T} by more than its rounding; the kernel looks whether it is.
+        let radius = (-rate * model.period_s).exp() * (1.0 - 4.0 * f64::EPSILON);
+        let proved = of(radius).zip(of(rate)).zip(of(model.period_s)).and_then(
+            |((radius, rate), period)| decays(&radius, &(&rate * &period)).then_some(radius),
+        );
+        let Some(radius) = proved else {
+            return Err(refuse(CLAIM, "0 ≤ rate, and not too large to be told", rate, 0.0));
+        };
+        self.stable(&joint.within(&radius))
     }
+
+    /// Proves all loops of the window stable.
+    pub(crate) fn stable(&self, joint: &Joint) -> Result<(), Refutation> {
+        let Self { low, high, .. } = *self;
+        let range =
+            Range::new(low, high).map_err(|_| refuse(CLAIM, "0 < low ≤ high < ∞", low, high))?;
+        frozen(core::slice::from_ref(joint), &range)
+            .map_err(|why| unproved(CLAIM, joint, (low, high), why))
+    }
+}
+
+fn loop_of(gains: &JointRecord, model: &LoopModel) -> Result<Joint, Refutation> {
+    plausible::gains(CLAIM, gains)?;
+    plausible::model(CLAIM, gains, model)?;
+    linear::joint(CLAIM, gains, model)
+}
+
+/// The refutation where a range of one joint's loops is not proved, with how far `−L` is from the range at the
+/// frequency.
+pub(crate) fn unproved(
+    claim: &str,
+    joint: &Joint,
+    (low, high): (f64, f64),
+    why: Unproved,
+) -> Refutation {
+    let what = format!("N + μΔ ≠ 0 for μ in [{low}, {high}]: {why}");
+    let Unproved::At { theta, .. } = why else { return refuse(claim, &what, low, high) };
+    let value = Response::of(joint).crossing(on_circle(theta));
+    let nearest = Complex::new(value.re.clamp(low, high), 0.0);
+    refuse(claim, &what, (value - nearest).size(), 0.0)
 }

@@ -19,6 +19,7 @@ mod support;
 
 mod continuous;
 mod documents;
+mod exact;
 mod forged_leaves;
 mod forgeries;
 mod positions;

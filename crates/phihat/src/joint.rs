@@ -1,8 +1,11 @@
 //! Inputs, output and state of one joint's law.
 
 use crate::delay::PENDING_MAX;
-use crate::innovation::Filtered;
+use crate::innovation::{Filtered, SECTIONS_MAX};
 use crate::{ORDER_MAX, Real};
+
+/// Number of entries of a [`JointState`].
+pub const STATE_ENTRIES: usize = 2 * ORDER_MAX + 2 + 2 * PENDING_MAX + 1 + 2 * SECTIONS_MAX + 3;
 
 /// Measurement of one joint at one sample.
 ///
@@ -160,6 +163,40 @@ impl<R: Real> JointState<R> {
     /// The last torque commanded \[N·m\].
     pub fn tau(&self) -> R {
         self.tau
+    }
+
+    /// Everything that it remembers, in an order that stays the same within a version; their meaning depends on the form
+    /// of the law. With [`Self::of_entries`] the law can be played: a unit in one entry, and what a sample makes of it.
+    ///
+    /// ```
+    /// use phihat::JointState;
+    /// let state = JointState::<f64>::of_entries(&core::array::from_fn(|i| i as f64));
+    /// assert_eq!(state.entries()[3], 3.0);
+    /// ```
+    pub fn entries(&self) -> [R; STATE_ENTRIES] {
+        let mut own = *self;
+        let mut out = [R::ZERO; STATE_ENTRIES];
+        for (into, value) in out.iter_mut().zip(own.each()) {
+            *into = *value;
+        }
+        out
+    }
+
+    /// A state after some sample that remembers these entries, in the order of [`Self::entries`].
+    pub fn of_entries(entries: &[R; STATE_ENTRIES]) -> Self {
+        let mut state = Self { started: true, ..Self::default() };
+        for (into, value) in state.each().zip(entries) {
+            *into = *value;
+        }
+        state
+    }
+
+    fn each(&mut self) -> impl Iterator<Item = &mut R> {
+        let observer = self.memory.iter_mut().chain(&mut self.carry).chain(&mut self.motion);
+        let torques = self.pending.iter_mut().chain(&mut self.feedforward);
+        let filter = self.filtered.iter_mut().flatten();
+        let last = [&mut self.dq, &mut self.phi_hat, &mut self.tau];
+        observer.chain(torques).chain(filter).chain(last)
     }
 
     /// The answer when nothing can be trusted: the last torque, the state untouched.

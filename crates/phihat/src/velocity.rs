@@ -41,6 +41,13 @@ pub struct VelocityState<R> {
     last: Option<(R, R)>,
 }
 
+impl<R: Real> VelocityState<R> {
+    /// The state after a sample at this position, with this velocity as its answer.
+    pub fn after(q: R, velocity: R) -> Self {
+        Self { last: Some((q, velocity)) }
+    }
+}
+
 impl<R: Real> VelocityFilter<R> {
     /// A filter of a bandwidth \[Hz\] at a sample period \[s\]; `None`: differences only.
     ///

@@ -1,15 +1,15 @@
-//! Laws from positions that filter their innovation: their frequency form against their own samples, these against the
-//! core's, and stability by arcs against the growth of the loop's matrix. Wrong if a filter were left out somewhere,
-//! counted twice, or taken for stable where the loop grows.
+//! Laws from positions that filter their innovation: their samples against the core's, and what the kernel proves of the
+//! core's numbers against the growth of the loop's matrix. Wrong if a filter were left out somewhere, counted twice, or
+//! taken for stable where the loop grows.
 
 use core::f64::consts::{PI, TAU};
 
 use phihat::{Form, JointGains, JointState, Measurement, Reference, TorqueSource, VelocitySource};
+use phihat_kernel::{Number, Range, frozen};
 
-use super::complex::{Complex, Disc};
 use super::decay::Layout;
-use super::exclusion::{Family, crossing};
-use super::returns::Returns;
+use super::linear;
+use super::response::{Response, on_circle};
 use super::sample::Loop;
 use super::sight::Sight;
 use super::tests::plain;
@@ -22,11 +22,11 @@ use crate::{
 const T: f64 = 1e-3;
 
 impl Dice {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * 0.5 * (self.roll() + 1.0)
     }
 
-    fn below(&mut self, end: u32) -> u32 {
+    pub(super) fn below(&mut self, end: u32) -> u32 {
         let x = self.between(0.0, f64::from(end));
         (0..end).take_while(|i| f64::from(*i) <= x).last().unwrap_or(0)
     }
@@ -96,7 +96,7 @@ fn law(dice: &mut Dice, order: usize, sections: usize, delay_samples: u32) -> Jo
 }
 
 /// Every order, number of sections and delay, several times.
-fn laws(seed: u64, times: usize) -> Vec<JointRecord> {
+pub(super) fn laws(seed: u64, times: usize) -> Vec<JointRecord> {
     let mut dice = Dice(seed);
     let mut all = Vec::new();
     for _ in 0..times {
@@ -133,40 +133,6 @@ fn model(dice: &mut Dice, record: &JointRecord) -> LoopModel {
         form: Form::Positions,
         drive_bandwidth_hz: (dice.roll() > 0.4).then(|| dice.between(80.0, 400.0)),
         ..plain()
-    }
-}
-
-/// `Σ u_k z^{−k}` of what is wanted after one reading, or one torque, and `Σ |u_k z^{−k}|`.
-fn summed(sight: &Sight, z: Complex, reading: bool) -> (Complex, f64) {
-    let mut held = vec![0.0; sight.length()];
-    let sent = vec![0.0; sight.sent()];
-    let over = Complex::new(1.0, 0.0).over(z);
-    let (mut sum, mut size, mut power) = (Complex::new(0.0, 0.0), 0.0, Complex::new(1.0, 0.0));
-    for k in 0..3000 {
-        let one = if k == 0 { 1.0 } else { 0.0 };
-        sight.see(&mut held, if reading { 0.0 } else { one }, if reading { one } else { 0.0 });
-        let term = power.times(sight.answer(&held, &sent) / sight.share());
-        (sum, size, power) = (sum + term, size + term.size(), power * over);
-    }
-    (sum, size)
-}
-
-#[test]
-fn the_frequency_form_is_the_sum_of_the_samples() {
-    let mut dice = Dice(41);
-    for record in laws(3, 2) {
-        let sight = Sight::of(&record, T).unwrap();
-        for _ in 0..4 {
-            let turn = dice.between(-PI, PI);
-            let z = Complex::new(1.05 * turn.cos(), 1.05 * turn.sin());
-            let at = sight.at(Disc::new(z - Complex::new(1.0, 0.0), 0.0));
-            for (top, reading) in [(at.reading, true), (at.acted, false)] {
-                let wanted = top.centre.over(at.whole.centre);
-                let (sum, size) = summed(&sight, z, reading);
-                let off = (sum - wanted).size() / size;
-                assert!(off < 1e-9, "{off} {turn} {reading} {record:?}");
-            }
-        }
     }
 }
 
@@ -219,7 +185,7 @@ fn radius(mut a: Matrix) -> f64 {
 }
 
 #[test]
-fn what_is_stable_by_arcs_is_what_does_not_grow() {
+fn what_is_proved_stable_is_what_does_not_grow() {
     let mut dice = Dice(29);
     let (mut stable, mut grows, mut near) = (0, 0, 0);
     for record in filtered(7, 11) {
@@ -231,10 +197,10 @@ fn what_is_stable_by_arcs_is_what_does_not_grow() {
             near += 1;
             continue;
         }
-        let returns = Returns::new(&record, &model);
-        let proved = |radius: f64| {
-            Family { returns: &returns, low: mu, high: mu }.stable("", (radius, 0.0, 0)).is_ok()
-        };
+        let joint = linear::joint("", &record, &model).unwrap();
+        let range = Range::new(mu, mu).unwrap();
+        let proved =
+            |radius: f64| frozen(&[joint.within(&Number::of(radius).unwrap())], &range).is_ok();
         assert_eq!(proved(1.0), found < 1.0, "{found} {mu} {model:?} {record:?}");
         // All roots are where the matrix has them, those of the filter among them.
         assert!(proved(found * 1.001) && !proved(found * 0.999), "{found} {mu} {record:?}");
@@ -314,8 +280,9 @@ fn windowed(
     if radius(Layout::of(&of).matrix(&of)) > 1.0 - 1e-4 {
         return None;
     }
-    let returns = Returns::new(&record, &model);
-    let turned = |theta: f64| crossing(&returns, theta).im;
+    let response = Response::of(&linear::joint("", &record, &model).unwrap());
+    let crossing = |theta: f64| response.crossing(on_circle(theta));
+    let turned = |theta: f64| crossing(theta).im;
     let mut edges = [(0.0, 0.0), (f64::INFINITY, 0.0)];
     let grid: Vec<f64> =
         (0..4000).map(|k| PI * 1e-3_f64.powf(1.0 - f64::from(k) / 3999.0)).collect();
@@ -328,7 +295,7 @@ fn windowed(
             let middle = 0.5 * (a + b);
             if turned(a) * turned(middle) > 0.0 { a = middle } else { b = middle }
         }
-        let mu = crossing(&returns, a).re;
+        let mu = crossing(a).re;
         let hz = a / (TAU * T);
         if mu > edges[0].0 && mu < 1.0 {
             edges[0] = (mu, hz);

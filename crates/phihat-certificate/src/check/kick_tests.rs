@@ -4,9 +4,11 @@
 
 use phihat::{Form, JointState, Measurement, Reference, TorqueSource, VelocitySource};
 
-use super::complex::{Complex, Disc};
+use phihat_kernel::{Number, Polynomial};
+
+use super::complex::Complex;
 use super::filter_tests::core;
-use super::returns::Returns;
+use super::linear;
 use crate::{FilterSection, JointRecord, LoopModel, PositionObserver};
 
 /// The torques that act, in units of `M̄`, where the joint is at `q`.
@@ -63,20 +65,23 @@ fn the_loop_answers_an_acceleration_and_a_kick_as_the_core_does() {
         let half = 0.5 * t * t;
         let pushed = |k: u32| if k == 0 { 0.0 } else { half + t * t * f64::from(k - 1) };
         let kicked = |k: u32| if k == 0 { 0.0 } else { half };
-        let returns = Returns::new(&record, &model);
+        let joint = linear::joint("", &record, &model).unwrap();
         for turn in [0.0_f64, 0.3, 1.4, 2.9] {
             let z = Complex::new(2.0 * turn.cos(), 2.0 * turn.sin());
-            let w = Disc::new(z - Complex::new(1.0, 0.0), 0.0);
-            let (at, kick) = (returns.at(w), returns.kicked(w));
+            let value = |p: &Polynomial| {
+                let none = Complex::new(0.0, 0.0);
+                let c = p.coefficients().iter().map(Number::near);
+                c.rev().fold(none, |sum, c| sum * z + Complex::new(c, 0.0))
+            };
             for (seen, back) in [
-                (answer(&record, &model, pushed), at.back),
-                (answer(&record, &model, kicked), kick),
+                (answer(&record, &model, pushed), &joint.back),
+                (answer(&record, &model, kicked), joint.kick.as_ref().unwrap()),
             ] {
                 let mut sum = Complex::new(0.0, 0.0);
                 for torque in seen.unwrap_or_default().iter().rev() {
                     sum = sum.over(z) + Complex::new(*torque, 0.0);
                 }
-                let wanted = -back.centre.over(at.open.centre);
+                let wanted = -value(back).over(value(&joint.open));
                 let off = (sum - wanted).size() / wanted.size();
                 assert!(off < 1e-9, "{off} {turn} {order} {delay_samples} {late} {count}");
             }

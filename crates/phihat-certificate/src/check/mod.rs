@@ -4,13 +4,14 @@ pub(crate) mod agree;
 pub(crate) mod complex;
 pub(crate) mod decay;
 pub(crate) mod definite;
+pub(crate) mod drive;
 pub(crate) mod estimator;
-pub(crate) mod exclusion;
 pub(crate) mod free;
 pub(crate) mod integral;
+pub(crate) mod linear;
 pub(crate) mod plausible;
 pub(crate) mod polynomial;
-pub(crate) mod returns;
+pub(crate) mod response;
 pub(crate) mod sample;
 pub(crate) mod sight;
 
@@ -18,5 +19,7 @@ pub(crate) mod sight;
 mod filter_tests;
 #[cfg(test)]
 mod kick_tests;
+#[cfg(test)]
+mod linear_tests;
 #[cfg(test)]
 pub(crate) mod tests;

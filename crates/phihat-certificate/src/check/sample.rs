@@ -1,8 +1,8 @@
 //! One sample of the closed loop, signal by signal, in the frame of a reference that moves with a constant
 //! acceleration.
 
+use super::drive::{Drive, filter, literal};
 use super::estimator;
-use super::returns::{Drive, filter, literal};
 use super::sight::Sight;
 use crate::{JointRecord, LoopModel};
 use phihat::{Form, TorqueSource, VelocitySource};

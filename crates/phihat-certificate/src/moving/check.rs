@@ -1,9 +1,11 @@
 //! Checking stability while moving: the joints' gains and loops, nothing else.
 
-use super::arcs::Proof;
+use phihat_kernel::{Joint, Motion, Range, Unproved, moving};
+
 use super::document::{Moving, Unstable};
-use crate::check::plausible;
-use crate::check::returns::Returns;
+use crate::check::complex::Complex;
+use crate::check::response::{Response, on_circle};
+use crate::check::{linear, plausible};
 use crate::{JointRecord, LoopModel, Refutation};
 
 pub(super) const CLAIM: &str = "stability while moving";
@@ -22,38 +24,39 @@ impl Moving {
             let sensible = needed >= 0.0 && needed.is_finite();
             Refutation::unless(CLAIM, "0 ≤ needed rate < ∞", needed, 0.0, sensible)?;
         }
-        let some = !loops.is_empty();
-        Refutation::unless(CLAIM, "there is a joint", 0.0, 1.0, some)?;
+        one_clock(CLAIM, loops)?;
         for (i, (gains, model)) in loops.iter().enumerate() {
             let (delta, _) = self.step(model.period_s);
             let same = (self.delta - delta).abs() <= 1e-9 * delta;
             Refutation::unless(CLAIM, "δ = rate·T (1 + χ²/12)", self.delta, delta, same)?;
-            let (own, first) = (model.period_s, loops[0].1.period_s);
-            let one_clock = (own - first).abs() <= f64::EPSILON * first;
-            Refutation::unless(CLAIM, "all joints are sampled together", own, first, one_clock)?;
             if loops[..i].iter().any(|before| same_loop(before, (gains, model))) {
                 continue;
             }
-            self.stable(gains, model).map_err(|why| refused(why).on(&gains.name))?;
+            self.stable(gains, model).map_err(|why| refused(CLAIM, why).on(&gains.name))?;
         }
         Ok(())
     }
 
-    /// The proof alone, for one of the joints: whoever looks for a multiplier learns at which frequency it fails.
+    /// The proof alone, for one of the joints, in exact arithmetic: whoever looks for a multiplier learns at which frequency it fails.
     ///
     /// # Errors
     ///
     /// The first inequality that does not hold.
     pub fn stable(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Unstable> {
-        let refused = |why: Refutation| Unstable::new(why.inequality, 0.0, (why.left, why.right));
-        plausible::gains(CLAIM, gains).map_err(refused)?;
-        plausible::model(CLAIM, gains, model).map_err(refused)?;
+        let joint = joint(CLAIM, gains, model)?;
         self.plausible()?;
-        if let Some(hz) = model.drive_bandwidth_hz {
-            let what = "the torque acts at once: a drive's lag is not in the proof";
-            return Err(Unstable::new(what.to_owned(), 0.0, (hz, f64::MAX)));
-        }
-        Proof::new(self, &Returns::new(gains, model), model.period_s).run()
+        let nonsense =
+            |_| Unstable::new("0 < low ≤ high < ∞".to_owned(), 0.0, (self.low, self.high));
+        let motion = Motion {
+            range: Range::new(self.low, self.high).map_err(nonsense)?,
+            rate: self.rate_per_s,
+            period: model.period_s,
+            drift: self.drift,
+            taps: &self.h,
+        };
+        let what = "|N + cΔ|² + y Im(NΔ*) > (r² + κ + λη²)(|Δ|² + |K|²/λ) + |K|²y²/4λ";
+        moving(core::slice::from_ref(&joint), &motion)
+            .map_err(|why| unproved(&joint, (self.low, self.high), what, why))
     }
 
     fn plausible(&self) -> Result<(), Unstable> {
@@ -72,13 +75,58 @@ impl Moving {
     }
 }
 
-fn refused(why: Unstable) -> Refutation {
+/// The loop of a joint whose torque acts at once.
+pub(super) fn joint(
+    claim: &str,
+    gains: &JointRecord,
+    model: &LoopModel,
+) -> Result<Joint, Unstable> {
+    let refused = |why: Refutation| Unstable::new(why.inequality, 0.0, (why.left, why.right));
+    plausible::gains(claim, gains).map_err(refused)?;
+    plausible::model(claim, gains, model).map_err(refused)?;
+    if let Some(hz) = model.drive_bandwidth_hz {
+        let what = "the torque acts at once: a drive's lag is not in the proof";
+        return Err(Unstable::new(what.to_owned(), 0.0, (hz, f64::MAX)));
+    }
+    linear::joint(claim, gains, model).map_err(refused)
+}
+
+/// The inequality that fails, with `|L + c|` and `r` at the frequency, between which motion has no room.
+pub(super) fn unproved(
+    joint: &Joint,
+    (low, high): (f64, f64),
+    what: &str,
+    why: Unproved,
+) -> Unstable {
+    let theta = if let Unproved::At { theta, .. } = why { theta } else { 0.0 };
+    let middle = Complex::new(0.5 * (low + high), 0.0);
+    let left = (middle - Response::of(joint).crossing(on_circle(theta))).size();
+    Unstable::new(format!("{what}: {why}"), theta, (left, 0.5 * (high - low)))
+}
+
+pub(super) fn refused(claim: &str, why: Unstable) -> Refutation {
     let Unstable { inequality, left, right, .. } = why;
-    Refutation { claim: CLAIM.to_owned(), inequality, left, right }
+    Refutation { claim: claim.to_owned(), inequality, left, right }
+}
+
+/// There are joints, and all are sampled together.
+pub(super) fn one_clock(
+    claim: &str,
+    loops: &[(&JointRecord, &LoopModel)],
+) -> Result<(), Refutation> {
+    let first = loops.first().map(|(_, model)| model.period_s);
+    Refutation::unless(claim, "there is a joint", 0.0, 1.0, first.is_some())?;
+    let first = first.unwrap_or_default();
+    let other = loops.iter().find(|(_, own)| (own.period_s - first).abs() > f64::EPSILON * first);
+    let own = other.map_or(first, |(_, model)| model.period_s);
+    Refutation::unless(claim, "all joints are sampled together", own, first, other.is_none())
 }
 
 /// Returns true if two joints differ in name and `M̄` alone.
-fn same_loop(one: &(&JointRecord, &LoopModel), other: (&JointRecord, &LoopModel)) -> bool {
+pub(super) fn same_loop(
+    one: &(&JointRecord, &LoopModel),
+    other: (&JointRecord, &LoopModel),
+) -> bool {
     let named = JointRecord {
         name: other.0.name.clone(),
         inertia_kg_m2: other.0.inertia_kg_m2,

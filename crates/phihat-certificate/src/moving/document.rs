@@ -40,12 +40,13 @@ use serde::{Deserialize, Serialize};
 ///
 /// # Evidence
 ///
-/// `h`, `λ`, the same for all joints. (M2) is proved by cells of frequency, joint by joint, as is the stability at `c`.
+/// `h`, `λ`, the same for all joints. (M2) and the stability at `c` are proved joint by joint, in exact arithmetic
+/// ([`phihat_kernel::moving`]).
 ///
 /// # Not claimed
 ///
 /// Coriolis and viscous torque and the gradient of gravity, which are part of the moving arm's loop too; a drive with a
-/// bandwidth; limits in action. Double precision with an allowance for rounding.
+/// bandwidth; limits in action.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Moving {

@@ -1,7 +1,6 @@
 //! Inertia that changes at a bounded rate: stability of the coupled arm while it moves.
 
 mod any_speed;
-mod arcs;
 mod check;
 mod document;
 

@@ -1,0 +1,49 @@
+//! Numbers of a drive, of a velocity filter and of the literal form.
+
+use core::f64::consts::TAU;
+
+use crate::{JointRecord, LoopModel};
+
+/// A first-order drive over one interval.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Drive {
+    /// `ℓ = 1 − e^{−ωT}`.
+    pub(crate) lost: f64,
+    /// `c = (1/T) ∫_0^T e^{−ωt} dt`.
+    pub(crate) mean: f64,
+    /// `D = ∫_0^T (T − t) e^{−ωt} dt` \[s²\].
+    pub(crate) double: f64,
+}
+
+impl Drive {
+    /// The drive of a loop; `None`: torque acts at once.
+    pub(crate) fn of(model: &LoopModel) -> Option<Self> {
+        model.drive_bandwidth_hz.map(|hz| {
+            let x = TAU * hz * model.period_s;
+            let lost = -(-x).exp_m1();
+            // (x − ℓ)/x² by its series where the difference would cancel.
+            let bent = if x < 0.03 {
+                0.5 - x / 6.0 + x * x / 24.0 - x * x * x / 120.0 + x * x * x * x / 720.0
+            } else {
+                (x - lost) / (x * x)
+            };
+            Self { lost, mean: lost / x, double: bent * model.period_s * model.period_s }
+        })
+    }
+}
+
+/// Gain of the velocity's low-pass per sample; `None`: no filter.
+pub(crate) fn filter(model: &LoopModel) -> Option<f64> {
+    model.velocity_filter_hz.map(|hz| -(-TAU * hz * model.period_s).exp_m1())
+}
+
+/// `k_1 … k_{m+2}` of (16), the coefficients of `D(s)(a_{m−1}s^{m−1} + … + a_0)`, ascending.
+pub(crate) fn literal(record: &JointRecord) -> Vec<f64> {
+    let mut k = vec![0.0; record.a.len() + 2];
+    for (i, a) in record.a.iter().enumerate() {
+        for (j, d) in [record.kp_per_s2, record.kd_per_s, 1.0].into_iter().enumerate() {
+            k[i + j] += a * d;
+        }
+    }
+    k
+}
