@@ -60,7 +60,7 @@ const CRATES: [Row; 23] = [
     (
         "phihat-report",
         &["phihat-design", "phihat-sim"],
-        "the drawing kit (`kit`) and the page of a run: a pure function of recorded data, which runs nothing and does no I/O. It cannot see the paper or a rival",
+        "figures as data and the one drawer of them (`kit`), and the page of a run: a pure function of recorded data, which runs nothing and does no I/O. It cannot see the paper or a rival",
     ),
     (
         "phihat-synthesis",
@@ -113,7 +113,7 @@ const CRATES: [Row; 23] = [
             "phihat-sim",
             "phihat-study",
         ],
-        "many runs with one answer: runner and resumable journal; the fault matrix, the sweep, their pages; rollouts, which leave arrays",
+        "many runs with one answer: runner and resumable journal; the fault matrix, the sweep, their pages; rollouts, which leave arrays; `statistics/`, the one place for them",
     ),
     (
         "phihat-compare",
@@ -129,8 +129,7 @@ const CRATES: [Row; 23] = [
             "phihat-study",
             "phihat-synthesis",
         ],
-        "the rivals tuned alike, run in the same worlds and judged, and the page of it; `fronts/` the comparison at equal noise, `protocol/` its parts, \
-         `statistics/` pure functions of figures",
+        "the rivals tuned alike, run in the same worlds and judged, and the page of it; `fronts/` the comparison at equal noise, `protocol/` its parts",
     ),
     (
         "phihat-studio",
@@ -152,6 +151,7 @@ const CRATES: [Row; 23] = [
         "phihat-paper",
         &[
             "phihat",
+            "phihat-campaign",
             "phihat-compare",
             "phihat-design",
             "phihat-model",

@@ -3,6 +3,7 @@
 use core::fmt;
 use std::collections::BTreeMap;
 
+use phihat_campaign::statistics::quantile;
 use serde::{Deserialize, Serialize};
 
 use crate::record::{Ended, Record};
@@ -12,7 +13,7 @@ const SMALL: f64 = 0.15;
 
 /// Distribution of the ratio of bounds to measured values.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Spread {
+pub struct RatioSpread {
     /// Joints.
     pub count: usize,
     /// In the middle.
@@ -39,15 +40,15 @@ pub struct Summary {
     /// Of what was drawn: certified trials, and those broken.
     pub by_tag: BTreeMap<String, (usize, usize)>,
     /// Bound over measured error, on joints with the larger errors.
-    pub ratio_large: Option<Spread>,
+    pub ratio_large: Option<RatioSpread>,
     /// Likewise on joints below 15 % of the arm's largest.
-    pub ratio_small: Option<Spread>,
+    pub ratio_small: Option<RatioSpread>,
     /// Likewise on all joints with laws from positions.
-    pub ratio_positions: Option<Spread>,
+    pub ratio_positions: Option<RatioSpread>,
     /// There, bound over measured change of torque per sample, of the steady part.
-    pub ratio_step: Option<Spread>,
+    pub ratio_step: Option<RatioSpread>,
     /// There, reached over claimed coupled gains.
-    pub reached: Option<Spread>,
+    pub reached: Option<RatioSpread>,
     /// Results of `verify --study` for tubes of laws from positions, with their counts.
     pub derived: BTreeMap<String, usize>,
     /// Runs by other simulators, and what of studies they do not know.
@@ -117,8 +118,8 @@ impl Summary {
             }
         }
         summary.positions(records);
-        summary.ratio_large = spread(large);
-        summary.ratio_small = spread(small);
+        summary.ratio_large = spread(&large);
+        summary.ratio_small = spread(&small);
         summary
     }
 
@@ -127,21 +128,21 @@ impl Summary {
         let own = || records.iter().filter(|r| r.tags.iter().any(|tag| tag == "positions"));
         let joints = || own().flat_map(|record| &record.found);
         let errors = joints().filter(|j| j.error_rad > 0.0).map(|j| j.bound_rad / j.error_rad);
-        self.ratio_positions = spread(errors.collect());
+        self.ratio_positions = spread(&errors.collect::<Vec<_>>());
         let steps = joints().filter(|j| j.step_nm > 0.0 && j.step_bound_nm > 0.0);
-        self.ratio_step = spread(steps.map(|j| j.step_bound_nm / j.step_nm).collect());
-        self.reached = spread(own().filter_map(|record| record.at_rest).collect());
+        self.ratio_step = spread(&steps.map(|j| j.step_bound_nm / j.step_nm).collect::<Vec<_>>());
+        self.reached = spread(&own().filter_map(|record| record.at_rest).collect::<Vec<_>>());
         for told in own().filter_map(|record| record.derived.as_ref()) {
             *self.derived.entry(short(told)).or_default() += 1;
         }
     }
 }
 
-fn spread(mut ratios: Vec<f64>) -> Option<Spread> {
-    ratios.sort_by(f64::total_cmp);
-    let last = ratios.len().checked_sub(1)?;
-    let [median, ninth_decile, worst] = [ratios[last / 2], ratios[last * 9 / 10], ratios[last]];
-    Some(Spread { count: ratios.len(), median, ninth_decile, worst })
+/// `None` of none; a ratio that is no number leaves no number.
+fn spread(ratios: &[f64]) -> Option<RatioSpread> {
+    let at = |share: f64| quantile(ratios, share).unwrap_or(f64::NAN);
+    let (count, median, ninth_decile, worst) = (ratios.len(), at(0.5), at(0.9), at(1.0));
+    (count > 0).then_some(RatioSpread { count, median, ninth_decile, worst })
 }
 
 /// A reason without its figures, so that equal reasons count together.
@@ -184,7 +185,7 @@ impl fmt::Display for Summary {
             ("laws from positions: bound over measured torque step", self.ratio_step),
             ("laws from positions: reached over claimed coupled gains", self.reached),
         ] {
-            if let Some(Spread { count, median, ninth_decile, worst }) = spread {
+            if let Some(RatioSpread { count, median, ninth_decile, worst }) = spread {
                 writeln!(
                     f,
                     "{name}: median {median:.2}, 90 % below {ninth_decile:.2}, worst {worst:.2} \

@@ -12,7 +12,7 @@
 //! break, and says what became of it.
 //!
 //! [`sweep`] draws the numbers of a study anew in every run; [`rollouts`] gets them as arguments and returns
-//! arrays.
+//! arrays. [`statistics`] is what is said of many of them.
 #![forbid(unsafe_code)]
 
 mod chunks;
@@ -22,6 +22,7 @@ mod journal;
 mod page;
 pub mod rollouts;
 mod runner;
+pub mod statistics;
 pub mod sweep;
 
 pub use chunks::{ChunksError, Layout, RowFile, Shard, run_chunks};

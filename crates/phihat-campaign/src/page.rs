@@ -6,6 +6,7 @@ use maud::{Markup, html};
 use phihat_report::kit::MILLI;
 use phihat_report::kit::Page;
 use phihat_report::kit::number::{number, stated};
+use phihat_report::kit::shade::{Shade, shades};
 use phihat_report::kit::text::{line, parted};
 
 /// The self-contained page of a fault matrix. `command` is the one that made it, without `--only`.
@@ -49,6 +50,17 @@ fn verdict(summary: &Summary) -> Markup {
     } }
 }
 
+/// Shades of the heat map: excursion over its bar.
+const KEY: [(Shade, &str); 7] = [
+    (Shade::Step(0), "to 25 %"),
+    (Shade::Step(1), "to 50 %"),
+    (Shade::Step(2), "to 75 %"),
+    (Shade::Step(3), "to 100 %"),
+    (Shade::Beyond, "▲ beyond"),
+    (Shade::Broken, "✗ something else missed"),
+    (Shade::None, "no bar: listed"),
+];
+
 /// Arm and order, in the order of the runs.
 fn columns(summary: &Summary) -> Vec<(&str, usize)> {
     let mut columns: Vec<(&str, usize)> = Vec::new();
@@ -67,9 +79,7 @@ fn heat_map(summary: &Summary) -> Markup {
         h2 id="map" { "Heat map" }
         p.key {
             "Worst excursion over the seeds, in mrad (mm where an arm's joints slide), against its bar: "
-            span.h0 { "to 25 %" } span.h1 { "to 50 %" } span.h2 { "to 75 %" } span.h3 { "to 100 %" }
-            span.hmissed { "▲ beyond" } span.hbroken { "✗ something else missed" }
-            span.hlisted { "no bar: listed" }
+            (shades(&KEY))
         }
         div.scroll tabindex="0" role="region" aria-label="Table: heat map of faults" {
             table.map {
@@ -114,29 +124,26 @@ fn cell(summary: &Summary, fault: &FaultRecord, severity: usize, at: (&str, usiz
     let worst = worst.fold(0.0, f64::max);
     let bar = fault.bars.get(severity - 1);
     let missed = || runs.iter().flat_map(|run| &run.missed);
-    let (class, mark) = if missed().any(|miss| *miss != Miss::Excursion) {
-        ("hbroken", "✗ ")
+    let (shade, mark) = if missed().any(|miss| *miss != Miss::Excursion) {
+        (Shade::Broken, "✗ ")
     } else if missed().next().is_some() {
-        ("hmissed", "▲ ")
+        (Shade::Beyond, "▲ ")
     } else {
         (shade(worst, bar), "")
     };
     let stopped = runs.iter().filter_map(|run| run.cell()).filter(|c| c.stopped.is_some()).count();
     let (first_of_arm, level) = ((severity == 1).then_some("first"), level(fault, severity));
-    html! { td class={ (class) @if let Some(first) = first_of_arm { " " (first) } } { a href=(format!("#{}", anchor(&first.name))) {
+    html! { td class={ (shade.class()) @if let Some(first) = first_of_arm { " " (first) } } { a href=(format!("#{}", anchor(&first.name))) {
         (mark) (number(MILLI * worst))
         span.note { (level) " · " @if stopped == 0 { "goes on" } @else if runs.len() == 1 { "stops" } @else { (stopped) " of " (runs.len()) " stop" } }
     } } }
 }
 
-fn shade(excursion: f64, bar: Option<&Bar>) -> &'static str {
-    match bar.and_then(|bar| bar.excursion_rad) {
-        None => "hlisted",
-        Some(most) if excursion <= 0.25 * most => "h0",
-        Some(most) if excursion <= 0.5 * most => "h1",
-        Some(most) if excursion <= 0.75 * most => "h2",
-        Some(_) => "h3",
-    }
+fn shade(excursion: f64, bar: Option<&Bar>) -> Shade {
+    let most = bar.and_then(|bar| bar.excursion_rad);
+    most.map_or(Shade::None, |most| {
+        Shade::of(excursion, [0.25, 0.5, 0.75].map(|share| share * most))
+    })
 }
 
 /// A run's name as the target of a link.

@@ -7,7 +7,7 @@ use clap::Args;
 use comfy_table::CellAlignment;
 use phihat_campaign::Shard;
 use phihat_compare::fronts::{AtCap, Fronts, FrontsAnswer, FrontsOptions};
-use phihat_compare::statistics::{Spread, Standing};
+use phihat_campaign::statistics::{Spread, Standing};
 use serde_json::json;
 
 use crate::failure::Failure;

@@ -1,5 +1,6 @@
 //! Outcome of a run, its figures, and its trace in few numbers.
 
+use phihat_campaign::statistics::rms;
 use phihat_sim::{JointTrace, Outcome, Trace};
 use phihat_study::Study;
 
@@ -154,10 +155,6 @@ fn round(value: f64) -> f32 {
 
 fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
-}
-
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
 fn mean_step(tau: &[f64]) -> f64 {

@@ -38,7 +38,6 @@ mod rows;
 mod run;
 mod run_outcome;
 mod score;
-pub mod statistics;
 #[cfg(test)]
 mod sure;
 mod trial;

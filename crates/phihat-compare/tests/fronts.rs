@@ -4,8 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use phihat_campaign::Shard;
+use phihat_campaign::statistics::{Bootstrap, ErrorTable, ratio};
 use phihat_compare::fronts::{Fronts, FrontsAnswer, FrontsOptions, Restart, Tier};
-use phihat_compare::statistics::{Bootstrap, ErrorTable, ratio};
 
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))

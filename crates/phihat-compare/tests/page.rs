@@ -191,13 +191,14 @@ fn marks_lie_where_their_figures_are() {
     let page = comparison_page(&all, COMMAND);
     let document = Html::parse_document(&page);
     let plot = select(&document, "figure.plot > svg")[0];
-    let place = |at: &str| -> [f64; 2] {
-        let numbers = at.trim_start_matches("translate(").trim_end_matches(')').split(' ');
-        numbers.map(|n| n.parse().unwrap()).collect::<Vec<_>>().try_into().unwrap()
+    // A mark's path begins at its middle, `M x y`, and goes on relative to it.
+    let place = |path: &str| -> [f64; 2] {
+        let at = path.trim_start_matches('M').split('m').next().unwrap();
+        at.split(' ').map(|n| n.parse().unwrap()).collect::<Vec<_>>().try_into().unwrap()
     };
-    let marks = Selector::parse("path.mark").unwrap();
+    let marks = Selector::parse("g.mark > a > path").unwrap();
     let at: Vec<_> =
-        plot.select(&marks).map(|path| place(path.value().attr("transform").unwrap())).collect();
+        plot.select(&marks).map(|path| place(path.value().attr("d").unwrap())).collect();
     assert_eq!(at.len(), IDS.len());
     // Decades of error are equal steps up, and the noise is their root: all on one straight line.
     let step = at[1][1] - at[0][1];

@@ -1,8 +1,7 @@
 //! Small words for putting a [`Section`](crate::record::Section) together.
 
-use super::record::{
-    Axis, Bound, Content, Figure, Number, Origin, Panel, Section, Series, Statement, Table, Verdict,
-};
+use super::record::{Number, Origin, Section, Statement, Table, Verdict};
+use phihat_report::kit::figure::{Axis, Bound, Figure, Panel, Series};
 
 /// Most points of a curve: more than a figure can show.
 const POINTS: usize = 600;
@@ -25,17 +24,17 @@ pub(crate) fn words<S: AsRef<str>>(words: &[S]) -> Vec<String> {
 
 /// A linear axis over its data.
 pub(crate) fn axis(label: &str) -> Axis {
-    Axis { label: label.to_owned(), log: false, range: None }
+    Axis::new(label)
 }
 
 /// A linear axis with stated ends.
 pub(crate) fn axis_over(label: &str, from: f64, to: f64) -> Axis {
-    Axis { range: Some([from, to]), ..axis(label) }
+    Axis::new(label).over(from, to)
 }
 
 /// A logarithmic axis over its data.
 pub(crate) fn log_axis(label: &str) -> Axis {
-    Axis { log: true, ..axis(label) }
+    Axis::log(label)
 }
 
 /// A curve, thinned evenly to what a figure can show; the last point stays.
@@ -46,7 +45,7 @@ pub(crate) fn curve(label: &str, points: impl IntoIterator<Item = [f64; 2]>) -> 
     if let Some(last) = all.last().filter(|last| points.last() != Some(*last)) {
         points.push(*last);
     }
-    Series { label: label.to_owned(), points, marks: false }
+    Series::curve(label, points)
 }
 
 /// A curve in the plane, thinned evenly along its way: what is quick keeps its shape. The ends stay.
@@ -67,17 +66,17 @@ pub(crate) fn way(label: &str, points: impl IntoIterator<Item = [f64; 2]>) -> Se
     if let Some(last) = all.last().filter(|last| points.last() != Some(*last)) {
         points.push(*last);
     }
-    Series { label: label.to_owned(), points, marks: false }
+    Series::curve(label, points)
 }
 
 /// Marked points.
 pub(crate) fn marks(label: &str, points: Vec<[f64; 2]>) -> Series {
-    Series { label: label.to_owned(), points, marks: true }
+    Series::marks(label, points)
 }
 
 /// A bound on both sides of zero.
 pub(crate) fn bound(label: &str, value: f64) -> Bound {
-    Bound { label: label.to_owned(), value, both: true }
+    Bound { both: true, ..Bound::at(label, value) }
 }
 
 /// A panel of curves.
@@ -87,8 +86,7 @@ pub(crate) fn lines(
     series: Vec<Series>,
     bounds: Vec<Bound>,
 ) -> Panel {
-    let content = Content::Lines { series, bounds };
-    Panel { title: title.to_owned(), x, y, equal: false, content }
+    Panel::lines(title, (x, y), series, bounds)
 }
 
 /// A number of three digits in the unit that suits it, `—` for none.

@@ -46,7 +46,6 @@ pub use own::{
 pub use page::reproduction_page;
 pub use part::{Extent, Part, PartError};
 pub use record::{
-    Assumption, Axis, Bound, Content, FORMAT, Figure, Number, Origin, Panel, Reproduction, Section,
-    Series, Statement, Table, Verdict,
+    Assumption, FORMAT, Number, Origin, Reproduction, Section, Statement, Table, Verdict,
 };
 pub use reproduce::{ReproduceError, parts, reproduce, reproduce_only, studies};

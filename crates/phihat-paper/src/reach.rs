@@ -10,7 +10,8 @@ use phihat_study::Study;
 
 use super::compose::{figure, log_axis, number, section, statement, table, three};
 use crate::part::{Extent, Part, PartError};
-use crate::record::{Assumption, Content, Figure, Panel, Section, Statement, Verdict};
+use crate::record::{Assumption, Section, Statement, Verdict};
+use phihat_report::kit::figure::{Content, Figure, Panel};
 
 /// Arms of the maps.
 const ARMS: [&str; 2] = ["planar3r", "panda"];
@@ -256,13 +257,13 @@ fn map_figure(maps: Vec<Mapped>, rates: &[f64], scales: &[f64]) -> Figure {
         title: format!("{}, {}", map.arm, map.law),
         x: log_axis("sample rate [Hz]"),
         y: log_axis("inertia over the arm's"),
-        equal: false,
         content: Content::Map {
             x: rates.to_vec(),
             y: scales.to_vec(),
             cells: map.cells,
             classes: CLASSES.map(str::to_owned).into(),
         },
+        ..Panel::default()
     };
     let caption = "Where the sampled loop is stable at every posture: the law as printed holds in a band of inertia, whose lower edge falls \
                    with the sample rate. With one nominal inertia per joint the arm's size no longer matters.";

@@ -1,5 +1,6 @@
 //! Record of a reproduction of the paper, as data: statements with verdicts, tables and figures.
 
+use phihat_report::kit::figure::{Content, Figure};
 use serde::{Deserialize, Serialize};
 
 use crate::item::Item;
@@ -201,89 +202,4 @@ pub struct Table {
     pub columns: Vec<String>,
     /// Rows, each as long as `columns`.
     pub rows: Vec<Vec<String>>,
-}
-
-/// One figure of one or more panels.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Figure {
-    /// Short name, unique, the file's stem: `fig-07`.
-    pub id: String,
-    /// Title.
-    pub title: String,
-    /// Caption: what to note in it, and what differs from the paper's.
-    pub caption: String,
-    /// Its panels, in reading order.
-    pub panels: Vec<Panel>,
-}
-
-/// One pair of axes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Panel {
-    /// Its title.
-    pub title: String,
-    /// Horizontal axis.
-    pub x: Axis,
-    /// Vertical axis.
-    pub y: Axis,
-    /// True if a unit is as long on both axes.
-    pub equal: bool,
-    /// Contents.
-    pub content: Content,
-}
-
-/// An axis.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Axis {
-    /// Label with the unit in brackets: `t [s]`.
-    pub label: String,
-    /// True if it is logarithmic.
-    pub log: bool,
-    /// Ends; `None`: those of the data.
-    pub range: Option<[f64; 2]>,
-}
-
-/// Contents of a panel.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Content {
-    /// Curves, and lines across that they shall not cross.
-    Lines {
-        /// The curves, six at most.
-        series: Vec<Series>,
-        /// Bounds, drawn at `±` where `both`.
-        bounds: Vec<Bound>,
-    },
-    /// A map of classes: `cells[i][j]` is the class at `x[j]`, `y[i]`.
-    Map {
-        /// Places along the horizontal axis.
-        x: Vec<f64>,
-        /// Places along the vertical axis.
-        y: Vec<f64>,
-        /// Class of every place.
-        cells: Vec<Vec<u8>>,
-        /// Meanings of the classes, six at most.
-        classes: Vec<String>,
-    },
-}
-
-/// A curve.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Series {
-    /// Label of the curve.
-    pub label: String,
-    /// Points `[x, y]`, thinned to what a figure can show.
-    pub points: Vec<[f64; 2]>,
-    /// True if points are marked and not joined.
-    pub marks: bool,
-}
-
-/// A line across a panel.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Bound {
-    /// Label of the line.
-    pub label: String,
-    /// Position on the vertical axis.
-    pub value: f64,
-    /// True if it is drawn at `−value` too.
-    pub both: bool,
 }

@@ -2,9 +2,9 @@
 //! a unit of an equal panel not as long on both, or a key or label missing.
 #![allow(clippy::float_cmp, reason = "in a test a panic is the report")]
 
-use phihat_paper::{
-    Bound, Content, Figure, Panel, Reproduction, Section, Series, reproduction_figures,
-};
+use phihat_paper::{Reproduction, Section, reproduction_figures};
+use phihat_report::kit::draw::FigureSize;
+use phihat_report::kit::figure::{Bound, Content, Figure, Panel, Series};
 use roxmltree::{Document, Node};
 
 use crate::support::{axis, reproduction};
@@ -27,36 +27,47 @@ fn figure(panels: Vec<Panel>) -> Figure {
 }
 
 fn series(points: Vec<[f64; 2]>, marks: bool) -> Series {
-    Series { label: "curve".into(), points, marks }
+    Series { marks, ..Series::curve("curve", points) }
 }
 
 fn number(node: &Node<'_, '_>, key: &str) -> f64 {
     node.attribute(key).unwrap().parse().unwrap()
 }
 
-/// Points of every element of a name and colour.
-fn points(document: &Document<'_>, name: &str, key: &str, colour: &str) -> Vec<Vec<(f64, f64)>> {
-    let found = document.descendants().filter(|n| n.has_tag_name(name));
+/// Points of every curve of a colour: `M x,y x,y …`.
+fn curves(document: &Document<'_>, colour: &str) -> Vec<Vec<(f64, f64)>> {
+    let of = |n: &Node<'_, '_>| n.has_tag_name("path") && n.attribute("stroke") == Some(colour);
+    let pair = |p: &str| p.split_once(',').map(|(x, y)| (x.parse().unwrap(), y.parse().unwrap()));
+    let points = |stroke: &str| stroke.split(' ').filter_map(pair).collect();
+    let paths = document.descendants().filter(of).filter_map(|n| n.attribute("d"));
+    paths.flat_map(|path| path.split('M').map(points).collect::<Vec<_>>()).collect()
+}
+
+/// Middles of every mark of a colour, those of the key first, and its outline.
+fn marks(document: &Document<'_>, colour: &str) -> Vec<((f64, f64), String)> {
+    let found = document
+        .descendants()
+        .filter(|n| n.has_tag_name("path") && n.attribute("fill") == Some(colour));
+    let mark = |mark: &str| {
+        let (at, outline) = mark.split_once('m').unwrap();
+        let (x, y) = at.split_once(' ').unwrap();
+        ((x.parse().unwrap(), y.parse().unwrap()), outline.to_owned())
+    };
     found
-        .filter(|n| n.attribute(key) == Some(colour))
-        .map(|n| {
-            let pair = |p: &str| {
-                let (x, y) = p.split_once(',').unwrap();
-                (x.parse().unwrap(), y.parse().unwrap())
-            };
-            n.attribute("points").unwrap().split_whitespace().map(pair).collect()
-        })
+        .flat_map(|n| n.attribute("d").unwrap().split('M').skip(1).map(mark).collect::<Vec<_>>())
         .collect()
 }
 
 /// Values and positions of the ticks of an axis; the anchor identifies the axis.
 fn ticks(document: &Document<'_>, anchor: &str, key: &str) -> Vec<(f64, f64)> {
     let found = document.descendants().filter(|n| n.has_tag_name("text"));
+    // Letters beside a tick stand a little lower than it.
+    let lower = if key == "y" { 0.36 * FigureSize::PAPER.text } else { 0.0 };
     found
         .filter(|n| {
             n.attribute("text-anchor") == Some(anchor) && n.attribute("transform").is_none()
         })
-        .filter_map(|n| Some((n.text()?.trim().parse().ok()?, number(&n, key))))
+        .filter_map(|n| Some((n.text()?.trim().parse().ok()?, number(&n, key) - lower)))
         .collect()
 }
 
@@ -72,7 +83,14 @@ const BLUE: &str = "#0072B2";
 
 fn panel(log: bool, equal: bool, content: Content) -> Panel {
     let title = String::new();
-    Panel { title, x: axis("x [s]", log, None), y: axis("y [m]", log, None), equal, content }
+    Panel {
+        title,
+        x: axis("x [s]", log, None),
+        y: axis("y [m]", log, None),
+        equal,
+        content,
+        ..Panel::default()
+    }
 }
 
 fn lines(series: Vec<Series>, bounds: Vec<Bound>) -> Content {
@@ -83,7 +101,7 @@ fn lines(series: Vec<Series>, bounds: Vec<Bound>) -> Content {
 fn known_points_land_where_the_ticks_say() {
     for log in [false, true] {
         let known = vec![[1.0, 3.0], [20.0, 800.0], [70.0, 5.0], [1000.0, 100.0]];
-        let bound = Bound { label: "bound".into(), value: 50.0, both: false };
+        let bound = Bound::at("bound", 50.0);
         let svg = drawn(figure(vec![panel(
             log,
             false,
@@ -93,16 +111,20 @@ fn known_points_land_where_the_ticks_say() {
         let (x, y) = (ticks(&document, "middle", "x"), ticks(&document, "end", "y"));
         assert!(x.len() >= 3 && y.len() >= 3, "{x:?} {y:?}");
         let (x, y) = (ruler(&x, log), ruler(&y, log));
-        let curves = points(&document, "polyline", "stroke", BLUE);
+        let curves = curves(&document, BLUE);
         let curve = curves.iter().find(|c| c.len() == 4).unwrap();
         for (at, [px, py]) in curve.iter().zip(known) {
             assert!(
-                (at.0 - x(px)).abs() <= 2.0 && (at.1 - y(py)).abs() <= 2.0,
+                (at.0 - x(px)).abs() <= 0.2 && (at.1 - y(py)).abs() <= 0.2,
                 "{at:?} {px} {py} {log}"
             );
         }
-        let across = points(&document, "polyline", "stroke", "#5A5A5B");
-        assert!(across.iter().any(|line| line.iter().all(|p| (p.1 - y(50.0)).abs() <= 2.0)));
+        let mut bounds = document.descendants().filter(|n| n.attribute("class") == Some("s-bound"));
+        let level = |n: Node<'_, '_>| -> f64 {
+            let path = n.attribute("d").unwrap();
+            path.split([' ', 'H', 'h']).nth(1).unwrap().parse().unwrap()
+        };
+        assert!(bounds.any(|n| (level(n) - y(50.0)).abs() <= 0.2));
     }
 }
 
@@ -116,15 +138,11 @@ fn marks_are_at_their_points_and_nothing_leaves_the_panel() {
     let document = Document::parse(&svg).unwrap();
     let (x, y) = (ticks(&document, "middle", "x"), ticks(&document, "end", "y"));
     let (x, y) = (ruler(&x, false), ruler(&y, false));
-    let middle = |corners: &Vec<(f64, f64)>| {
-        let n = corners.len() as f64;
-        (corners.iter().map(|p| p.0).sum::<f64>() / n, corners.iter().map(|p| p.1).sum::<f64>() / n)
-    };
-    let marks: Vec<_> = points(&document, "polygon", "fill", BLUE).iter().map(middle).collect();
+    let marks = marks(&document, BLUE);
     // The first one stands in the key.
     assert_eq!(marks.len(), 1 + inside.len());
-    for (at, [px, py]) in marks[1..].iter().zip(inside) {
-        assert!((at.0 - x(px)).abs() <= 2.0 && (at.1 - y(py)).abs() <= 2.0, "{at:?}");
+    for ((at, _), [px, py]) in marks[1..].iter().zip(inside) {
+        assert!((at.0 - x(px)).abs() <= 0.2 && (at.1 - y(py)).abs() <= 0.2, "{at:?}");
     }
 }
 
@@ -175,10 +193,10 @@ fn cells_of_a_map_are_where_and_what_they_are() {
         // One in the key.
         assert_eq!(found.len(), 2, "class {class}");
         let (at_x, at_y) = (number(&found[1], "x"), number(&found[1], "y"));
-        assert!((at_x - x(left)).abs() <= 3.0, "{class}: left");
-        assert!((at_x + number(&found[1], "width") - x(end)).abs() <= 3.0, "{class}: right");
-        assert!((at_y - y(top)).abs() <= 3.0, "{class}: top");
-        assert!((at_y + number(&found[1], "height") - y(bottom)).abs() <= 3.0, "{class}: bottom");
+        assert!((at_x - x(left)).abs() <= 0.3, "{class}: left");
+        assert!((at_x + number(&found[1], "width") - x(end)).abs() <= 0.3, "{class}: right");
+        assert!((at_y - y(top)).abs() <= 0.3, "{class}: top");
+        assert!((at_y + number(&found[1], "height") - y(bottom)).abs() <= 0.3, "{class}: bottom");
     }
     let words: Vec<_> = document
         .descendants()
@@ -199,9 +217,10 @@ fn curves_differ_by_dashes_and_marks_by_shape() {
         |id: &str| reproduction_figures(&whole).into_iter().find(|f| f.name == id).unwrap().svg;
     let six = svg("fig-13");
     let document = Document::parse(&six).unwrap();
+    let class = |n: &Node<'_, '_>| n.attribute("class").is_some_and(|c| c.starts_with('s'));
     let mut dashes: Vec<_> = document
         .descendants()
-        .filter(|n| n.has_tag_name("polyline") && n.attribute("stroke-linejoin").is_some())
+        .filter(class)
         .map(|n| n.attribute("stroke-dasharray").unwrap_or(""))
         .collect();
     dashes.sort_unstable();
@@ -210,14 +229,11 @@ fn curves_differ_by_dashes_and_marks_by_shape() {
     assert!(six.contains("off the axis: far 100.0"));
     let marked = svg("sweep");
     let document = Document::parse(&marked).unwrap();
-    let mut shapes: Vec<Vec<(i64, i64)>> = Vec::new();
+    let mut shapes = Vec::new();
     for colour in ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"] {
-        let of = points(&document, "polygon", "fill", colour);
+        let of = marks(&document, colour);
         assert_eq!(of.len(), 1 + 12, "{colour}: key and points");
-        let first = of[0][0];
-        #[allow(clippy::cast_possible_truncation, reason = "whole pixels")]
-        shapes
-            .push(of[0].iter().map(|p| ((p.0 - first.0) as i64, (p.1 - first.1) as i64)).collect());
+        shapes.push(of[0].1.clone());
     }
     shapes.sort_unstable();
     shapes.dedup();
@@ -233,7 +249,7 @@ fn odd_data_do_not_break_a_figure() {
         lines(vec![series(vec![[1.0, 1e300], [2.0, -1e300]], false)], vec![]),
         lines(
             vec![series(vec![[1.0, 2.0]], false); 9],
-            vec![Bound { label: "b".into(), value: f64::NAN, both: true }; 9],
+            vec![Bound { both: true, ..Bound::at("b", f64::NAN) }; 9],
         ),
         Content::Map { x: vec![], y: vec![], cells: vec![], classes: vec![] },
         Content::Map {

@@ -4,9 +4,8 @@
 use std::collections::BTreeMap;
 
 use base64::Engine as _;
-use phihat_paper::{
-    Content, Origin, Reproduction, Verdict, reproduction_figures, reproduction_page,
-};
+use phihat_paper::{Origin, Reproduction, Verdict, reproduction_figures, reproduction_page};
+use phihat_report::kit::figure::Content;
 use scraper::{ElementRef, Html, Selector};
 use sha2::{Digest, Sha256};
 

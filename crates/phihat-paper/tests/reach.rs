@@ -6,7 +6,8 @@ use phihat::Form;
 use phihat_design::{Arm, requested_gains};
 use phihat_paper::arm::{Studies, order_switching};
 use phihat_paper::reach::reach;
-use phihat_paper::{Content, Extent, Part, Verdict};
+use phihat_paper::{Extent, Part, Verdict};
+use phihat_report::kit::figure::Content;
 use phihat_sim::Simulation;
 use phihat_study::Study;
 

@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 use phihat_paper::{
-    Content, Coverage, Extent, Kind, Origin, Reproduction, Statement, Verdict, coverage, part,
+    Coverage, Extent, Kind, Origin, Reproduction, Statement, Verdict, coverage, part,
     reproduce_only,
 };
+use phihat_report::kit::figure::Content;
 
 /// The parts that these statements are of, by name.
 fn made() -> &'static [(&'static str, Reproduction)] {

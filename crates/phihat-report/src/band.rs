@@ -9,7 +9,7 @@ const STEPS_MAX: usize = 400;
 
 /// A band, in the units of its chart: step `k` reaches from `t[k]` to `t[k + 1]` \[s\].
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Band {
+pub(crate) struct TubeBand {
     /// One entry more than there are steps.
     pub t: Vec<f64>,
     pub low: Vec<f64>,
@@ -17,11 +17,11 @@ pub(crate) struct Band {
 }
 
 /// Least and largest value of one quantity of a tube, per bin.
-pub(crate) type Ends = fn(&TubeJoint) -> (&[f64], &[f64]);
+pub(crate) type BandEnds = fn(&TubeJoint) -> (&[f64], &[f64]);
 
-impl Band {
+impl TubeBand {
     /// One joint's band; neighbouring bins are put together where there are many, by the widest of them.
-    pub(crate) fn of(tube: &Tube, joint: &TubeJoint, ends: Ends, scale: f64) -> Self {
+    pub(crate) fn of(tube: &Tube, joint: &TubeJoint, ends: BandEnds, scale: f64) -> Self {
         let (low, high) = ends(joint);
         let bins = tube.bins();
         let each = bins.div_ceil(STEPS_MAX).max(1);

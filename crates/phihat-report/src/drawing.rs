@@ -5,10 +5,10 @@ use core::ops::Range;
 use phihat_sim::{JointTrace, Trace};
 
 use crate::arm::Arm;
-use crate::kind::{CHARTS, DRAWABLE_MAX, Kind, Plane};
-use crate::signal::{self, Signal, Times};
-use crate::stretches::{CURVES, Row, Stretches};
-use crate::supervision::Course;
+use crate::kind::{CHARTS, ChartKind, DRAWABLE_MAX, PlotPlane};
+use crate::signal::{self, CodedSignal, SampleTimes};
+use crate::stretches::{CURVES, ChartSample, Stretches};
+use crate::supervision::ModeHistory;
 
 /// Stretches kept per panel of a static figure: two pixels each where a panel has half the width.
 const BUCKETS: usize = 220;
@@ -17,17 +17,17 @@ const BUCKETS: usize = 220;
 #[derive(Debug, Clone)]
 pub struct Drawing {
     /// Of the static figures, per chart and joint.
-    chosen: Vec<Vec<Chosen>>,
+    chosen: Vec<Vec<ChartSamples>>,
     /// Of the page, per joint, in the order of [`signal::sources`].
-    pub(crate) signals: Vec<Vec<Signal>>,
+    pub(crate) signals: Vec<Vec<CodedSignal>>,
     /// Number of samples that share a value of them.
     pub(crate) each: u64,
-    pub(crate) times: Times,
+    pub(crate) times: SampleTimes,
     pub(crate) arm: Option<Arm>,
     /// The command before, per joint.
     tau: Vec<Option<f64>>,
     pub(crate) joints: Vec<String>,
-    pub(crate) course: Course,
+    pub(crate) course: ModeHistory,
     /// Samples of the run.
     pub(crate) samples: u64,
     /// Time of the last one \[s\].
@@ -38,18 +38,18 @@ pub struct Drawing {
 
 /// One chart of one joint.
 #[derive(Debug, Clone)]
-struct Chosen {
+struct ChartSamples {
     figure: Stretches,
     steady: Option<Stretches>,
 }
 
 /// The samples of one chart of one joint that a static figure draws.
 #[derive(Debug, Clone)]
-pub(crate) struct Drawn {
+pub(crate) struct DrawnSamples {
     /// Of the static figure.
-    pub figure: Vec<Row>,
+    pub figure: Vec<ChartSample>,
     /// Of the static figure of the steady part, where there is one.
-    pub steady: Vec<Row>,
+    pub steady: Vec<ChartSample>,
 }
 
 impl Drawing {
@@ -89,24 +89,24 @@ impl Drawing {
     fn parted(joints: Vec<String>, settle: u64, samples: u64) -> Self {
         let steady = settle.min(samples)..samples;
         let start = 0..steady.start;
-        let chosen = |kind: &Kind| {
-            let figure = if kind.plane == Plane::Phase { start.clone() } else { 0..samples };
+        let chosen = |kind: &ChartKind| {
+            let figure = if kind.plane == PlotPlane::Phase { start.clone() } else { 0..samples };
             let cut = |part: &Range<u64>, count| Stretches::new(part.clone(), count);
-            Chosen {
+            ChartSamples {
                 figure: cut(&figure, BUCKETS),
                 steady: kind.steady.is_some().then(|| cut(&steady, BUCKETS)),
             }
         };
-        let signals = vec![Signal::new(samples, joints.len()); signal::sources().len()];
+        let signals = vec![CodedSignal::new(samples, joints.len()); signal::sources().len()];
         Self {
             signals: vec![signals; joints.len()],
             each: signal::each(samples, joints.len()),
-            times: Times::default(),
+            times: SampleTimes::default(),
             arm: None,
             chosen: CHARTS.iter().map(|kind| vec![chosen(kind); joints.len()]).collect(),
             tau: vec![None; joints.len()],
             joints,
-            course: Course::default(),
+            course: ModeHistory::default(),
             samples: 0,
             end_s: 0.0,
             undrawable: 0,
@@ -129,7 +129,7 @@ impl Drawing {
                     for (y, curve) in y.iter_mut().zip(kind.curves) {
                         *y = drawable(kind.scale * (curve.of)(joint, i, before));
                     }
-                    let row = Row { k: self.samples + i as u64, t: *t_ns as f64 * 1e-9, y };
+                    let row = ChartSample { k: self.samples + i as u64, t: *t_ns as f64 * 1e-9, y };
                     chosen.push(row);
                 }
             }
@@ -145,19 +145,19 @@ impl Drawing {
     }
 
     /// Samples that are drawn of each chart, per joint.
-    pub(crate) fn drawn(&self) -> impl Iterator<Item = Vec<Drawn>> {
-        self.chosen.iter().map(|joints| joints.iter().map(Chosen::drawn).collect())
+    pub(crate) fn drawn(&self) -> impl Iterator<Item = Vec<DrawnSamples>> {
+        self.chosen.iter().map(|joints| joints.iter().map(ChartSamples::drawn).collect())
     }
 }
 
-impl Chosen {
-    fn push(&mut self, row: Row) {
+impl ChartSamples {
+    fn push(&mut self, row: ChartSample) {
         self.figure.push(row);
         self.steady.iter_mut().for_each(|part| part.push(row));
     }
 
-    fn drawn(&self) -> Drawn {
-        Drawn {
+    fn drawn(&self) -> DrawnSamples {
+        DrawnSamples {
             figure: self.figure.clone().finish(),
             steady: self.steady.clone().map(Stretches::finish).unwrap_or_default(),
         }

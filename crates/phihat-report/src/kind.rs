@@ -1,6 +1,6 @@
 //! The quantities that are drawn of a run: which curves, in which unit, against which bound.
 
-use crate::band::{self, Ends};
+use crate::band::{self, BandEnds};
 use phihat_sim::{JointMetrics, JointTrace, Metrics};
 
 /// Beyond this a sample is drawn as a gap: the run has diverged, and no axis helps.
@@ -8,7 +8,7 @@ pub(crate) const DRAWABLE_MAX: f64 = 1e12;
 
 /// Plane in which a chart draws its curves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Plane {
+pub(crate) enum PlotPlane {
     /// Every curve over time.
     Time,
     /// The second curve over the first: the phase plane.
@@ -17,19 +17,19 @@ pub(crate) enum Plane {
 
 /// One curve.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Curve {
+pub(crate) struct KindCurve {
     pub label: &'static str,
     pub unit: &'static str,
     pub dashed: bool,
     /// True if it is constant from one sample to the next: a step, no slope.
     pub held: bool,
     /// Its value at a sample of a block, in SI units; with the command before the block.
-    pub of: fn(&JointTrace, usize, Option<f64>) -> f64,
+    pub of: ValueOf,
 }
 
 /// Meaning of `± bound`.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Bound {
+pub(crate) struct KindBound {
     /// `bound` for the study's, `limit` for the robot's, empty where neither makes sense.
     pub label: &'static str,
     /// True if it holds from the settling time on only.
@@ -40,7 +40,7 @@ pub(crate) struct Bound {
 
 /// One quantity: what its chart shows of any run.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Kind {
+pub(crate) struct ChartKind {
     /// File stem.
     pub stem: &'static str,
     /// Title; the second where there is a tube around the first curve.
@@ -50,26 +50,50 @@ pub(crate) struct Kind {
     pub steady: Option<(&'static str, [&'static str; 2])>,
     pub x_label: &'static str,
     pub y_label: &'static str,
-    pub plane: Plane,
+    pub plane: PlotPlane,
     /// From SI units to those of the chart.
     pub scale: f64,
-    pub curves: &'static [Curve],
-    pub bound: Bound,
+    pub curves: &'static [KindCurve],
+    pub bound: KindBound,
     /// The tube around the first curve.
-    pub tube: Option<Ends>,
+    pub tube: Option<BandEnds>,
     /// Returns true if it is shown of a run with these figures, and with a tube or without.
     pub shown: fn(&Metrics, bool) -> bool,
 }
 
-const TIME: &str = "time t [s]";
-const NONE: Bound = Bound { label: "", after_settle: false, of: |_| None };
+/// A quantity over time, with nothing to hold it against.
+const PLAIN: ChartKind = ChartKind {
+    stem: "",
+    title: [""; 2],
+    steady: None,
+    x_label: "time t [s]",
+    y_label: "",
+    plane: PlotPlane::Time,
+    scale: 1.0,
+    curves: &[],
+    bound: KindBound { label: "", after_settle: false, of: |_| None },
+    tube: None,
+    shown: |_, _| true,
+};
 
-const fn spec(of: fn(&JointMetrics) -> Option<f64>) -> Bound {
-    Bound { label: "bound", after_settle: true, of }
+const fn spec(of: fn(&JointMetrics) -> Option<f64>) -> KindBound {
+    KindBound { label: "bound", after_settle: true, of }
 }
 
-const fn limit(of: fn(&JointMetrics) -> Option<f64>) -> Bound {
-    Bound { label: "limit", after_settle: false, of }
+const fn limit(of: fn(&JointMetrics) -> Option<f64>) -> KindBound {
+    KindBound { label: "limit", after_settle: false, of }
+}
+
+type ValueOf = fn(&JointTrace, usize, Option<f64>) -> f64;
+
+/// A solid curve between samples.
+const fn curve(label: &'static str, unit: &'static str, of: ValueOf) -> KindCurve {
+    KindCurve { label, unit, dashed: false, held: false, of }
+}
+
+/// A curve that is constant from one sample to the next.
+const fn held(label: &'static str, unit: &'static str, dashed: bool, of: ValueOf) -> KindCurve {
+    KindCurve { label, unit, dashed, held: true, of }
 }
 
 /// Not a number where the column has no entry.
@@ -84,42 +108,22 @@ fn step(joint: &JointTrace, k: usize, before: Option<f64>) -> f64 {
     at(tau, k) - before
 }
 
-const E: Curve =
-    Curve { label: "e", unit: "mrad", dashed: false, held: false, of: |j, k, _| at(&j.e, k) };
-const DE: Curve =
-    Curve { label: "ė", unit: "mrad/s", dashed: false, held: false, of: |j, k, _| at(&j.de, k) };
+const E: KindCurve = curve("e", "mrad", |j, k, _| at(&j.e, k));
+const DE: KindCurve = curve("ė", "mrad/s", |j, k, _| at(&j.de, k));
 
 /// All charts, in the order of the page.
-pub(crate) static CHARTS: [Kind; 8] = [
-    Kind {
+pub(crate) static CHARTS: [ChartKind; 8] = [
+    ChartKind {
         stem: "tracking",
         title: ["Tracking: position q and desired position q_d"; 2],
-        steady: None,
-        x_label: TIME,
         y_label: "position [rad]",
-        plane: Plane::Time,
-        scale: 1.0,
         curves: &[
-            Curve {
-                label: "q",
-                unit: "rad",
-                dashed: false,
-                held: false,
-                of: |j, k, _| at(&j.q, k),
-            },
-            Curve {
-                label: "q_d",
-                unit: "rad",
-                dashed: true,
-                held: true,
-                of: |j, k, _| at(&j.q_desired, k),
-            },
+            curve("q", "rad", |j, k, _| at(&j.q, k)),
+            held("q_d", "rad", true, |j, k, _| at(&j.q_desired, k)),
         ],
-        bound: NONE,
-        tube: None,
-        shown: |_, _| true,
+        ..PLAIN
     },
-    Kind {
+    ChartKind {
         stem: "error",
         title: [
             "Error e = q − q_d against its bound",
@@ -132,135 +136,77 @@ pub(crate) static CHARTS: [Kind; 8] = [
                 "Error e in the steady part, in its tube (shaded), against its bound",
             ],
         )),
-        x_label: TIME,
         y_label: "error e [mrad]",
-        plane: Plane::Time,
         scale: 1e3,
         curves: &[E],
         bound: spec(|m| m.error_spec_rad),
         tube: Some(band::error),
-        shown: |_, _| true,
+        ..PLAIN
     },
-    Kind {
+    ChartKind {
         stem: "error-integral",
         title: ["Integral of the error ∫e against its bound"; 2],
-        steady: None,
-        x_label: TIME,
         y_label: "∫e [mrad·s]",
-        plane: Plane::Time,
         scale: 1e3,
-        curves: &[Curve {
-            label: "∫e",
-            unit: "mrad·s",
-            dashed: false,
-            held: false,
-            of: |j, k, _| at(&j.e_integral, k),
-        }],
+        curves: &[curve("∫e", "mrad·s", |j, k, _| at(&j.e_integral, k))],
         bound: spec(|m| m.error_integral_spec_rad_s),
-        tube: None,
         shown: |metrics, _| metrics.joints.iter().any(|j| j.error_integral_spec_rad_s.is_some()),
+        ..PLAIN
     },
-    Kind {
+    ChartKind {
         stem: "velocity-error",
         title: [
             "Velocity error ė against its bound",
             "Velocity error ė in its tube (shaded), against its bound",
         ],
-        steady: None,
-        x_label: TIME,
         y_label: "ė [mrad/s]",
-        plane: Plane::Time,
         scale: 1e3,
         curves: &[DE],
         bound: spec(|m| m.velocity_error_spec_rad_s),
         tube: Some(band::velocity),
         shown: |metrics, tubed| {
-            let mut joints = metrics.joints.iter();
-            tubed || joints.any(|j| j.velocity_error_spec_rad_s.is_some())
+            tubed || metrics.joints.iter().any(|j| j.velocity_error_spec_rad_s.is_some())
         },
+        ..PLAIN
     },
-    Kind {
+    ChartKind {
         stem: "torque",
         title: ["Torque applied and commanded against the limit"; 2],
-        steady: None,
-        x_label: TIME,
         y_label: "torque τ [N·m]",
-        plane: Plane::Time,
-        scale: 1.0,
         curves: &[
-            Curve {
-                label: "τ applied",
-                unit: "N·m",
-                dashed: false,
-                held: true,
-                of: |j, k, _| at(&j.tau_applied, k),
-            },
-            Curve {
-                label: "τ commanded",
-                unit: "N·m",
-                dashed: true,
-                held: true,
-                of: |j, k, _| at(&j.tau_command, k),
-            },
+            held("τ applied", "N·m", false, |j, k, _| at(&j.tau_applied, k)),
+            held("τ commanded", "N·m", true, |j, k, _| at(&j.tau_command, k)),
         ],
         bound: limit(|m| m.tau_limit_nm),
-        tube: None,
-        shown: |_, _| true,
+        ..PLAIN
     },
-    Kind {
+    ChartKind {
         stem: "unknown-dynamics",
         title: ["Unknown dynamics φ and its estimate φ̂"; 2],
-        steady: None,
-        x_label: TIME,
         y_label: "φ, φ̂ [N·m]",
-        plane: Plane::Time,
-        scale: 1.0,
         curves: &[
-            Curve {
-                label: "φ",
-                unit: "N·m",
-                dashed: false,
-                held: false,
-                of: |j, k, _| at(&j.phi, k),
-            },
-            Curve {
-                label: "φ̂",
-                unit: "N·m",
-                dashed: true,
-                held: true,
-                of: |j, k, _| at(&j.phi_hat, k),
-            },
+            curve("φ", "N·m", |j, k, _| at(&j.phi, k)),
+            held("φ̂", "N·m", true, |j, k, _| at(&j.phi_hat, k)),
         ],
-        bound: NONE,
-        tube: None,
-        shown: |_, _| true,
+        ..PLAIN
     },
-    Kind {
+    ChartKind {
         stem: "phase",
         title: ["Start-up in the phase plane, ė over e"; 2],
-        steady: None,
         x_label: "error e [mrad]",
         y_label: "ė [mrad/s]",
-        plane: Plane::Phase,
+        plane: PlotPlane::Phase,
         scale: 1e3,
         curves: &[E, DE],
         bound: spec(|m| m.error_spec_rad),
-        tube: None,
-        shown: |_, _| true,
+        ..PLAIN
     },
-    Kind {
+    ChartKind {
         stem: "torque-step",
         title: ["Torque change per sample against the rate limit"; 2],
-        steady: None,
-        x_label: TIME,
         y_label: "Δτ [N·m/sample]",
-        plane: Plane::Time,
-        scale: 1.0,
-        curves: &[Curve {
-            label: "Δτ", unit: "N·m/sample", dashed: false, held: true, of: step
-        }],
+        curves: &[held("Δτ", "N·m/sample", false, step)],
         bound: limit(|m| m.tau_step_limit_nm),
-        tube: None,
-        shown: |_, _| true,
+        ..PLAIN
     },
 ];

@@ -10,7 +10,7 @@
 //! [`page`] answers, in this order: did it hold, by how much, what did every joint do, with which
 //! gains, in which world, and how is it made again. It needs no network, prints on paper (static
 //! figures stand in for the interactive plots) and fits a phone. [`figures`] gives the same
-//! figures alone, as SVG. Both have a worked example.
+//! figures alone, as SVG. [`kit`] has figures as data and the one drawer of them, for any page.
 #![forbid(unsafe_code)]
 
 mod arm;
@@ -46,10 +46,10 @@ pub use arm::{Arm, ArmLink, Carried, JointTorque, Plane, PointForce, Surface};
 pub use budget::budget_page;
 pub use drawing::Drawing;
 pub use figure::{FIGURES, figures, run_figures};
-pub use kit::sheet::Figure;
+pub use kit::draw::Picture;
 pub use limited::limits_acted;
 pub use page::page;
 pub use poles::section_poles;
-pub use record::{Record, RunInfo, Seen};
+pub use record::{Record, RunInfo, RunMeasurements};
 pub use table::{torque, tracking};
 pub use tube::{TubeRun, TubeSeen};

@@ -10,7 +10,7 @@ use crate::payload::payload;
 use crate::policy::{PAGE_SCRIPT, PLOT_SCRIPT, content_policy, style};
 use crate::record::Record;
 use crate::supervision::supervision;
-use crate::verdict::{Verdict, verdict};
+use crate::verdict::{SpecVerdict, verdict};
 use crate::{sections, stage, table};
 use maud::{Markup, PreEscaped, html};
 
@@ -69,6 +69,7 @@ use maud::{Markup, PreEscaped, html};
 /// let html = phihat_report::page(&record);
 /// assert!(html.starts_with("<!DOCTYPE html>"));
 /// assert!(!html.contains("src=\"http")); // nothing is loaded
+/// assert!(phihat_report::figures(&record).iter().any(|figure| figure.svg.starts_with("<svg")));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn page(record: &Record<'_>) -> String {
@@ -133,35 +134,35 @@ fn tip(record: &Record<'_>) -> Markup {
     } }
 }
 
-fn verdict_box(verdict: &Verdict) -> Markup {
+fn verdict_box(verdict: &SpecVerdict) -> Markup {
     html! { @match verdict {
-        Verdict::NoSamples => p.verdict.unknown { strong { "No verdict." } " Nothing was recorded." },
-        Verdict::NothingStated => p.verdict.unknown {
+        SpecVerdict::NoSamples => p.verdict.unknown { strong { "No verdict." } " Nothing was recorded." },
+        SpecVerdict::NothingStated => p.verdict.unknown {
             strong { "No verdict." } " The study states no bound, so there is nothing to hold."
         },
-        Verdict::Contradiction => p.verdict.outside {
+        SpecVerdict::Contradiction => p.verdict.outside {
             strong { "Outside spec," } " says the record, though every figure below is within its bound."
         },
-        Verdict::Within { joints: 1, closest } => p.verdict.within {
+        SpecVerdict::Within { joints: 1, closest } => p.verdict.within {
             strong { "Within spec." } " Nearest to a bound: " (closest) "."
         },
-        Verdict::Within { joints, closest } => p.verdict.within {
+        SpecVerdict::Within { joints, closest } => p.verdict.within {
             strong { "Within spec on all " (joints) " joints." } " Nearest to a bound: " (closest) "."
         },
-        Verdict::Limited { joints, closest, limited } => div.verdict.limited {
+        SpecVerdict::Limited { joints, closest, limited } => div.verdict.limited {
             p {
                 strong { "Within spec" @if *joints > 1 { " on all " (joints) " joints" } ", but " } (limited)
                 "."
             }
             p { "Nearest to a bound: " (closest) "." }
         },
-        Verdict::Broken { sentence } => p.verdict.outside {
+        SpecVerdict::Broken { sentence } => p.verdict.outside {
             strong { "Outside its tube:" } " " (sentence) "."
         },
-        Verdict::NotFollowed { untracked, steady } => p.verdict.outside {
+        SpecVerdict::NotFollowed { untracked, steady } => p.verdict.outside {
             strong { "Not followed:" } " in " (untracked) " of " (steady) " samples of the steady part the supervisor did not let the arm follow its motion."
         },
-        Verdict::Outside { joints, broken } => div.verdict.outside {
+        SpecVerdict::Outside { joints, broken } => div.verdict.outside {
             p { strong { "Outside spec on " (broken.len()) " of " (joints)
                 @if *joints == 1 { " joint:" } @else { " joints:" } } }
             ul { @for phrase in broken { li { (phrase) } } }
@@ -213,7 +214,7 @@ fn plots(record: &Record<'_>) -> Markup {
             div id="cards" {}
         }
         section.static aria-labelledby="plots" {
-            @for figure in run_figures(&record.seen()) { figure { (PreEscaped(&figure.svg)) } }
+            @for figure in run_figures(&record.measured()) { figure { (PreEscaped(&figure.svg)) } }
         }
         p.hint {
             "The plots hold "

@@ -1,12 +1,12 @@
 //! The page's data: every signal and what the charts make of them, as JSON that cannot leave its script element.
 
 use crate::arm::Arm;
-use crate::chart::{Chart, Panel, charts};
-use crate::kind::{Curve, Plane};
+use crate::chart::{Chart, JointChart, charts};
+use crate::kind::{KindCurve, PlotPlane};
 use crate::kit::number::rounded;
 use crate::kit::unit_of;
 use crate::record::Record;
-use crate::signal::{Signal, sources};
+use crate::signal::{CodedSignal, sources};
 use crate::verdict::worst_joint;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -14,7 +14,7 @@ use std::fmt::Write;
 
 /// Input of `assets/page.js`.
 #[derive(Serialize)]
-struct Payload<'a> {
+struct PageData<'a> {
     settle_s: f64,
     end_s: f64,
     worst: usize,
@@ -64,26 +64,26 @@ struct PanelData {
 
 /// The JSON text, fit to stand inside `<script type="application/json">`.
 pub(crate) fn payload(record: &Record<'_>) -> String {
-    let seen = record.seen();
-    let charts = charts(&seen);
-    let data = Payload {
+    let run = record.measured();
+    let charts = charts(&run);
+    let data = PageData {
         settle_s: record.metrics.settle_s,
-        end_s: seen.drawing.end_s,
+        end_s: run.drawing.end_s,
         worst: worst_joint(record.metrics),
         joints: charts.first().map_or(vec![], |c| c.panels.iter().map(|p| &*p.joint).collect()),
-        samples: seen.drawing.samples,
-        each: seen.drawing.each,
-        times: seen.drawing.times.runs(),
-        signals: seen.drawing.signals.iter().map(|own| signals(own, &charts)).collect(),
+        samples: run.drawing.samples,
+        each: run.drawing.each,
+        times: run.drawing.times.runs(),
+        signals: run.drawing.signals.iter().map(|own| signals(own, &charts)).collect(),
         charts: charts.iter().map(chart_data).collect(),
-        arm: seen.drawing.arm.as_ref(),
+        arm: run.drawing.arm.as_ref(),
     };
     // Numbers, strings and lists always have a JSON form.
     escaped(&serde_json::to_string(&data).unwrap_or_else(|_| "null".to_owned()))
 }
 
 /// The signals of a joint that some chart shows.
-fn signals(own: &[Signal], charts: &[Chart]) -> BTreeMap<&'static str, Vec<String>> {
+fn signals(own: &[CodedSignal], charts: &[Chart]) -> BTreeMap<&'static str, Vec<String>> {
     let curves = charts.iter().flat_map(|chart| chart.kind.curves);
     let sources = sources();
     let shown = sources.iter().zip(own).map(|((curve, _), signal)| (curve.label, signal));
@@ -93,7 +93,7 @@ fn signals(own: &[Signal], charts: &[Chart]) -> BTreeMap<&'static str, Vec<Strin
 
 fn chart_data(chart: &Chart) -> ChartData {
     let kind = chart.kind;
-    let panel = |panel: &Panel| {
+    let panel = |panel: &JointChart| {
         let own = |unit: &str| unit_of(unit, panel.slides);
         PanelData {
             x_label: own(kind.x_label),
@@ -103,11 +103,11 @@ fn chart_data(chart: &Chart) -> ChartData {
             tube: panel.tube.clone().map(|band| [band.t, band.low, band.high]),
         }
     };
-    let curve = |c: &Curve| CurveData { label: c.label, dashed: c.dashed, held: c.held };
+    let curve = |c: &KindCurve| CurveData { label: c.label, dashed: c.dashed, held: c.held };
     ChartData {
         stem: kind.stem,
         title: chart.title(),
-        phase: kind.plane == Plane::Phase,
+        phase: kind.plane == PlotPlane::Phase,
         bound_label: kind.bound.label,
         bound_after_settle: kind.bound.after_settle,
         curves: kind.curves.iter().map(curve).collect(),

@@ -26,7 +26,7 @@ pub struct Record<'a> {
 
 /// Measurements of a run, whatever law drove it.
 #[derive(Debug, Clone, Copy)]
-pub struct Seen<'a> {
+pub struct RunMeasurements<'a> {
     /// Samples that are drawn.
     pub drawing: &'a Drawing,
     /// Its figures.
@@ -36,10 +36,10 @@ pub struct Seen<'a> {
 }
 
 impl<'a> Record<'a> {
-    pub(crate) fn seen(&self) -> Seen<'a> {
+    pub(crate) fn measured(&self) -> RunMeasurements<'a> {
         let own = self.gains.filter(|gains| gains.study_sha256 == self.run.study_sha256);
         let tube = own.and_then(|gains| gains.certificate.as_ref()?.tube.as_ref());
-        Seen { drawing: self.drawing, metrics: self.metrics, tube }
+        RunMeasurements { drawing: self.drawing, metrics: self.metrics, tube }
     }
 }
 

@@ -7,7 +7,7 @@ pub(crate) const CURVES: usize = 2;
 
 /// One sample of the curves of a chart; entries beyond them are not used.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Row {
+pub(crate) struct ChartSample {
     /// Number of the sample in the run.
     pub k: u64,
     /// Its time \[s\].
@@ -35,27 +35,27 @@ pub(crate) struct Stretches {
     /// The stretch that is going on, and the sample that it ends before.
     at: u64,
     end: u64,
-    stretch: Stretch,
-    rows: Vec<Row>,
+    stretch: TimeStretch,
+    rows: Vec<ChartSample>,
 }
 
 /// A change from one sample to the next that is more than this share of the whole stretch's.
 const JUMP: f64 = 0.25;
 
 #[derive(Debug, Clone, Copy, Default)]
-struct Stretch {
-    ends: Option<(Row, Row)>,
-    curves: [Seen; CURVES],
+struct TimeStretch {
+    ends: Option<(ChartSample, ChartSample)>,
+    curves: [CurveExtremes; CURVES],
 }
 
 /// Samples of one curve that a stretch stores.
 #[derive(Debug, Clone, Copy, Default)]
-struct Seen {
-    low: Option<Row>,
-    high: Option<Row>,
+struct CurveExtremes {
+    low: Option<ChartSample>,
+    high: Option<ChartSample>,
     /// The steepest change that is a number: its two sides.
-    steepest: Option<(Row, Row)>,
-    gap: Option<(Row, Row)>,
+    steepest: Option<(ChartSample, ChartSample)>,
+    gap: Option<(ChartSample, ChartSample)>,
 }
 
 impl Stretches {
@@ -67,7 +67,7 @@ impl Stretches {
             end: part.start,
             part,
             count,
-            stretch: Stretch::default(),
+            stretch: TimeStretch::default(),
             rows: Vec::new(),
         };
         made.end = made.border(1);
@@ -82,7 +82,7 @@ impl Stretches {
     }
 
     /// The next sample of the run.
-    pub(crate) fn push(&mut self, row: Row) {
+    pub(crate) fn push(&mut self, row: ChartSample) {
         if !self.part.contains(&row.k) {
             return;
         }
@@ -101,7 +101,7 @@ impl Stretches {
     }
 
     /// Stored samples, in the order of the run.
-    pub(crate) fn finish(mut self) -> Vec<Row> {
+    pub(crate) fn finish(mut self) -> Vec<ChartSample> {
         self.close();
         self.rows
     }
@@ -114,8 +114,8 @@ impl Stretches {
     }
 }
 
-impl Stretch {
-    fn add(&mut self, row: Row) {
+impl TimeStretch {
+    fn add(&mut self, row: ChartSample) {
         let before = self.ends.map(|(_, last)| last);
         self.ends = Some((self.ends.map_or(row, |(first, _)| first), row));
         for (c, seen) in self.curves.iter_mut().enumerate() {
@@ -131,7 +131,7 @@ impl Stretch {
             if seen.high.is_none_or(|high| value.total_cmp(&high.y[c]).is_ge()) {
                 seen.high = Some(row);
             }
-            let step = |(a, b): (Row, Row)| (b.y[c] - a.y[c]).abs();
+            let step = |(a, b): (ChartSample, ChartSample)| (b.y[c] - a.y[c]).abs();
             let pair = before.map(|before| (before, row)).filter(|pair| step(*pair).is_finite());
             if pair.is_some_and(|pair| seen.steepest.is_none_or(|most| step(pair) >= step(most))) {
                 seen.steepest = pair;
@@ -139,9 +139,9 @@ impl Stretch {
         }
     }
 
-    fn kept(self) -> Vec<Row> {
-        let pair = |(a, b): (Row, Row)| [a, b];
-        let mut rows: Vec<Row> = self.ends.into_iter().flat_map(pair).collect();
+    fn kept(self) -> Vec<ChartSample> {
+        let pair = |(a, b): (ChartSample, ChartSample)| [a, b];
+        let mut rows: Vec<ChartSample> = self.ends.into_iter().flat_map(pair).collect();
         for (c, seen) in self.curves.iter().enumerate() {
             rows.extend(seen.low.into_iter().chain(seen.high));
             rows.extend(seen.gap.into_iter().flat_map(pair));
@@ -155,7 +155,7 @@ impl Stretch {
 
 #[cfg(test)]
 mod tests {
-    use super::{CURVES, Row, Stretches};
+    use super::{CURVES, ChartSample, Stretches};
     use proptest::prelude::*;
 
     /// Numbers of the samples that are kept of curves.
@@ -164,7 +164,7 @@ mod tests {
         let mut stretches = Stretches::new(0..samples as u64, buckets);
         for k in 0..samples {
             let y: [f64; CURVES] = std::array::from_fn(|c| curves.get(c).map_or(0.0, |y| y[k]));
-            stretches.push(Row { k: k as u64, t: k as f64, y });
+            stretches.push(ChartSample { k: k as u64, t: k as f64, y });
         }
         let rows = stretches.finish();
         rows.iter().map(|row| usize::try_from(row.k).unwrap_or(usize::MAX)).collect()

@@ -12,7 +12,7 @@ const APART_S: f64 = 0.05;
 
 /// One moment at which something changed.
 #[derive(Debug, Clone)]
-struct Moment {
+struct ModeChange {
     t: f64,
     what: String,
     mode: &'static str,
@@ -20,9 +20,9 @@ struct Moment {
 
 /// Actions of a supervisor, collected as its record passes.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Course {
+pub(crate) struct ModeHistory {
     /// The first ones.
-    moments: Vec<Moment>,
+    moments: Vec<ModeChange>,
     /// Those that are not kept.
     more: usize,
     /// When each event came last.
@@ -32,8 +32,8 @@ pub(crate) struct Course {
 }
 
 /// The course of a supervised run; nothing where no supervisor ran.
-pub(crate) fn supervision(course: &Course) -> Markup {
-    let Course { moments, more, last, .. } = course;
+pub(crate) fn supervision(course: &ModeHistory) -> Markup {
+    let ModeHistory { moments, more, last, .. } = course;
     html! { @if last.is_some() {
         h2 id="supervisor" { "Supervisor" }
         p {
@@ -59,7 +59,7 @@ pub(crate) fn supervision(course: &Course) -> Markup {
     } }
 }
 
-impl Course {
+impl ModeHistory {
     /// The next samples.
     pub(crate) fn block(&mut self, trace: &Trace) {
         let Some(course) = &trace.supervision else { return };
@@ -94,7 +94,7 @@ impl Course {
 
     fn note(&mut self, t: f64, mode: &'static str, what: String) {
         if self.moments.len() < ROWS_MAX {
-            self.moments.push(Moment { t, what, mode });
+            self.moments.push(ModeChange { t, what, mode });
         } else {
             self.more += 1;
         }

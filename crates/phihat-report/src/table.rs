@@ -3,7 +3,7 @@
 use crate::kit::number::{number, percent, stated};
 use crate::kit::text::{line, prose};
 use crate::kit::{MILLI, own_unit};
-use crate::verdict::{CLAUSES, Clause, excess, share};
+use crate::verdict::{CLAUSES, SpecClause, excess, share};
 use maud::{Markup, html};
 use phihat_sim::{JointMetrics, Metrics};
 
@@ -71,7 +71,7 @@ fn heading(text: &str, unit: &str) -> Markup {
     html! { th scope="col" { (text) " " span.unit { "[" (unit) "]" } } }
 }
 
-fn against_spec(clause: &Clause, joint: &JointMetrics) -> Markup {
+fn against_spec(clause: &SpecClause, joint: &JointMetrics) -> Markup {
     let measured = (clause.measured)(joint);
     let unit = own_unit(clause.unit, joint.slides);
     let Some(bound) = (clause.bound)(joint) else {

@@ -8,7 +8,7 @@ use crate::tube::TubeRun;
 use phihat_sim::{JointMetrics, Metrics};
 
 /// One bound of the study.
-pub(crate) struct Clause {
+pub(crate) struct SpecClause {
     pub symbol: &'static str,
     pub unit: &'static str,
     pub measured: fn(&JointMetrics) -> f64,
@@ -16,20 +16,20 @@ pub(crate) struct Clause {
 }
 
 /// The bounds a study can state; the factor from SI to the units here is [`MILLI`].
-pub(crate) const CLAUSES: [Clause; 3] = [
-    Clause {
+pub(crate) const CLAUSES: [SpecClause; 3] = [
+    SpecClause {
         symbol: "|e|",
         unit: "mrad",
         measured: |j| j.error_steady_max_rad,
         bound: |j| j.error_spec_rad,
     },
-    Clause {
+    SpecClause {
         symbol: "|∫e|",
         unit: "mrad·s",
         measured: |j| j.error_integral_steady_max_rad_s,
         bound: |j| j.error_integral_spec_rad_s,
     },
-    Clause {
+    SpecClause {
         symbol: "|ė|",
         unit: "mrad/s",
         measured: |j| j.velocity_error_steady_max_rad_s,
@@ -39,7 +39,7 @@ pub(crate) const CLAUSES: [Clause; 3] = [
 
 /// Verdict of the spec on a run.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Verdict {
+pub(crate) enum SpecVerdict {
     /// Nothing was recorded.
     NoSamples,
     /// The study states no bound.
@@ -82,12 +82,12 @@ pub(crate) fn excess(measured: f64, bound: f64) -> String {
 }
 
 /// The verdict on a run, beside the tube that was promised for it.
-pub(crate) fn verdict(metrics: &Metrics, tube: Option<&TubeRun>) -> Verdict {
+pub(crate) fn verdict(metrics: &Metrics, tube: Option<&TubeRun>) -> SpecVerdict {
     if let Some(run) = tube.filter(|run| run.broken().is_some()) {
-        return Verdict::Broken { sentence: run.sentence() };
+        return SpecVerdict::Broken { sentence: run.sentence() };
     }
     if metrics.samples == 0 || metrics.joints.is_empty() {
-        return Verdict::NoSamples;
+        return SpecVerdict::NoSamples;
     }
     let mut worst: Option<(f64, String)> = None;
     let mut broken = vec![];
@@ -120,16 +120,16 @@ pub(crate) fn verdict(metrics: &Metrics, tube: Option<&TubeRun>) -> Verdict {
     }
     let joints = metrics.joints.len();
     match worst {
-        _ if !broken.is_empty() => Verdict::Outside { joints, broken },
-        _ if metrics.untracked_steady_samples > 0 => Verdict::NotFollowed {
+        _ if !broken.is_empty() => SpecVerdict::Outside { joints, broken },
+        _ if metrics.untracked_steady_samples > 0 => SpecVerdict::NotFollowed {
             untracked: metrics.untracked_steady_samples,
             steady: metrics.steady_samples,
         },
-        None => Verdict::NothingStated,
-        Some(_) if !metrics.within_spec => Verdict::Contradiction,
+        None => SpecVerdict::NothingStated,
+        Some(_) if !metrics.within_spec => SpecVerdict::Contradiction,
         Some((_, closest)) => match limits_acted(metrics) {
-            Some(limited) => Verdict::Limited { joints, closest, limited },
-            None => Verdict::Within { joints, closest },
+            Some(limited) => SpecVerdict::Limited { joints, closest, limited },
+            None => SpecVerdict::Within { joints, closest },
         },
     }
 }
@@ -148,11 +148,11 @@ pub(crate) fn worst_joint(metrics: &Metrics) -> usize {
     (0..ranks.len()).max_by(order).unwrap_or(0)
 }
 
-fn clauses(joint: &JointMetrics) -> impl Iterator<Item = (&'static Clause, f64, f64)> {
+fn clauses(joint: &JointMetrics) -> impl Iterator<Item = (&'static SpecClause, f64, f64)> {
     CLAUSES.iter().filter_map(|c| (c.bound)(joint).map(|bound| (c, (c.measured)(joint), bound)))
 }
 
-fn phrase(clause: &Clause, slides: bool, measured: f64, bound: f64) -> String {
+fn phrase(clause: &SpecClause, slides: bool, measured: f64, bound: f64) -> String {
     let unit = if measured.is_finite() { unit_of(clause.unit, slides) } else { String::new() };
     let (value, limit) = (number(MILLI * measured), stated(MILLI * bound));
     let value = format!("{value} {unit}");

@@ -54,22 +54,33 @@ fn words(svg: &str) -> String {
     let document = Document::parse(svg).unwrap();
     document
         .descendants()
-        .filter(roxmltree::Node::is_text)
+        .filter(|n| {
+            n.is_text() && n.parent_element().is_some_and(|p| p.tag_name().name() == "text")
+        })
         .filter_map(|n| n.text())
         .collect::<Vec<_>>()
         .join(" ")
 }
 
-/// Left edge and width of every rectangle of a colour.
+/// Left edge and width of every bar of a colour: `M left top H right V bottom H left z`.
 fn bars(svg: &str, fill: &str) -> Vec<(f64, f64)> {
     let document = Document::parse(svg).unwrap();
-    let rectangles = document.descendants().filter(|n| n.attribute("fill") == Some(fill));
-    let number =
-        |n: roxmltree::Node<'_, '_>, key: &str| n.attribute(key).unwrap().parse::<f64>().unwrap();
-    rectangles
-        .filter(|n| n.has_tag_name("rect"))
-        .map(|n| (number(n, "x"), number(n, "width")))
-        .collect()
+    let of =
+        |n: &roxmltree::Node<'_, '_>| n.has_tag_name("path") && n.attribute("fill") == Some(fill);
+    let path = document.descendants().find(of).and_then(|n| n.attribute("d")).unwrap_or_default();
+    let bar = |bar: &str| {
+        let left: f64 = bar.split(' ').next().unwrap().parse().unwrap();
+        let right: f64 = bar.split(['H', 'V']).nth(1).unwrap().parse().unwrap();
+        (left, right - left)
+    };
+    path.split('M').skip(1).map(bar).collect()
+}
+
+/// Marks of a shape in a figure: those of the key and of the data.
+fn marks(svg: &str, class: &str) -> usize {
+    let document = Document::parse(svg).unwrap();
+    let of = document.descendants().filter(|n| n.attribute("class") == Some(class));
+    of.filter_map(|n| n.attribute("d")).map(|d| d.matches('M').count()).sum()
 }
 
 #[test]
@@ -84,11 +95,11 @@ fn bars_are_the_windows_and_the_ranges() {
     let per_e = windows[0].1 / (window.high / window.low).ln();
     for (j, joint) in fixture.gains.joints.iter().enumerate() {
         let shift = per_e * (joint.inertia_kg_m2 / first.inertia_kg_m2).ln();
-        assert!((windows[j].0 - windows[0].0 - shift).abs() < 3.0, "joint {j}: window");
+        assert!((windows[j].0 - windows[0].0 - shift).abs() < 0.4, "joint {j}: window");
         let inside = per_e * (certificate.arm.low / window.low).ln();
-        assert!((arms[j].0 - windows[j].0 - inside).abs() < 3.0, "joint {j}: low end of the arm");
+        assert!((arms[j].0 - windows[j].0 - inside).abs() < 0.4, "joint {j}: low end of the arm");
         let width = per_e * (certificate.arm.high / certificate.arm.low).ln();
-        assert!((arms[j].1 - width).abs() < 3.0, "joint {j}: width of the arm");
+        assert!((arms[j].1 - width).abs() < 0.4, "joint {j}: width of the arm");
         assert!(words(&drawn).contains(&joint.name));
     }
     assert!(words(&drawn).contains("kg·m²"));
@@ -141,10 +152,12 @@ fn every_point_of_the_trade_off_and_every_ratio_is_drawn() {
     let fixture = with(certified());
     let points = &fixture.gains.trade_off;
     let drawn = svg(&fixture, "trade-off").unwrap();
-    let document = Document::parse(&drawn).unwrap();
-    let circles = document.descendants().filter(|n| n.has_tag_name("circle")).count();
-    let orders = |high: bool| usize::from(points.iter().any(|p| (p.order > 1) == high));
-    assert_eq!(circles, points.len() + 1 + orders(true) + orders(false));
+    for (high, class) in [(false, "f0"), (true, "f1")] {
+        let of = points.iter().filter(|p| (p.order > 1) == high);
+        let (count, chosen) = (of.clone().count(), of.filter(|p| p.chosen).count());
+        assert_eq!(marks(&drawn, class), count + chosen + usize::from(count > 0), "{class}");
+    }
+    assert_eq!(drawn.matches("<circle").count(), 1, "a ring around the chosen one");
     assert!(words(&drawn).contains("these gains") && words(&drawn).contains("[N·m]"));
     let bode = words(&svg(&fixture, "bode").unwrap());
     for part in ["frequency [Hz]", "phase [°]", "|L/μ|", "mrad/(N·m)", "-180"] {

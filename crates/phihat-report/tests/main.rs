@@ -4,6 +4,7 @@
 mod support;
 
 mod claims;
+mod drawer;
 mod escaping;
 mod self_contained;
 mod shapes;

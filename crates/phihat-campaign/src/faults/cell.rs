@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::case::Case;
 use super::matrix::{Matrix, RunError};
-use super::seen::Seen;
+use super::seen::FaultObservations;
 
 /// Most samples from the reason of a stop to the stop.
 pub const STOP_SAMPLES: u64 = 3;
@@ -68,7 +68,8 @@ impl Matrix {
 
     fn observed(&self, case: &Case) -> Result<Cell, RunError> {
         let study = self.study(case)?;
-        let mut seen = (Seen::new(&study, self.draw(case).onset), Surviving::new(&study));
+        let mut seen =
+            (FaultObservations::new(&study, self.draw(case).onset), Surviving::new(&study));
         let Ok(ended) = self.build(case, &study)?.record(&mut seen, |_| ());
         let (seen, surviving) = seen;
         let survival = surviving.survival(&ended, &study);

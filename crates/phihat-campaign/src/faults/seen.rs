@@ -25,7 +25,7 @@ const NOTICES: [Events; 7] = [
 
 /// The figures of a run so far. Samples are counted from 0.
 #[derive(Debug)]
-pub(super) struct Seen<'a> {
+pub(super) struct FaultObservations<'a> {
     study: &'a Study,
     /// The fault's first sample, and the first whose excursion counts; beyond the end if it ends before.
     onset: usize,
@@ -52,7 +52,7 @@ struct Stop {
     stretch: Option<Vec<(f64, f64)>>,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> FaultObservations<'a> {
     /// Before the first sample of a run whose fault begins at a time \[s\].
     pub(super) fn new(study: &'a Study, onset: f64) -> Self {
         let onset = sample_at(study, onset);
@@ -141,7 +141,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-impl Recorder for Seen<'_> {
+impl Recorder for FaultObservations<'_> {
     type Error = Infallible;
 
     fn take(&mut self, block: &mut Trace) -> Result<(), Infallible> {

@@ -31,7 +31,6 @@ mod page;
 mod plan;
 mod plot;
 mod row;
-mod statistics;
 mod summary;
 mod vary;
 
@@ -39,7 +38,6 @@ pub use error::{RunError, SweepError};
 pub use options::{SweepAnswer, SweepOptions, SweptWhole, merge};
 pub use plan::Plan;
 pub use row::{Columns, End, FIGURES, FigureKind, Row};
-pub use statistics::{CONFIDENCE, Places, quantile_places, share_interval};
 pub use summary::{
     FORMAT, FigureRecord, Quantile, SweepSummary, SweepTotals, VaryRecord, WorstRun,
 };

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::error::SweepError;
 use super::page::sweep_page;
 use super::plan::Plan;
-use super::summary::{Looked, SweepSummary, look};
+use super::summary::{SweepResult, SweepSummary, look};
 use crate::chunks::{ChunksError, Layout, RowFile, Shard, run_chunks};
 use crate::folder::{JOURNAL, results_of};
 use crate::journal::Journal;
@@ -286,7 +286,7 @@ fn leave(
     mut file: RowFile,
     (part, folder): (&Path, &Path),
 ) -> Result<Box<SweptWhole>, SweepError> {
-    let Looked { summary, drawn, studies } = look(plan, &mut file)?;
+    let SweepResult { summary, drawn, studies } = look(plan, &mut file)?;
     drop(file);
     moved(part, &folder.join(ROWS))?;
     let page = folder.join("report.html");

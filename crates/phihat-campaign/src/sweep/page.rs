@@ -2,10 +2,11 @@
 
 use maud::{Markup, html};
 use phihat_report::kit::Page;
+use phihat_report::kit::draw::{FigureSize, svg};
 use phihat_report::kit::number::{number, stated};
 use phihat_report::kit::text::line;
 
-use super::plot::{Mark, distribution, scatter};
+use super::plot::{DrawnRun, distribution, scatter};
 use super::row::Row;
 use super::summary::{FigureRecord, Quantile, SweepSummary};
 
@@ -31,7 +32,7 @@ pub(super) fn sweep_page(summary: &SweepSummary, drawn: &[Row]) -> String {
         h2 { "Distributions" }
         p { "Bars: how many runs, the highest drawn to 0.9; curve: the share of runs at or below a value; dashed: the bound." }
         div.plots { @for figure in summary.figures.iter().filter(|figure| differs(figure)) { figure {
-            (distribution(&figure.name, &figure.unit, &figure.curve, bound(figure)))
+            (svg(&distribution((&figure.name, &figure.unit), &figure.curve, bound(figure)), &FigureSize::SMALL))
             figcaption { (line(&figure.what)) }
         } } }
         @for figure in summary.figures.iter().filter(|figure| !differs(figure)) {
@@ -118,13 +119,13 @@ fn compared(summary: &SweepSummary) -> (usize, &'static str, Option<f64>) {
 
 fn scatters(summary: &SweepSummary, drawn: &[Row]) -> Markup {
     let (by, beside, bound) = compared(summary);
-    let marks = |i: usize| -> Vec<Mark> {
-        let mark = |row: &Row| Mark {
+    let runs = |i: usize| -> Vec<DrawnRun> {
+        let run = |row: &Row| DrawnRun {
             value: row.values[i],
             error: row.figures[by],
             within: row.within_spec,
         };
-        drawn.iter().map(mark).collect()
+        drawn.iter().map(run).collect()
     };
     let label = |i: usize| {
         let vary = &summary.vary[i];
@@ -135,8 +136,8 @@ fn scatters(summary: &SweepSummary, drawn: &[Row]) -> Markup {
         }
     };
     html! {
-        p { (drawn.len()) " of " (summary.runs) " runs, evenly taken. A cross at the upper edge did not come to its end; another colour broke a bound." }
-        div.plots { @for i in 0..summary.vary.len() { figure { (scatter(&marks(i), (&label(i), beside), bound)) } } }
+        p { (drawn.len()) " of " (summary.runs) " runs, evenly taken." }
+        div.plots { @for i in 0..summary.vary.len() { figure { (svg(&scatter(&runs(i), (&label(i), beside), bound), &FigureSize::SMALL)) } } }
     }
 }
 

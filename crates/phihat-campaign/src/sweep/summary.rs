@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::plan::Plan;
 use super::row::{Columns, FIGURES, Row};
-use super::statistics::{CONFIDENCE, quantile_places, share_interval};
 use crate::chunks::{ChunksError, RowFile};
+use crate::statistics::{CONFIDENCE, quantile_places, share_interval};
 
 /// Version of `sweep.json`.
 pub const FORMAT: u32 = 1;
@@ -139,7 +139,7 @@ pub struct WorstRun {
 }
 
 /// The rows of a sweep looked through: its answer, and the runs that are drawn.
-pub(crate) struct Looked {
+pub(crate) struct SweepResult {
     pub(crate) summary: SweepSummary,
     pub(crate) drawn: Vec<Row>,
     /// The studies of the worst runs, by their file's name.
@@ -147,9 +147,9 @@ pub(crate) struct Looked {
 }
 
 /// Looks through all rows, column by column: memory is one column.
-pub(crate) fn look(plan: &Plan, file: &mut RowFile) -> Result<Looked, ChunksError> {
+pub(crate) fn look(plan: &Plan, file: &mut RowFile) -> Result<SweepResult, ChunksError> {
     let columns = plan.columns();
-    let mut seen = Seen::default();
+    let mut seen = SweepCounts::default();
     let by = by_spec(plan);
     let stride = plan.runs.div_ceil(DRAWN).max(1);
     file.each(plan.runs, |bytes| {
@@ -193,7 +193,7 @@ pub(crate) fn look(plan: &Plan, file: &mut RowFile) -> Result<Looked, ChunksErro
         columns: columns.all().into_iter().map(|(name, kind)| (name, kind.to_owned())).collect(),
         runs_sha256: file.sha256()?,
     };
-    Ok(Looked { summary, drawn, studies })
+    Ok(SweepResult { summary, drawn, studies })
 }
 
 /// The figure by which runs are better or worse: error over the bound where the study states one.
@@ -202,7 +202,7 @@ fn by_spec(plan: &Plan) -> usize {
 }
 
 #[derive(Default)]
-struct Seen {
+struct SweepCounts {
     ends: [u64; 5],
     within: u64,
     drawn: Vec<Row>,
@@ -210,7 +210,7 @@ struct Seen {
     worst: Vec<Row>,
 }
 
-impl Seen {
+impl SweepCounts {
     fn take(&mut self, row: Row, by: usize, stride: u64) {
         self.ends[row.end as usize] += 1;
         self.within += u64::from(row.within_spec);

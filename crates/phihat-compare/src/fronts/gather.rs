@@ -1,6 +1,10 @@
 //! From searches to fronts, ratios and ranks.
 
 use phihat_campaign::Ended;
+use phihat_campaign::statistics::{
+    Bootstrap, ErrorTable, FrontPoint, Placebo, Ratio, Spread, Standing, critical_difference, holm,
+    hypervolume, placebo, quantile, ranks, ratio, standing,
+};
 use phihat_session::Dice;
 
 use super::extent::FrontsExtent;
@@ -11,10 +15,6 @@ use super::record::{
 use super::tier::Tier;
 use crate::arm_case::ArmCase;
 use crate::protocol::{Tried, better};
-use crate::statistics::{
-    Bootstrap, ErrorTable, Placebo, Point, Ratio, Spread, Standing, critical_difference, holm,
-    hypervolume, placebo, quantile, ranks, ratio, standing,
-};
 
 /// Error of a run that did not follow, where laws are compared \[rad\]: larger than that of any run that did.
 pub(super) const FAILED_RAD: f64 = 1.0;
@@ -257,7 +257,7 @@ fn volumes(laws: &[LawRecord], points: &[AtCap], caps: &[f64]) -> Vec<Volume> {
         let own: Vec<&AtCap> = caps.iter().filter_map(|cap| at(points, &law.id, *cap)).collect();
         let worlds = own.iter().flat_map(|point| &point.restarts).map(|r| r.test.len()).max()?;
         let every: Vec<usize> = (0..worlds).collect();
-        let chosen: Vec<Point> = own
+        let chosen: Vec<FrontPoint> = own
             .iter()
             .filter_map(|point| {
                 let restart = point.chosen.as_ref()?.restart;
@@ -277,7 +277,7 @@ fn volumes(laws: &[LawRecord], points: &[AtCap], caps: &[f64]) -> Vec<Volume> {
 
 /// Noise and error of a tuning over some of its worlds, in logarithms: medians. A run that failed has the
 /// largest of both.
-fn middle(restart: &Restart, worlds: &[usize]) -> Option<Point> {
+fn middle(restart: &Restart, worlds: &[usize]) -> Option<FrontPoint> {
     let of = |failed: f64, of: fn(&Tried) -> f64| {
         let tried = worlds.iter().filter_map(|world| restart.test.get(*world));
         let values: Vec<f64> = tried.map(|t| t.as_ref().map_or(failed, of)).collect();
@@ -289,7 +289,7 @@ fn middle(restart: &Restart, worlds: &[usize]) -> Option<Point> {
 }
 
 /// The area with worlds and, at each cap, a restart drawn anew.
-fn redrawn(dice: &mut Dice, own: &[&AtCap], worlds: usize, reference: Point) -> f64 {
+fn redrawn(dice: &mut Dice, own: &[&AtCap], worlds: usize, reference: FrontPoint) -> f64 {
     let drawn: Vec<usize> = (0..worlds).map(|_| dice.below(worlds)).collect();
     let mut points = Vec::new();
     for point in own {

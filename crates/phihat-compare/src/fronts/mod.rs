@@ -18,8 +18,8 @@ mod gather;
 mod job;
 mod options;
 mod page;
+mod picture;
 mod plan;
-mod plot;
 mod record;
 mod tier;
 

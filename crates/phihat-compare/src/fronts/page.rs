@@ -1,15 +1,16 @@
 //! The page of a comparison at equal noise.
 
 use maud::{Markup, html};
+use phihat_report::kit::figure::{Axis, Series};
 use phihat_report::kit::number::{number, stated};
 use phihat_report::kit::text::line;
 use phihat_report::kit::{MILLI, Page};
 
-use super::plot::{Curve, Place, critical_difference, curves};
+use super::picture::{curve, mean_ranks, picture};
 use super::record::{AtCap, Chosen, Fronts, LawRecord, Restart};
 use super::tier::Tier;
 use crate::protocol::hardest;
-use crate::statistics::{Placebo, Spread, Standing};
+use phihat_campaign::statistics::{Placebo, Spread, Standing};
 
 /// The self-contained page; `command` made it.
 pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
@@ -119,16 +120,6 @@ fn counts(fronts: &Fronts, tier: Tier, cap: f64) -> (usize, usize, usize) {
     (of(Standing::Better), of(Standing::Worse), of(Standing::Alike))
 }
 
-fn class(law: &LawRecord) -> &'static str {
-    if law.again.is_some() {
-        "again"
-    } else if law.ours {
-        "ours"
-    } else {
-        "others"
-    }
-}
-
 fn tier_part(fronts: &Fronts, tier: Tier) -> Markup {
     // Ours of lesser knowledge stand beside: knowing less is allowed.
     let shown =
@@ -137,20 +128,21 @@ fn tier_part(fronts: &Fronts, tier: Tier) -> Markup {
     let front = |law: &&LawRecord| {
         let place = |cap: &f64| {
             let (_, error, noise) = found(fronts, &law.id, *cap)?;
-            let quartiles = Some([MILLI * error.lower, MILLI * error.upper]);
-            Some(Place { x: 100.0 * noise.median, y: MILLI * error.median, quartiles })
+            let at = [100.0 * noise.median, MILLI * error.median];
+            Some((at, [MILLI * error.lower, MILLI * error.upper]))
         };
-        let mut places: Vec<Place> = fronts.extent.caps.iter().filter_map(place).collect();
-        places.sort_by(|a, b| a.x.total_cmp(&b.x));
-        Curve { name: law.id.clone(), class: class(law), places }
+        let mut places: Vec<_> = fronts.extent.caps.iter().filter_map(place).collect();
+        places.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
+        let (points, spread) = places.into_iter().unzip();
+        Series { spread, ..curve(law, points) }
     };
     let cap = main_cap(fronts);
     let ordered = fronts.ordered.iter().find(|o| o.tier == tier && o.cap.total_cmp(&cap).is_eq());
     html! {
         h2 { "Laws with " (tier.words()) }
         figure.plot {
-            (curves(&laws.iter().map(front).collect::<Vec<_>>(), &format!("Error against noise, laws with {}", tier.words()),
-                ("noise above 50 Hz [% of the torque limit]", "rms error [mrad]")))
+            (picture(&format!("Error against noise, laws with {}", tier.words()),
+                (Axis::log("noise above 50 Hz [% of the torque limit]"), Axis::log("rms error [mrad]")), laws.iter().map(front).collect()))
             figcaption { "Chosen gains in the test worlds: medians, one mark per cap; upright lines from quartile to quartile. \
                 Below and to the left is less of both. Ours of this tier or of less knowledge are blue; a law's second name is dashed." }
         }
@@ -158,7 +150,7 @@ fn tier_part(fronts: &Fronts, tier: Tier) -> Markup {
         @if let Some(ordered) = ordered {
             h3 { "Ranks at a cap of " (stated(100.0 * cap)) " %" }
             figure.plot {
-                (critical_difference(&ordered.laws, ordered.critical_difference, "Mean ranks over the test worlds"))
+                (mean_ranks(&ordered.laws, ordered.critical_difference))
                 figcaption { "Mean rank over the test worlds, 1 is best. Laws inside the shaded stretch cannot be told from the first one \
                     by ranks (Nemenyi, 5 %; difference " (number(ordered.critical_difference)) ")." }
             }
@@ -269,17 +261,12 @@ fn profiles(fronts: &Fronts, laws: &[&LawRecord], cap: f64) -> Markup {
     let best: Vec<f64> = (0..worlds)
         .map(|w| known.iter().map(|(_, r)| error(r, w)).fold(f64::INFINITY, f64::min))
         .collect();
-    let curve = |(law, restart): &(&LawRecord, &Restart)| {
+    let profile = |(law, restart): &(&LawRecord, &Restart)| {
         let mut factors: Vec<f64> = (0..worlds).map(|w| error(restart, w) / best[w]).collect();
         factors.retain(|factor| factor.is_finite());
         factors.sort_by(f64::total_cmp);
-        let place = |(count, factor): (u32, &f64)| Place {
-            x: *factor,
-            y: 100.0 * f64::from(count) / worlds as f64,
-            quartiles: None,
-        };
-        let places = (1..).zip(&factors).map(place).collect();
-        Curve { name: law.id.clone(), class: class(law), places }
+        let share = |count: u32| 100.0 * f64::from(count) / worlds as f64;
+        curve(law, (1..).zip(&factors).map(|(count, factor)| [*factor, share(count)]).collect())
     };
     if known.len() < 2 {
         return html! {};
@@ -287,8 +274,8 @@ fn profiles(fronts: &Fronts, laws: &[&LawRecord], cap: f64) -> Markup {
     html! {
         details { summary { "In how many worlds a law is near the best one" }
         figure.plot {
-            (curves(&known.iter().map(curve).collect::<Vec<_>>(), "Share of worlds against the factor from the best",
-                ("error over the least of any law in that world", "share of test worlds [%]")))
+            (picture("Share of worlds against the factor from the best",
+                (Axis::log("error over the least of any law in that world"), Axis::new("share of test worlds [%]")), known.iter().map(profile).collect()))
             figcaption { "Chosen gains at a cap of " (stated(100.0 * cap)) " %. Above and to the left is better." }
         } }
     }
@@ -298,23 +285,20 @@ fn profiles(fronts: &Fronts, laws: &[&LawRecord], cap: f64) -> Markup {
 fn efforts(fronts: &Fronts, laws: &[&LawRecord], cap: f64) -> Markup {
     // The cost of gains that keep their constraints is e/(1 + e), below 1.
     let error = |cost: f64| (cost < 1.0).then(|| MILLI * cost / (1.0 - cost));
-    let curve = |law: &&LawRecord| {
+    let effort = |law: &&LawRecord| {
         let restart = tuning(fronts, &law.id, cap)?;
-        let mut places: Vec<Place> = restart
-            .history
-            .iter()
-            .filter_map(|(count, cost)| Some((*count as f64, error(*cost)?)))
-            .map(|(x, y)| Place { x, y, quartiles: None })
-            .collect();
-        let last = places.last().copied()?;
-        places.push(Place { x: restart.evaluations as f64, ..last });
-        Some(Curve { name: law.id.clone(), class: class(law), places })
+        let history = restart.history.iter();
+        let mut points: Vec<[f64; 2]> =
+            history.filter_map(|(count, cost)| Some([*count as f64, error(*cost)?])).collect();
+        points.push([restart.evaluations as f64, points.last()?[1]]);
+        Some(curve(law, points))
     };
-    let all: Vec<Curve> = laws.iter().filter(|law| !law.designed).filter_map(curve).collect();
+    let all: Vec<Series> = laws.iter().filter(|law| !law.designed).filter_map(effort).collect();
     html! { @if !all.is_empty() {
         details { summary { "What a search has found after so many evaluations" }
         figure.plot {
-            (curves(&all, "Error in the training worlds against evaluations", ("evaluations", "error in the training worlds [mrad]")))
+            (picture("Error in the training worlds against evaluations",
+                (Axis::log("evaluations"), Axis::log("error in the training worlds [mrad]")), all))
             figcaption { "The chosen search of each law at a cap of " (stated(100.0 * cap)) " %, from where its gains keep every constraint. \
                 A curve that still falls at its end says that more evaluations would find more." }
         } }

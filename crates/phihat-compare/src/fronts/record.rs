@@ -6,8 +6,8 @@ use super::extent::FrontsExtent;
 use super::tier::Tier;
 use crate::protocol::{Assessed, Tried};
 use crate::record::ArmRecord;
-use crate::statistics::{Placebo, Ratio, Spread, Standing};
 use crate::tune::AtEnd;
+use phihat_campaign::statistics::{Placebo, Ratio, Spread, Standing};
 
 /// Version of the document.
 pub const FRONTS_FORMAT: u32 = 1;

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 
 use super::names::{main_world, named};
 use super::outcome::{outcome_in_full, symbol_and_word, unrest};
-use super::quantity::{Of, QUANTITIES, Quantity};
+use super::quantity::{QUANTITIES, Quantity, QuantitySource};
 use super::words;
 use phihat_report::kit::anchor;
 use phihat_report::kit::number::stated;
@@ -49,14 +49,14 @@ fn of_a_world(
 ) -> Vec<&'static Quantity> {
     let known = |quantity: &&Quantity| {
         let cell = |row: &Row| quantity.of_cell(row, row.cell(&world.name, GainsKind::Tuned));
-        matches!(quantity.of, Of::World(_))
+        matches!(quantity.of, QuantitySource::World(_))
             && comparison.rows_of(&arm.name).any(|row| cell(row).is_some())
     };
     QUANTITIES.iter().filter(known).collect()
 }
 
 fn of_a_row() -> impl Iterator<Item = &'static Quantity> {
-    QUANTITIES.iter().filter(|quantity| matches!(quantity.of, Of::Row(_)))
+    QUANTITIES.iter().filter(|quantity| matches!(quantity.of, QuantitySource::Row(_)))
 }
 
 fn headings(quantities: impl Iterator<Item = &'static Quantity>) -> Markup {
@@ -174,7 +174,7 @@ fn value(quantity: &Quantity, row: &Row, world: &str, best: Option<f64>) -> Mark
     let target = format!("#{}", anchor("row", &format!("{}-{}", row.arm, row.rival)));
     html! { td.best[is_best].outside[broken] data-v=(shown) {
         @if is_best { span.star title="best of the column" { "★\u{a0}" } }
-        @if matches!(quantity.of, Of::World(_)) { a href=(target) { (text) } } @else { (text) }
+        @if matches!(quantity.of, QuantitySource::World(_)) { a href=(target) { (text) } } @else { (text) }
         @if broken { span.note { "broken" } }
     } }
 }

@@ -7,19 +7,29 @@ use super::names::named;
 use super::outcome::{outcome_in_full, symbol_and_word, two_digits, unrest};
 use super::words::is_designed;
 use phihat_report::kit::anchor;
+use phihat_report::kit::shade::{Shade, shades};
 use phihat_report::kit::text::line;
 
-/// Largest error over the specification up to which a cell has each shade.
-const SHADES: [(f64, &str); 3] = [(1.0, "r0"), (3.0, "r1"), (10.0, "r2")];
+/// Largest error over the specification up to which a cell has each of the first shades.
+const LEVELS: [f64; 3] = [1.0, 3.0, 10.0];
+
+const KEY: [(Shade, &str); 8] = [
+    (Shade::Step(0), "✓ up to 1: kept"),
+    (Shade::Step(1), "to 3"),
+    (Shade::Step(2), "to 10"),
+    (Shade::Step(3), "beyond"),
+    (Shade::Beyond, "▲ did not follow"),
+    (Shade::Broken, "✗ diverged"),
+    (Shade::Broken, "⊘ not a number"),
+    (Shade::None, "– does not apply"),
+];
 
 pub(super) fn map(comparison: &Comparison, arm: &ArmRecord) -> Markup {
     html! {
         h3 { "Robustness" }
         p.key {
             "Largest |e| over the specification's, worst of all motions and joints: "
-            span.r0 { "✓ up to 1: kept" } span.r1 { "to 3" } span.r2 { "to 10" } span.r3 { "beyond" }
-            span.rlost { "▲ did not follow" } span.rgone { "✗ diverged" } span.rgone { "⊘ not a number" }
-            span.rnone { "– does not apply" }
+            (shades(&KEY))
             span { "≈ it followed, with torque noise beyond the cap of the tuning or at its torque limits" }
             " Large: tuned gains. Small: the default ones."
         }
@@ -44,10 +54,10 @@ fn place(comparison: &Comparison, row: &Row, world: &str) -> Markup {
     let default = row.cell(world, GainsKind::Default).filter(|_| !designed);
     let Some(tuned) = tuned else {
         let why = row.refused.as_deref().unwrap_or("not run");
-        return html! { td.rnone { span.only title=(line(why)) { "– " span.note { "does not apply" } } } };
+        return html! { td.q-none { span.only title=(line(why)) { "– " span.note { "does not apply" } } } };
     };
     let target = format!("#{}", anchor("row", &format!("{}-{}", row.arm, row.rival)));
-    html! { td class=(class(tuned)) { a href=(target) title=(outcome_in_full(&tuned.outcome)) {
+    html! { td class=(shade(tuned).class()) { a href=(target) title=(outcome_in_full(&tuned.outcome)) {
         (mark(tuned)) @if unrest(comparison, tuned).is_some() { " ≈" }
         @if let Some(default) = default { span.note { "default " (mark(default)) @if unrest(comparison, default).is_some() { " ≈" } } }
         @if designed { span.note { "designed" } }
@@ -59,12 +69,11 @@ fn ratio(cell: &Cell) -> Option<f64> {
     cell.worst.as_ref().map(|figures| figures.error_over_spec).filter(|ratio| ratio.is_finite())
 }
 
-fn class(cell: &Cell) -> &'static str {
+fn shade(cell: &Cell) -> Shade {
     if !cell.outcome.followed() {
-        return if cell.outcome.badness() == 1 { "rlost" } else { "rgone" };
+        return if cell.outcome.badness() == 1 { Shade::Beyond } else { Shade::Broken };
     }
-    let ratio = ratio(cell).unwrap_or(f64::INFINITY);
-    SHADES.iter().find(|(most, _)| ratio <= *most).map_or("r3", |(_, class)| class)
+    Shade::of(ratio(cell).unwrap_or(f64::INFINITY), LEVELS)
 }
 
 /// Symbol and number, or symbol and word.

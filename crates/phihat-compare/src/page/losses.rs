@@ -3,7 +3,7 @@
 use crate::{Comparison, GainsKind, Row};
 use serde::Serialize;
 
-use super::quantity::{Of, QUANTITIES, Quantity};
+use super::quantity::{QUANTITIES, Quantity, QuantitySource};
 
 /// Differences below this part of the larger value count as equal.
 const EQUAL: f64 = 0.02;
@@ -99,8 +99,10 @@ fn loss(comparison: &Comparison, column: &Quantity, id: &str) -> Option<Loss> {
 /// The worlds that a column is compared in; one nameless one for the row as a whole.
 fn worlds<'a>(comparison: &'a Comparison, column: &Quantity) -> Vec<Option<&'a str>> {
     match column.of {
-        Of::World(_) => comparison.worlds.iter().map(|world| Some(world.name.as_str())).collect(),
-        Of::Row(_) => vec![None],
+        QuantitySource::World(_) => {
+            comparison.worlds.iter().map(|world| Some(world.name.as_str())).collect()
+        }
+        QuantitySource::Row(_) => vec![None],
     }
 }
 

@@ -6,11 +6,9 @@ use maud::{Markup, html};
 use phihat_report::kit::text::line;
 use phihat_report::kit::{Page, anchor};
 
-pub(crate) mod axis;
 mod cards;
 mod figures;
 mod heat;
-pub(crate) mod labels;
 mod losses;
 mod names;
 mod outcome;

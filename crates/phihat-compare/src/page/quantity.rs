@@ -28,12 +28,12 @@ pub(super) struct Quantity {
     /// Priority of those who sort by it.
     pub counts: &'static str,
     pub better: Better,
-    pub of: Of,
+    pub of: QuantitySource,
 }
 
 /// Source of a column's value.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Of {
+pub(super) enum QuantitySource {
     /// The worst figures of a world under the tuned gains.
     World(fn(&Figures) -> Option<f64>),
     /// The row as a whole.
@@ -46,7 +46,7 @@ const fn world(
     counts: &'static str,
     of: fn(&Figures) -> Option<f64>,
 ) -> Quantity {
-    Quantity { name, short, unit, counts, better: Better::Less, of: Of::World(of) }
+    Quantity { name, short, unit, counts, better: Better::Less, of: QuantitySource::World(of) }
 }
 
 const fn row(
@@ -55,7 +55,7 @@ const fn row(
     better: Better,
     of: fn(&Row) -> Option<f64>,
 ) -> Quantity {
-    Quantity { name, short, unit: "", counts, better, of: Of::Row(of) }
+    Quantity { name, short, unit: "", counts, better, of: QuantitySource::Row(of) }
 }
 
 const RUNS_TO_SPEC: &str = "runs to spec";
@@ -126,15 +126,15 @@ impl Quantity {
     /// The value that is shown of a cell, finite; whatever became of the arm.
     pub(super) fn of_cell(&self, row: &Row, cell: Option<&Cell>) -> Option<f64> {
         let value = match self.of {
-            Of::World(of) => of(cell?.worst.as_ref()?),
-            Of::Row(of) => of(row),
+            QuantitySource::World(of) => of(cell?.worst.as_ref()?),
+            QuantitySource::Row(of) => of(row),
         };
         value.filter(|value| value.is_finite())
     }
 
     /// The value that may be compared: of an arm that followed, and of a bound that was kept.
     pub(super) fn eligible(&self, row: &Row, world: Option<&str>) -> Option<f64> {
-        let Of::World(_) = self.of else { return self.of_cell(row, None) };
+        let QuantitySource::World(_) = self.of else { return self.of_cell(row, None) };
         let cell = row.cell(world?, GainsKind::Tuned).filter(|cell| cell.outcome.followed())?;
         let value = self.of_cell(row, Some(cell))?;
         (self.name != "bound / measured" || value >= 1.0).then_some(value)

@@ -2,60 +2,67 @@
 
 use crate::{ArmRecord, Comparison, Figures, GainsKind, Row};
 use maud::{Markup, html};
+use phihat_campaign::statistics::quantile;
 use phihat_rivals::Needs;
 
-use super::axis::{Axis, axes};
-use super::labels::{Place, places};
 use super::losses::is_proposed;
 use super::names::{main_world, title};
 use phihat_report::kit::MILLI;
 use phihat_report::kit::anchor;
+use phihat_report::kit::draw::{FigureSize, svg};
+use phihat_report::kit::figure::{Axis, Figure, Ink, Marker, Panel, Series};
 use phihat_report::kit::number::{number, stated};
 use phihat_report::kit::text::line;
-
-/// Size of the figure, and its margins: left, top, right, bottom.
-const SIZE: [f64; 2] = [960.0, 640.0];
-const MARGIN: [f64; 4] = [70.0, 16.0, 16.0, 56.0];
-/// Width of a character of a label, generously.
-const CHARACTER: f64 = 6.9;
 
 /// Efforts within this part of the middle one count as the same, and this share of laws makes a figure of them idle.
 const SAME_EFFORT: (f64, f64) = (0.05, 0.8);
 
 /// A law's place in the figure.
-struct Point {
+struct LawPoint {
     id: String,
     name: String,
-    kind: Kind,
+    kind: ModelUse,
     error: f64,
     price: f64,
 }
 
 /// Knowledge that a law has of the arm, shown by shape and colour of its mark.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum ModelUse {
     Free,
     Partial,
     Model,
 }
 
-const KINDS: [(Kind, &str, &str); 3] = [
-    (Kind::Free, "k0", "no model of the arm"),
-    (
-        Kind::Partial,
-        "k1",
-        "a part of one: gravity, regressor, tip position, or a design for the arm",
-    ),
-    (Kind::Model, "k2", "the whole model"),
-];
+impl ModelUse {
+    const ALL: [Self; 3] = [Self::Free, Self::Partial, Self::Model];
 
-fn kind(needs: &Needs) -> Kind {
+    fn words(self) -> &'static str {
+        match self {
+            Self::Free => "no model of the arm",
+            Self::Partial => {
+                "a part of one: gravity, regressor, tip position, or a design for the arm"
+            }
+            Self::Model => "the whole model",
+        }
+    }
+
+    fn ink(self) -> Ink {
+        Ink::Curve(match self {
+            Self::Free => 0,
+            Self::Partial => 1,
+            Self::Model => 2,
+        })
+    }
+}
+
+fn kind(needs: &Needs) -> ModelUse {
     if needs.model {
-        Kind::Model
+        ModelUse::Model
     } else if needs.model_free() && !needs.designed {
-        Kind::Free
+        ModelUse::Free
     } else {
-        Kind::Partial
+        ModelUse::Partial
     }
 }
 
@@ -105,14 +112,14 @@ fn named_best(comparison: &Comparison, arm: &ArmRecord, world: &str) -> Markup {
     let mut points: Vec<_> = comparison.rows_of(&arm.name).filter_map(place).collect();
     points.retain(|point| point.price <= cap);
     points.sort_by(|a, b| a.error.total_cmp(&b.error));
-    let least = |which: fn(&Point) -> bool| points.iter().find(|point| which(point));
-    let told = |point: &Point| {
+    let least = |which: fn(&LawPoint) -> bool| points.iter().find(|point| which(point));
+    let told = |point: &LawPoint| {
         let (error, noise) = (number(point.error), number(point.price));
         format!("{}, {error} mrad at {noise} %", point.name)
     };
     html! { @if let Some(best) = points.first() { p.best-named {
         "Least error within the cap on noise (" (stated(cap)) " %): " strong { (told(best)) }
-        @if best.kind != Kind::Free && let Some(free) = least(|point| point.kind == Kind::Free) {
+        @if best.kind != ModelUse::Free && let Some(free) = least(|point| point.kind == ModelUse::Free) {
             "; without a model: " strong { (told(free)) }
         }
         @if !is_proposed(&best.id) && let Some(own) = least(|point| is_proposed(&point.id)) {
@@ -139,7 +146,7 @@ fn same_effort(comparison: &Comparison, arm: &ArmRecord, world: &str) -> Option<
     let place = |row| point(comparison, row, world, EFFORT.of);
     let mut points: Vec<_> = comparison.rows_of(&arm.name).filter_map(place).collect();
     points.sort_by(|a, b| a.price.total_cmp(&b.price));
-    let middle = points.get(points.len() / 2)?.price;
+    let middle = quantile(&points.iter().map(|point| point.price).collect::<Vec<_>>(), 0.5)?;
     let (same, others): (Vec<_>, Vec<_>) =
         points.iter().partition(|point| (point.price - middle).abs() <= SAME_EFFORT.0 * middle);
     if points.len() < 3 || (same.len() as f64) < SAME_EFFORT.1 * points.len() as f64 {
@@ -177,7 +184,7 @@ fn plot(comparison: &Comparison, arm: &ArmRecord, world: &str, against: &Against
             @if points.is_empty() { p { "No arm followed in “" (line(world)) "”." } }
             @else { (drawing(&points, &name, against)) }
             figcaption {
-                (name) ", gains tuned: worst of all motions, after the settling time. Below and to the left is less of both. Labels are the ids of the cards; on a small screen, tap a mark."
+                (name) ", gains tuned: worst of all motions, after the settling time. Below and to the left is less of both. Labels are the ids of the cards; on a small screen, tap a mark. In a ring: the paper's law, and this project's."
                 @if !absent.is_empty() { " Not drawn, because the arm did not follow: " (absent.join(", ")) "." }
             }
         }
@@ -190,66 +197,46 @@ fn point(
     row: &Row,
     world: &str,
     price: fn(&Figures) -> f64,
-) -> Option<Point> {
+) -> Option<LawPoint> {
     let cell = row.cell(world, GainsKind::Tuned).filter(|cell| cell.outcome.followed())?;
     let figures = cell.worst.as_ref()?;
     let (error, price) = (MILLI * figures.error_rms_rad, price(figures));
     let drawable = |value: f64| value.is_finite() && value > 0.0;
-    (drawable(error) && drawable(price)).then(|| Point {
+    (drawable(error) && drawable(price)).then(|| LawPoint {
         id: line(&row.rival),
         name: title(comparison, &row.rival),
-        kind: comparison.rival(&row.rival).map_or(Kind::Free, |rival| kind(&rival.needs)),
+        kind: comparison.rival(&row.rival).map_or(ModelUse::Free, |rival| kind(&rival.needs)),
         error,
         price,
     })
 }
 
-fn drawing(points: &[Point], name: &str, against: &Against) -> Markup {
-    let [width, height] = SIZE;
-    let [left, top, right, bottom] = MARGIN;
-    let x = Axis::around(points.iter().map(|p| p.price), left, width - right);
-    let y = Axis::around(points.iter().map(|p| p.error), height - bottom, top);
-    let at: Vec<_> = points.iter().map(|p| [x.at(p.price), y.at(p.error)]).collect();
-    let widths: Vec<_> = points.iter().map(|p| CHARACTER * p.id.chars().count() as f64).collect();
-    let labels = places(&at, &widths, [left + 4.0, top, width - right, height - bottom - 4.0]);
-    html! {
-        svg role="group" aria-label=(name) viewBox=(format!("0 0 {width} {height}")) {
-            (axes(SIZE, MARGIN, (&x, &y), (against.axis, "rms error [mrad]")))
-            @for (mark, label) in at.iter().zip(&labels).filter(|(_, label)| label.led) { (leader(*mark, label)) }
-            @for ((point, [x, y]), label) in points.iter().zip(&at).zip(&labels) {
-                g class=(class(point.kind)) {
-                    title { (point.name) ": " (number(point.error)) " mrad, " (number(point.price)) " " (against.unit) }
-                    (mark(point.kind, *x, *y))
-                    @if is_proposed(&point.id) { circle.ours cx=(format!("{x:.1}")) cy=(format!("{y:.1}")) r="9" {} }
-                    a href=(format!("#{}", anchor("rival", &point.id))) {
-                        text x=(format!("{:.1}", label.left)) y=(format!("{:.1}", label.centre + 4.0)) { (point.id) }
-                    }
-                }
-            }
-        }
-        p.key.kinds { @for (kind, class, words) in KINDS {
-            span { svg viewBox="0 0 16 16" aria-hidden="true" { g class=(class) { (mark(kind, 8.0, 8.0)) } } " " (words) }
-        }
-            span { svg viewBox="0 0 22 22" aria-hidden="true" { circle.ours cx="11" cy="11" r="9" {} } " the paper's law, and this project's" }
-        }
-    }
-}
-
-fn leader(mark: [f64; 2], label: &Place) -> Markup {
-    let ([x, y], [u, v]) = (mark, label.nearest(mark));
-    html! { path.leader d=(format!("M{x:.1} {y:.1}L{u:.1} {v:.1}")) {} }
-}
-
-fn class(kind: Kind) -> &'static str {
-    KINDS.iter().find(|(of, ..)| *of == kind).map_or("k0", |(_, class, _)| class)
-}
-
-/// A circle, a square, a triangle, around its place.
-fn mark(kind: Kind, x: f64, y: f64) -> Markup {
-    let d = match kind {
-        Kind::Free => "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z",
-        Kind::Partial => "M-4.5 -4.5h9v9h-9z",
-        Kind::Model => "M0 -6.5l6 10.4h-12z",
+/// The picture, and the same for a narrow screen: without labels, which it has no room for.
+fn drawing(points: &[LawPoint], name: &str, against: &Against) -> Markup {
+    let marker = |point: &LawPoint| Marker {
+        at: [point.price, point.error],
+        label: point.id.clone(),
+        note: format!(
+            "{}: {} mrad, {} {}",
+            point.name,
+            number(point.error),
+            number(point.price),
+            against.unit
+        ),
+        link: Some(format!("#{}", anchor("rival", &point.id))),
+        ink: point.kind.ink(),
+        ring: is_proposed(&point.id),
     };
-    html! { path.mark transform=(format!("translate({x:.1} {y:.1})")) d=(d) {} }
+    // For the key alone: every point is a marker.
+    let kinds =
+        ModelUse::ALL.map(|kind| Series::marks(kind.words(), Vec::new()).in_ink(kind.ink()));
+    let axes = (Axis::log(against.axis), Axis::log("rms error [mrad]"));
+    let panel = Panel::lines("", axes, kinds.into(), Vec::new());
+    let panel = Panel { markers: points.iter().map(marker).collect(), ..panel };
+    let wide = Figure { title: name.to_owned(), panels: vec![panel], ..Figure::default() };
+    let mut narrow = wide.clone();
+    for marker in narrow.panels.iter_mut().flat_map(|panel| &mut panel.markers) {
+        marker.label.clear();
+    }
+    html! { (svg(&wide, &FigureSize::WIDE)) (svg(&narrow, &FigureSize::NARROW)) }
 }

@@ -2,9 +2,11 @@
 //! every world.
 
 use maud::{Markup, html};
+use phihat_campaign::statistics::geometric_mean;
 use phihat_report::kit::MILLI;
 use phihat_report::kit::anchor;
 use phihat_report::kit::number::{number, stated};
+use phihat_report::kit::shade::{Shade, shades};
 use phihat_report::kit::text::line;
 
 use super::losses::is_proposed;
@@ -42,10 +44,8 @@ fn over_worlds(
     of: impl Fn(&Cell) -> Option<f64>,
 ) -> Option<f64> {
     let each = |world| of(quiet(comparison, row, world)?).filter(|value| *value > 0.0);
-    let logs = worlds(comparison).map(|world| each(world).map(f64::ln));
-    let logs = logs.collect::<Option<Vec<f64>>>()?;
-    let count = logs.len();
-    (count > 0).then(|| (logs.iter().sum::<f64>() / count as f64).exp())
+    let values = worlds(comparison).map(each).collect::<Option<Vec<f64>>>()?;
+    (!values.is_empty()).then(|| geometric_mean(&values))
 }
 
 /// Root-mean-square error \[rad\] over worlds.
@@ -71,15 +71,15 @@ fn keeps(comparison: &Comparison, row: &Row) -> bool {
 }
 
 /// Selection of rows.
-type Which = fn(&Comparison, &Row) -> bool;
+type RowChoice = fn(&Comparison, &Row) -> bool;
 
 /// A kind of user: what they say of themselves, which rows are for them, and what they prefer, smaller values first.
 struct User {
     says: &'static str,
-    may: Which,
+    may: RowChoice,
     prefers: fn(&Comparison, &Row) -> Option<f64>,
     /// Further rows whose best one is reported, and their name.
-    also: Option<(&'static str, Which)>,
+    also: Option<(&'static str, RowChoice)>,
 }
 
 const USERS: [User; 6] = [
@@ -234,8 +234,14 @@ fn places<'a>(
     rows.into_iter().enumerate().map(|(k, (_, id))| (id, k + 1)).collect()
 }
 
-/// Shades of places by their share of all.
-const SHADES: [(f64, &str); 3] = [(0.1, "r3"), (0.25, "r2"), (0.5, "r1")];
+/// Shades of places by their share of all: the first ones dark.
+const KEY: [(Shade, &str); 5] = [
+    (Shade::Step(3), "first tenth"),
+    (Shade::Step(2), "first quarter"),
+    (Shade::Step(1), "first half"),
+    (Shade::Step(0), "behind"),
+    (Shade::None, "– did not follow, or too noisy"),
+];
 
 /// Every law's place in every world.
 fn ranks(comparison: &Comparison, arm: &ArmRecord) -> Markup {
@@ -256,8 +262,7 @@ fn ranks(comparison: &Comparison, arm: &ArmRecord) -> Markup {
     html! {
         h3 { "Places by error, world by world" }
         p.key {
-            span.r3 { "first tenth" } span.r2 { "first quarter" } span.r1 { "first half" } span.r0 { "behind" }
-            span.rnone { "– did not follow, or too noisy" }
+            (shades(&KEY))
             " Sorted by the mean place; ● a proposed law."
         }
         div.scroll.tall tabindex="0" role="region" aria-label=(label) { table.ranks {
@@ -275,8 +280,8 @@ fn ranks(comparison: &Comparison, arm: &ArmRecord) -> Markup {
 }
 
 fn cell(place: Option<usize>, all: usize) -> Markup {
-    let Some(place) = place else { return html! { td.rnone { "–" } } };
-    let share = (place - 1) as f64 / all.max(1) as f64;
-    let class = SHADES.iter().find(|(most, _)| share < *most).map_or("r0", |(_, class)| class);
-    html! { td class=(class) title=(format!("place {place} of {all}")) { (place) } }
+    let Some(place) = place else { return html! { td.q-none { "–" } } };
+    // Of those that are not behind it: more is better.
+    let ahead = 1.0 - (place - 1) as f64 / all.max(1) as f64;
+    html! { td class=(Shade::of(ahead, [0.5, 0.75, 0.9]).class()) title=(format!("place {place} of {all}")) { (place) } }
 }

@@ -1,7 +1,5 @@
 //! Behind every figure: each cell with its outcome, its figures, its trace, and the command that makes it again.
 
-use core::fmt::Write as _;
-
 use crate::{Cell, Comparison, Figures, GainsKind, Row, Sketch};
 use maud::{Markup, html};
 
@@ -10,15 +8,9 @@ use super::outcome::outcome_in_full;
 use super::words::{gains, is_designed};
 use phihat_report::kit::MILLI;
 use phihat_report::kit::anchor;
+use phihat_report::kit::draw::sparkline;
 use phihat_report::kit::number::number;
 use phihat_report::kit::text::line;
-
-/// Size of a sketch in its own units.
-const WIDE: f64 = 240.0;
-const HIGH: f64 = 48.0;
-
-/// Slices drawn of a sketch.
-const SLICES: usize = 120;
 
 pub(super) fn traces(comparison: &Comparison, command: &str) -> Markup {
     html! {
@@ -102,55 +94,16 @@ fn kept(cell: &Cell) -> String {
     format!("{followed} of {} motions followed", cell.runs.len())
 }
 
-/// The band between the smallest and the largest of every slice, and what its edges are.
+/// The band between the smallest and the largest of every slice, and its ends in words.
 fn curve(sketch: &Sketch, slices: &[[f32; 2]], scale: f64, unit: &str, symbol: &str) -> Markup {
-    let band = thinned(slices);
-    let finite = || band.iter().flatten().copied().filter(|value| value.is_finite());
-    let (low, high) = finite().fold((0.0_f64, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
-    let joint = line(&sketch.joint);
-    let end = number(sketch.end_s);
+    let band: Vec<[f64; 2]> = slices.iter().map(|slice| slice.map(f64::from)).collect();
+    let finite = band.iter().flatten().copied().filter(|value| value.is_finite());
+    let (low, high) = finite.fold((0.0_f64, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
+    let (joint, end) = (line(&sketch.joint), number(sketch.end_s));
     let (bottom, top) = (number(scale * low), number(scale * high));
     let label = format!("{symbol} of {joint} from 0 to {end} s, {bottom} to {top} {unit}");
-    let y = |value: f64| {
-        let share = if high > low { (high - value) / (high - low) } else { 0.5 };
-        2.0 + (HIGH - 4.0) * share
-    };
     html! {
-        svg role="img" aria-label=(label) viewBox=(format!("0 0 {WIDE} {HIGH}")) {
-            path.zero d=(format!("M0 {0:.1}H{WIDE}", y(0.0))) {}
-            path.band d=(path(&band, y)) {}
-        }
+        (sparkline(&label, &band))
         span.note { (bottom) " … " (top) " " (unit) " · " (joint) " · " (end) " s" }
     }
-}
-
-/// At most [`SLICES`], each the hull of those that it stands for.
-fn thinned(slices: &[[f32; 2]]) -> Vec<[f64; 2]> {
-    let size = slices.len().div_ceil(SLICES).max(1);
-    let hull = |group: &[[f32; 2]]| {
-        let fold = |of: fn(f64, f64) -> f64, place: usize| {
-            group.iter().map(|slice| f64::from(slice[place])).reduce(of).unwrap_or(f64::NAN)
-        };
-        [fold(f64::min, 0), fold(f64::max, 1)]
-    };
-    slices.chunks(size).map(hull).collect()
-}
-
-/// A stroke from the lowest to the highest of every slice, and on to the next; slices that are not finite are gaps.
-fn path(band: &[[f64; 2]], y: impl Fn(f64) -> f64) -> String {
-    let step = WIDE / band.len().max(1) as f64;
-    let mut d = String::new();
-    let mut begun = false;
-    for (k, [low, high]) in band.iter().enumerate() {
-        if !(low.is_finite() && high.is_finite()) {
-            begun = false;
-            continue;
-        }
-        let x = (k as f64 + 0.5) * step;
-        let letter = if begun { 'L' } else { 'M' };
-        // Writing to a string cannot fail.
-        let _ = write!(d, "{letter}{x:.0} {:.1}V{:.1}", y(*low), y(*high));
-        begun = true;
-    }
-    d
 }

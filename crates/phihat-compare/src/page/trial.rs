@@ -6,7 +6,7 @@ use phihat_sim::Metrics;
 use phihat_report::kit::Page;
 use phihat_report::kit::number::stated;
 use phihat_report::kit::text::{line, visible};
-use phihat_report::{Drawing, Seen, run_figures, torque, tracking};
+use phihat_report::{Drawing, RunMeasurements, run_figures, torque, tracking};
 
 /// One run of a comparison.
 #[derive(Debug, Clone, Copy)]
@@ -42,7 +42,7 @@ pub fn trial_page(trial: &Trial<'_>) -> String {
                 (tracking(trial.metrics))
                 (torque(trial.metrics))
                 h2 { "Figures" }
-                div { @for figure in run_figures(&Seen { drawing: trial.drawing, metrics: trial.metrics, tube: None }) {
+                div { @for figure in run_figures(&RunMeasurements { drawing: trial.drawing, metrics: trial.metrics, tube: None }) {
                     @if figure.name != "unknown-dynamics" { figure.claim { (PreEscaped(&figure.svg)) } }
                 } }
                 (gains(trial))

@@ -1,6 +1,7 @@
 //! Torque noise: the part of a torque that no motion of an arm needs.
 
 use core::f64::consts::PI;
+use phihat_campaign::statistics::rms;
 
 /// Lowest frequency at which a torque counts as noise \[Hz\]: motions of these arms have their harmonics
 /// below 5 Hz.
@@ -35,8 +36,7 @@ pub fn noise_above(tau: &[f64], from: usize, period: f64) -> Option<f64> {
         let angle = PI * f64::from(2 * pair + 1) / f64::from(2 * ORDER);
         section(&mut passed, edge, 2.0 * angle.cos());
     }
-    let scored = &passed[from..];
-    Some((scored.iter().map(|x| x * x).sum::<f64>() / scored.len() as f64).sqrt())
+    Some(rms(&passed[from..]))
 }
 
 /// `s²/(s² + d s + 1)` with `s = (1 − z⁻¹)/(1 + z⁻¹)/edge`, in place, from rest at the first value.

@@ -7,7 +7,7 @@ use super::runs::{FORMS, Runs, form_name};
 use super::studies::Setting;
 use crate::compose::{axis, axis_over, bound, curve, figure, lines, three};
 use crate::part::PartError;
-use crate::record::Figure;
+use phihat_report::kit::figure::Figure;
 
 /// Largest |e| that is drawn in mrad \[rad\].
 const SMALL_RAD: f64 = 1.0;

@@ -11,7 +11,7 @@ use super::variations::unlimited;
 use super::{assumptions, errors, phi_hat, saturation, steady, surrogates, transient};
 use crate::compose::{axis, curve, figure, lines, rests_on, section};
 use crate::part::{Extent, Part, PartError};
-use crate::record::{Figure, Panel};
+use phihat_report::kit::figure::{Figure, Panel};
 
 /// Samples from one point of a drawn path to the next.
 const STRIDE: usize = 8;

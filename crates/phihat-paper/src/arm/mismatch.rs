@@ -9,8 +9,9 @@ use crate::compose::{
 };
 use crate::item::{Item, Kind};
 use crate::part::PartError;
-use crate::record::{Figure, Section, Statement, Table, Verdict};
+use crate::record::{Section, Statement, Table, Verdict};
 use phihat::Form;
+use phihat_report::kit::figure::Figure;
 
 /// Tolerance of our own figures on another machine.
 const AGAIN: f64 = 1e-2;

@@ -10,7 +10,8 @@ use super::studies::Setting;
 use crate::compose::{axis, figure, lines, marks, number, section, statement, way};
 use crate::item::{Item, Kind};
 use crate::part::PartError;
-use crate::record::{Figure, Panel, Section, Verdict};
+use crate::record::{Section, Verdict};
+use phihat_report::kit::figure::{Figure, Panel};
 
 /// Tolerance of our own figures on another machine.
 const AGAIN: f64 = 1e-3;

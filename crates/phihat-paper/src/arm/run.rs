@@ -1,5 +1,6 @@
 //! One run of the arm, and what is read off it.
 
+use phihat_campaign::statistics::rms;
 use phihat_design::requested_gains;
 use phihat_model::Workspace;
 use phihat_sim::{JointTrace, Outcome, Simulation};
@@ -90,10 +91,7 @@ impl Run {
     /// Error of the steady part, root mean square, of the worst joint \[rad\]: by (7) it is what the mismatch leaves.
     pub(crate) fn steady_rms(&self) -> f64 {
         let from = self.steady_from();
-        let of = |joint: &JointTrace| {
-            let steady = &joint.e[from..];
-            (steady.iter().map(|e| e * e).sum::<f64>() / steady.len().max(1) as f64).sqrt()
-        };
+        let of = |joint: &JointTrace| rms(&joint.e[from..]);
         self.joints().iter().map(of).fold(0.0, f64::max)
     }
 

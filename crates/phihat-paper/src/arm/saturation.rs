@@ -8,8 +8,9 @@ use super::transient::SHOWN_S;
 use crate::compose::{axis, axis_over, curve, figure, lines, log_axis, number, statement, three};
 use crate::item::{Item, Kind};
 use crate::part::PartError;
-use crate::record::{Content, Figure, Number, Panel, Statement, Verdict};
+use crate::record::{Number, Statement, Verdict};
 use phihat::Form;
+use phihat_report::kit::figure::{Content, Figure, Panel};
 
 /// Runs that settled and kept their bounds.
 const GOOD: [Outcome; 2] = [Outcome::Soon, Outcome::Late];
@@ -238,13 +239,13 @@ pub(crate) fn map_figure(map: &StartMap) -> Figure {
             title: format!("{}, {} form", map.setting.label(), form_name(map.form)),
             x: log_axis("torque limit [N·m]"),
             y: log_axis("start, from the path [m]"),
-            equal: false,
             content: Content::Map {
                 x: first.iter().map(|cell| cell.limit).collect(),
                 y: map.rows.iter().map(|row| row.distance).collect(),
                 cells: cells.collect(),
                 classes: CLASSES.map(str::to_owned).into(),
             },
+            ..Panel::default()
         }
     };
     let caption = "What the paper reports lies between a limit that does not show and one from which the printed form does not return. The studies of \

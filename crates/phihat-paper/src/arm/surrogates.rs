@@ -10,7 +10,8 @@ use super::studies::{Kind, Studies};
 use super::variations::{Other, PATHS, WORLDS};
 use crate::compose::{figure, log_axis, number, rests_on, section, table, three};
 use crate::part::{Extent, PartError};
-use crate::record::{Assumption, Content, Number, Panel, Section, Statement};
+use crate::record::{Assumption, Number, Section, Statement};
+use phihat_report::kit::figure::{Content, Panel};
 
 /// Factors on the masses of the links.
 const LINKS: &[f64] = &[0.3, 0.5, 1.0, 2.0, 3.0];
@@ -192,7 +193,7 @@ impl Varied {
     }
 
     /// Map of the arms on which (48), (49) are satisfied.
-    fn map(&self, id: &str) -> crate::record::Figure {
+    fn map(&self, id: &str) -> phihat_report::kit::figure::Figure {
         let class = |answers: &Answers| {
             let bounds = || self.claims.iter().zip(answers).filter(|(claim, _)| claim.bounds);
             let all = |form: usize| u8::from(bounds().all(|(_, holds)| holds[form]));
@@ -212,8 +213,8 @@ impl Varied {
             title: "(48), (49) kept by all gain sets".to_owned(),
             x: log_axis("rotor inertia [kg·m²]"),
             y: log_axis("links' mass over the surrogate's"),
-            equal: false,
             content,
+            ..Panel::default()
         };
         let caption = "The gains as printed, M̄ = 1 kg·m², on all arms tried. A cell counts for a form where every gain \
                        set keeps its bounds, |∬e| of (49) included.";

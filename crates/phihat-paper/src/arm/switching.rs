@@ -12,7 +12,8 @@ use crate::compose::{
 };
 use crate::item::{self, Item};
 use crate::part::{Extent, Part, PartError};
-use crate::record::{Figure, Statement, Verdict};
+use crate::record::{Statement, Verdict};
+use phihat_report::kit::figure::Figure;
 
 /// A change of φ̂ that counts as none \[N·m\].
 const NO_JUMP_NM: f64 = 1.0;

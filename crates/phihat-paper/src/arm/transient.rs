@@ -13,7 +13,8 @@ use crate::compose::{
 };
 use crate::item::{Item, Kind};
 use crate::part::PartError;
-use crate::record::{Figure, Section, Statement, Table, Verdict};
+use crate::record::{Section, Statement, Table, Verdict};
+use phihat_report::kit::figure::Figure;
 
 /// Duration that Figs. 6 and 9 show \[s\].
 pub(crate) const SHOWN_S: f64 = 1.5;

@@ -3,7 +3,7 @@
 use super::cases::{CASES, GAINS, RATE, runs};
 use crate::compose::{axis, curve, figure, lines};
 use crate::joint::{Instant, Phi};
-use crate::record::{Figure, Panel};
+use phihat_report::kit::figure::{Figure, Panel};
 
 /// φ, and φ̂ of each run.
 fn panel(title: &str, phi: &Phi, runs: &[(String, Vec<Instant>)]) -> Panel {

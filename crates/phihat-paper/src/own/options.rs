@@ -10,7 +10,7 @@ use super::error::OwnError;
 use super::make::own;
 use super::page::own_page;
 use super::record::OwnReproduction;
-use crate::figure::draw;
+use phihat_report::kit::draw::{FigureSize, draw};
 
 /// Options of a reproduction on an own arm.
 #[derive(Debug, Clone, Default)]
@@ -71,7 +71,7 @@ fn write(folder: &Path, reproduction: &OwnReproduction, study: &str) -> Result<(
     let mut all = vec![(folder.join("study.toml"), study.as_bytes().to_vec())];
     for figure in reproduction.sections.iter().flat_map(|section| &section.figures) {
         let path = folder.join("figures").join(format!("{}.svg", figure.id));
-        all.push((path, draw(figure).svg.into_bytes()));
+        all.push((path, draw(figure, &FigureSize::PAPER).svg.into_bytes()));
     }
     all.push((folder.join("own.json"), text.into_bytes()));
     all.push((folder.join("report.html"), own_page(reproduction).into_bytes()));

@@ -8,7 +8,8 @@ use super::phi::{OwnPhi, joined, rate};
 use crate::arm::Run;
 use crate::compose::{axis, curve, figure, lines, number, section, table, three};
 use crate::joint::{Instant, PaperForm, largest, run};
-use crate::record::{Figure, Number, Section, Table};
+use crate::record::{Number, Section, Table};
+use phihat_report::kit::figure::Figure;
 
 /// The own `a_0` times these, for Fig. 12.
 const FACTORS: [f64; 4] = [0.25, 0.5, 1.0, 2.0];

@@ -1,12 +1,12 @@
 //! The page of an own arm.
 
-use maud::{Markup, PreEscaped, html};
+use maud::html;
 use phihat_report::kit::text::{line, prose};
 use phihat_report::kit::{Page, anchor};
 
 use super::record::OwnReproduction;
-use crate::figure::draw;
-use crate::record::Table;
+use crate::page::table::values;
+use phihat_report::kit::draw::{FigureSize, svg};
 
 /// The self-contained page: nothing is loaded and no script runs.
 pub fn own_page(own: &OwnReproduction) -> String {
@@ -23,7 +23,7 @@ pub fn own_page(own: &OwnReproduction) -> String {
                 @for table in &section.tables { (values(table)) }
                 @for figure in &section.figures {
                     figure.claim id=(anchor("figure", &figure.id)) {
-                        div.sheet { (PreEscaped(draw(figure).svg)) }
+                        div.sheet { (svg(figure, &FigureSize::PAPER)) }
                         figcaption { strong { (prose(&figure.title)) ". " } (prose(&figure.caption)) }
                     }
                 }
@@ -44,21 +44,4 @@ pub fn own_page(own: &OwnReproduction) -> String {
     };
     let style = include_str!("../page/reproduction.css");
     Page { title: "The paper, on an own arm", style, script: None }.document(&main)
-}
-
-fn values(table: &Table) -> Markup {
-    let title = prose(&table.title);
-    html! {
-        div.scroll id=(anchor("table", &table.id)) tabindex="0" role="region" aria-label=(format!("Table: {}", line(&table.title))) {
-            table {
-                caption { span { (title) } }
-                thead { tr { @for column in &table.columns { th scope="col" { (prose(column)) } } } }
-                tbody { @for row in &table.rows { tr {
-                    @for (place, cell) in row.iter().enumerate() {
-                        @if place == 0 { th scope="row" { (prose(cell)) } } @else { td { (prose(cell)) } }
-                    }
-                } } }
-            }
-        }
-    }
 }

@@ -9,7 +9,8 @@ use super::law::Own;
 use crate::arm::Run;
 use crate::compose::{axis, curve, figure, lines, number, table, three};
 use crate::part::PartError;
-use crate::record::{Figure, Number, Section, Table};
+use crate::record::{Number, Section, Table};
+use phihat_report::kit::figure::Figure;
 
 /// The outer loop (3) alone: `τ = M̄ (q̈_d − K_d ė − K_p e)`.
 #[derive(Debug)]

@@ -1,9 +1,9 @@
 //! The page of the reproduction: every statement of the paper with its verdict, and what it rests on.
 
-use crate::record::{Origin, Reproduction, Section, Table, Verdict};
-use maud::{Markup, PreEscaped, html};
+use crate::record::{Origin, Reproduction, Section, Verdict};
+use maud::{Markup, html};
 
-use crate::figure::draw as reproduction_figure;
+use phihat_report::kit::draw::{FigureSize, svg};
 use phihat_report::kit::text::{coded, line, prose};
 use phihat_report::kit::{Page, anchor};
 
@@ -11,6 +11,7 @@ mod coverage;
 mod overview;
 mod statement;
 mod summary;
+pub(crate) mod table;
 mod words;
 
 /// Script of the page: searches, and opens the target of a link.
@@ -60,50 +61,13 @@ fn part(section: &Section) -> Markup {
             (statement::table(section))
             @for figure in &section.figures {
                 figure.claim id=(anchor("figure", &figure.id)) {
-                    div.sheet { (PreEscaped(reproduction_figure(figure).svg)) }
+                    div.sheet { (svg(figure, &FigureSize::PAPER)) }
                     figcaption { strong { (prose(&figure.title)) ". " } (prose(&figure.caption)) }
                 }
             }
-            @for table in &section.tables { (values(table)) }
+            @for table in &section.tables { (table::values(table)) }
         }
     }
-}
-
-fn values(table: &Table) -> Markup {
-    let title = prose(&table.title);
-    let prosaic: Vec<bool> = (0..table.columns.len()).map(|place| is_text(table, place)).collect();
-    let class = |place: usize| prosaic.get(place).is_some_and(|text| *text).then_some("text");
-    html! {
-        div.scroll id=(anchor("table", &table.id)) tabindex="0" role="region" aria-label=(format!("Table: {title}")) {
-            table {
-                caption { span { (title) } }
-                thead { tr { @for (place, column) in table.columns.iter().enumerate() {
-                    th scope="col" class=[class(place)] { (prose(column)) }
-                } } }
-                tbody { @for row in &table.rows { tr {
-                    @for (place, cell) in row.iter().enumerate() {
-                        @if place == 0 {
-                            th scope="row" { (prose(cell)) }
-                        } @else {
-                            td class=[class(place)] { (prose(cell)) }
-                        }
-                    }
-                } } }
-            }
-        }
-    }
-}
-
-/// Returns true if a column contains words: most of its cells begin with no figure.
-fn is_text(table: &Table, place: usize) -> bool {
-    let cells = table.rows.iter().filter_map(|row| row.get(place)).map(|cell| cell.trim());
-    let cells: Vec<&str> = cells.filter(|cell| !cell.is_empty()).collect();
-    let figure = |cell: &&&str| {
-        let rest = cell.trim_start_matches(['−', '-', '+', '±', '<', '>', '≤', '≥', ' ']);
-        let words = cell.split_whitespace().count();
-        **cell == "none" || (rest.starts_with(|c: char| c.is_ascii_digit()) && words <= 4)
-    };
-    2 * cells.iter().filter(figure).count() < cells.len()
 }
 
 fn again(reproduction: &Reproduction) -> Markup {

@@ -1,5 +1,6 @@
 //! Three laws on one arm: runs, their mean square errors, and tuning.
 
+use phihat_campaign::statistics::mean;
 use phihat_rivals::{Entry, Tuning, rival};
 use phihat_sim::{JointTrace, Outcome, Simulation};
 use phihat_study::{Reference, Study};
@@ -190,7 +191,7 @@ impl Score {
     /// Root of the mean of (51) over the joints \[rad\]; beyond the cap on noise, and where the run did not end,
     /// more than any error.
     fn cost(&self) -> f64 {
-        let mean = self.square.iter().sum::<f64>() / self.square.len().max(1) as f64;
+        let mean = mean(&self.square);
         if !mean.is_finite() {
             return UNFINISHED * (2.0 - self.done);
         }

@@ -4,7 +4,8 @@ use super::arm::ArmScores;
 use super::bench::{LAWS, Score};
 use super::printed::PRINTED;
 use crate::compose::{axis, curve, figure, lines, table, three, words};
-use crate::record::{Figure, Panel, Table};
+use crate::record::Table;
+use phihat_report::kit::figure::{Figure, Panel};
 
 pub(super) fn errors_table(arm: &ArmScores) -> Table {
     let cell = |v: f64| three(Some(v * 1e4));

@@ -1,5 +1,7 @@
 //! Size of the errors of Table 3, and their unit.
 
+use phihat_campaign::statistics::geometric_mean;
+
 use super::arm::ArmScores;
 use super::bench::{Score, mean_square};
 use super::printed::PRINTED;
@@ -27,19 +29,14 @@ struct Sized<'a> {
     as_text: fn(f64) -> f64,
 }
 
-fn mean(values: &[f64]) -> f64 {
-    let logs: f64 = values.iter().map(|value| value.ln()).sum();
-    (logs / values.len().max(1) as f64).exp()
-}
-
 impl Sized<'_> {
     /// Geometric mean of the paper over that of ours, on every arm and robot; the paper read as its heading has it,
     /// or as its text has it.
     fn apart(&self, arms: &[ArmScores], heading: bool) -> Vec<Vec<f64>> {
         let read = |value: &f64| if heading { *value } else { (self.as_text)(*value) };
-        let paper = mean(&self.paper.iter().map(read).collect::<Vec<_>>());
+        let paper = geometric_mean(&self.paper.iter().map(read).collect::<Vec<_>>());
         let of = |arm: &ArmScores| {
-            arm.robots.iter().map(|robot| paper / mean(&(self.ours)(robot))).collect()
+            arm.robots.iter().map(|robot| paper / geometric_mean(&(self.ours)(robot))).collect()
         };
         arms.iter().map(of).collect()
     }

@@ -1,5 +1,6 @@
 //! Statements of Sec. VII-D without a figure: (40) on seven joints, and a higher order.
 
+use phihat_campaign::statistics::mean;
 use phihat_design::claims::{Iss, Optimality, PaperRadius};
 use phihat_design::prelude::*;
 
@@ -67,12 +68,10 @@ pub(super) fn higher_order(arms: &[ArmScores]) -> Statement {
     let less = |[one, two]: [&Score; 2]| {
         one.square.iter().zip(&two.square).filter(|(one, two)| two < one).count()
     };
-    let mean = |score: &Score| {
-        (score.square.iter().sum::<f64>() / score.square.len().max(1) as f64).sqrt()
-    };
+    let root = |score: &Score| mean(&score.square).sqrt();
     for arm in arms {
         let pair = [&arm.stated[2], &arm.second];
-        let (on, joints, rms) = (less(pair), pair[0].square.len(), pair.map(mean));
+        let (on, joints, rms) = (less(pair), pair[0].square.len(), pair.map(root));
         better += on;
         all += joints;
         listed.push(format!(

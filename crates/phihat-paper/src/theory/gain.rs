@@ -11,7 +11,8 @@ use crate::gains::{K_TILDE, K_TILDE_H3, all as laws, first, second_h3};
 use crate::joint::{PaperForm, Phi, largest, run};
 use crate::part::PartError;
 use crate::published::Published;
-use crate::record::{Bound, Figure, Number, Panel, Section, Statement, Verdict};
+use crate::record::{Number, Section, Statement, Verdict};
+use phihat_report::kit::figure::{Bound, Figure, Panel};
 
 /// A step that resolves the estimator \[s\].
 const STEP: f64 = 2e-4;
@@ -170,7 +171,7 @@ fn below_gamma(all: &[Gain]) -> Statement {
 }
 
 fn figure(gain: &Gain) -> Figure {
-    let bound = Bound { label: "γ²".to_owned(), value: gain.gamma2(), both: false };
+    let bound = Bound::at("γ²", gain.gamma2());
     let exact = |omega: f64| gain_at(&gain.law, &gain.certified, omega);
     let series = vec![curve("cost / disturbance", grid().into_iter().map(|w| [w, exact(w)]))];
     let axes = (log_axis("ω [rad/s]"), log_axis("gain"));

@@ -3,9 +3,10 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 use phihat_paper::{
-    Assumption, Axis, Bound, Content, FORMAT, Figure, Item, Kind, Number, Origin, Panel,
-    Reproduction, Section, Series, Statement, Table, Verdict,
+    Assumption, FORMAT, Item, Kind, Number, Origin, Reproduction, Section, Statement, Table,
+    Verdict,
 };
+use phihat_report::kit::figure::{Axis, Bound, Content, Figure, Panel, Series};
 
 /// Two sections, a statement of every verdict (one of them among the corrections at the top of the page), a table,
 /// and every kind of figure.
@@ -86,11 +87,11 @@ fn statement(id: &str, verdict: Verdict) -> Statement {
 }
 
 pub(crate) fn axis(label: &str, log: bool, range: Option<[f64; 2]>) -> Axis {
-    Axis { label: label.into(), log, range }
+    Axis { label: label.into(), log, range, ..Axis::default() }
 }
 
 fn curve(label: &str, points: impl Iterator<Item = [f64; 2]>) -> Series {
-    Series { label: label.into(), points: points.collect(), marks: false }
+    Series::curve(label, points.collect())
 }
 
 /// One panel per joint, two curves, a bound that both sides share.
@@ -107,11 +108,11 @@ fn joints(count: u32) -> Figure {
             title: format!("joint {}", joint + 1),
             x: axis("time t [s]", false, None),
             y: axis("error e [mrad]", false, None),
-            equal: false,
             content: Content::Lines {
                 series: vec![curve("m = 1", of(0.7)), curve("m = 2", of(2.5))],
-                bounds: vec![Bound { label: "bound (48)".into(), value: 2.0, both: true }],
+                bounds: vec![Bound { both: true, ..Bound::at("bound (48)", 2.0) }],
             },
+            ..Panel::default()
         }
     };
     Figure {
@@ -131,16 +132,16 @@ fn orders() -> Figure {
         };
         curve(&format!("order {} of the estimator", index + 1), (0..629).map(of))
     };
-    let bound = |label: &str, value| Bound { label: label.into(), value, both: false };
+    let bound = |label: &str, value| Bound::at(label, value);
     let panel = |title: &str, count: u32| Panel {
         title: title.into(),
         x: axis("time t [s]", false, None),
         y: axis("φ̂ [N·m]", false, None),
-        equal: false,
         content: Content::Lines {
             series: (0..count).map(wave).collect(),
             bounds: vec![bound("printed", 1.5), bound("corrected", -0.5), bound("far", 100.0)],
         },
+        ..Panel::default()
     };
     Figure {
         id: "fig-13".into(),
@@ -180,6 +181,7 @@ fn path() -> Figure {
                 series: vec![turn(0.3, 0.0), turn(0.29, 0.003)],
                 bounds: vec![],
             },
+            ..Panel::default()
         }],
     }
 }
@@ -204,8 +206,8 @@ fn sweep() -> Figure {
         title: title.into(),
         x: axis("frequency [Hz]", true, None),
         y: axis("|e/φ| [mrad/(N·m)]", true, None),
-        equal: false,
         content: Content::Lines { series, bounds: vec![] },
+        ..Panel::default()
     };
     Figure {
         id: "sweep".into(),
@@ -232,7 +234,6 @@ fn map(classes: u8, id: &str) -> Figure {
             title: "planar3r".into(),
             x: axis("rate [Hz]", true, None),
             y: axis("inertia scale", false, None),
-            equal: false,
             content: Content::Map {
                 x: (0..40).map(place).collect(),
                 y: (0..30).map(f64::from).collect(),
@@ -243,6 +244,7 @@ fn map(classes: u8, id: &str) -> Figure {
                     .map(|name| (*name).to_owned())
                     .collect(),
             },
+            ..Panel::default()
         }],
     }
 }

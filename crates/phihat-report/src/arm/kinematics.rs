@@ -2,13 +2,13 @@
 
 use super::Arm;
 
-type Matrix = [[f64; 3]; 3];
+type Rotation = [[f64; 3]; 3];
 
 /// Pose of a link in base axes: `x_base = r x_link + p`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct LinkPose {
     pub p: [f64; 3],
-    pub r: Matrix,
+    pub r: Rotation,
 }
 
 impl Arm {
@@ -19,8 +19,8 @@ impl Arm {
     }
 
     /// The pose of every link; a joint without a finite position is at 0.
-    pub(crate) fn places(&self, q: &[f64]) -> Vec<Place> {
-        let mut places: Vec<Place> = Vec::with_capacity(self.links.len());
+    pub(crate) fn places(&self, q: &[f64]) -> Vec<LinkPose> {
+        let mut places: Vec<LinkPose> = Vec::with_capacity(self.links.len());
         for link in &self.links {
             let at = link.joint.and_then(|joint| q.get(joint)).copied();
             let at = at.filter(|q| q.is_finite()).unwrap_or(0.0);
@@ -34,7 +34,7 @@ impl Arm {
                 p = add(parent.p, apply(&parent.r, p));
                 r = mul(&parent.r, &r);
             }
-            places.push(Place { p, r });
+            places.push(LinkPose { p, r });
         }
         places
     }
@@ -78,16 +78,16 @@ pub(crate) fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     core::array::from_fn(|i| a[i] + b[i])
 }
 
-pub(crate) fn apply(a: &Matrix, v: [f64; 3]) -> [f64; 3] {
+pub(crate) fn apply(a: &Rotation, v: [f64; 3]) -> [f64; 3] {
     core::array::from_fn(|i| (0..3).map(|k| a[i][k] * v[k]).sum())
 }
 
-fn mul(a: &Matrix, b: &Matrix) -> Matrix {
+fn mul(a: &Rotation, b: &Rotation) -> Rotation {
     core::array::from_fn(|i| core::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
 /// Rotation by `angle` about a unit vector.
-fn about([x, y, z]: [f64; 3], angle: f64) -> Matrix {
+fn about([x, y, z]: [f64; 3], angle: f64) -> Rotation {
     let (s, c) = libm::sincos(angle);
     let (axis, k) = ([x, y, z], [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]);
     core::array::from_fn(|i| {

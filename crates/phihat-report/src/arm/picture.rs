@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::Arm;
 use super::camera::{Camera, HEIGHT, WIDTH};
-use super::kinematics::{Place, add, apply, norm};
+use super::kinematics::{LinkPose, add, apply, norm};
 use crate::drawing::Drawing;
 use crate::kit::number::stated;
 use crate::kit::text::line;
@@ -23,7 +23,7 @@ const SHOWN_S: f64 = 20.0;
 const STRIP: f64 = 150.0;
 
 /// Motion that a picture shows: the joints at some instants.
-struct Motion<'a> {
+struct PictureMotion<'a> {
     arm: &'a Arm,
     camera: Camera,
     t: Vec<f64>,
@@ -37,7 +37,7 @@ struct Motion<'a> {
     tip: Vec<[f64; 3]>,
 }
 
-impl<'a> Motion<'a> {
+impl<'a> PictureMotion<'a> {
     fn of(drawing: &'a Drawing) -> Option<Self> {
         let arm = drawing.arm.as_ref()?;
         let column = |label: &str| -> Option<Vec<Vec<f64>>> {
@@ -90,7 +90,7 @@ fn filled(mut values: Vec<f64>) -> Vec<f64> {
 
 /// The arm in the middle of its run, as SVG; `None`: no arm is recorded, or no sample.
 pub(crate) fn poster(drawing: &Drawing) -> Option<String> {
-    let motion = Motion::of(drawing)?;
+    let motion = PictureMotion::of(drawing)?;
     let at = motion.t.len() / 2;
     let mut svg =
         head(HEIGHT, &format!("The arm at {} s, beside its desired pose", stated(motion.t[at])));
@@ -105,7 +105,7 @@ pub(crate) fn poster(drawing: &Drawing) -> Option<String> {
 ///
 /// `bound`: what every joint's error is allowed \[mrad\], and from when on \[s\].
 pub(crate) fn animation(drawing: &Drawing, bound: Option<(f64, f64)>) -> Option<String> {
-    let motion = Motion::of(drawing)?;
+    let motion = PictureMotion::of(drawing)?;
     let mut svg = head(
         HEIGHT + STRIP,
         "The arm as it moves, beside its desired pose, over the errors of its joints",
@@ -119,6 +119,7 @@ fn head(height: f64, title: &str) -> String {
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"{title}\" viewBox=\"0 0 {WIDTH} {height}\" \
          font-family=\"sans-serif\" font-size=\"15\" stroke-linecap=\"round\" stroke-linejoin=\"round\" fill=\"none\">\
+         <title>{title}</title><desc>Links in grey, the desired pose in orange, the path of the tip; a payload in green.</desc>\
          <rect width=\"{WIDTH}\" height=\"{height}\" fill=\"#fff\"/>"
     )
 }
@@ -130,7 +131,7 @@ struct Stroke {
     inks: [(&'static str, f64); 2],
 }
 
-impl Motion<'_> {
+impl PictureMotion<'_> {
     fn paint(&self, svg: &mut String, frames: core::ops::Range<usize>) {
         self.ground(svg);
         let path: Vec<_> = self.tip.iter().map(|p| self.camera.see(*p).0).collect();
@@ -172,7 +173,7 @@ impl Motion<'_> {
     }
 
     /// Links and joints, each with its two inks.
-    fn strokes(&self, frames: &[Vec<Place>]) -> Vec<Stroke> {
+    fn strokes(&self, frames: &[Vec<LinkPose>]) -> Vec<Stroke> {
         let (arm, reach) = (self.arm, self.arm.reach());
         let thick = arm.thickness();
         let mut strokes = Vec::new();
@@ -182,12 +183,12 @@ impl Motion<'_> {
                     norm(core::array::from_fn(|k| at[i].p[k] - at[parent].p[k])) > 1e-3 * reach
                 })
             {
-                let ends = |at: &Vec<Place>| (at[parent].p, at[i].p);
+                let ends = |at: &Vec<LinkPose>| (at[parent].p, at[i].p);
                 let width = 0.8 * (thick[parent] + thick[i]);
                 strokes.push(self.stroke(frames, ends, width, ["#8d98a5", "#e4e8ed"]));
             }
             if link.joint.is_some() {
-                let ends = |at: &Vec<Place>| {
+                let ends = |at: &Vec<LinkPose>| {
                     let half = apply(&at[i].r, link.axis.map(|x| 0.55 * thick[i] * x));
                     (add(at[i].p, half.map(|x| -x)), add(at[i].p, half))
                 };
@@ -195,7 +196,7 @@ impl Motion<'_> {
             }
         }
         for load in arm.payloads.iter().filter(|load| load.start <= 0.0 && load.mass > 0.0) {
-            let centre = |at: &Vec<Place>| {
+            let centre = |at: &Vec<LinkPose>| {
                 let p = add(at[load.link].p, apply(&at[load.link].r, load.com));
                 (p, add(p, [0.0, 0.0, 1e-4 * reach]))
             };
@@ -206,14 +207,14 @@ impl Motion<'_> {
 
     fn stroke(
         &self,
-        frames: &[Vec<Place>],
-        ends: impl Fn(&Vec<Place>) -> ([f64; 3], [f64; 3]),
+        frames: &[Vec<LinkPose>],
+        ends: impl Fn(&Vec<LinkPose>) -> ([f64; 3], [f64; 3]),
         width: f64,
         [edge, face]: [&'static str; 2],
     ) -> Stroke {
         let count = frames.len().max(1) as f64;
         let mut far = 0.0;
-        let mut path = |at: &Vec<Place>| {
+        let mut path = |at: &Vec<LinkPose>| {
             let (a, b) = ends(at);
             let ((a, near), (b, away)) = (self.camera.see(a), self.camera.see(b));
             far += 0.5 * (near + away) / count;

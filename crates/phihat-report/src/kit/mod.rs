@@ -1,8 +1,10 @@
 //! Drawing kit of every page and figure of this project: the frame of a document, its content policy, numbers, text
 //! that came from a user, static figures.
 
+pub mod draw;
+pub mod figure;
 pub mod number;
-pub mod sheet;
+pub mod shade;
 pub mod text;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};

@@ -31,13 +31,13 @@ impl Bits {
 
 /// Bits that are read; beyond their end all are zero.
 #[derive(Debug)]
-pub(super) struct Reader<'a> {
+pub(super) struct BitReader<'a> {
     bytes: core::slice::Iter<'a, u8>,
     hold: u64,
     held: u32,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> BitReader<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes: bytes.iter(), hold: 0, held: 0 }
     }

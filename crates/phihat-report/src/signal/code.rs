@@ -3,7 +3,7 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
-use super::bits::{Bits, Reader};
+use super::bits::{BitReader, Bits};
 
 /// Samples of a block.
 pub(super) const BLOCK: usize = 256;
@@ -61,7 +61,7 @@ impl Coded {
     /// The samples as a page reads them.
     pub(crate) fn values(&self) -> Vec<f64> {
         let bytes = self.bytes();
-        let mut bits = Reader::new(&bytes);
+        let mut bits = BitReader::new(&bytes);
         let mut values = Vec::with_capacity(self.count);
         while values.len() < self.count {
             read(&mut bits, BLOCK.min(self.count - values.len()), &mut values);
@@ -137,11 +137,11 @@ fn unfolded(value: u64) -> i64 {
 }
 
 /// Order of the differences, these, and number of their low bits.
-type Written = (usize, Vec<i64>, u32);
+type CodedText = (usize, Vec<i64>, u32);
 
 /// Order, differences of that order after the first values, and number of low bits: those that take the fewest bits.
-fn shortest(mut rest: Vec<i64>) -> Written {
-    let mut best: Option<(u64, Written)> = None;
+fn shortest(mut rest: Vec<i64>) -> CodedText {
+    let mut best: Option<(u64, CodedText)> = None;
     for order in 0..ORDERS.min(rest.len()) {
         if order > 0 {
             for k in (order..rest.len()).rev() {
@@ -179,7 +179,7 @@ fn put(bits: &mut Bits, value: u64, low: u32) {
     bits.put(value, low);
 }
 
-fn take(bits: &mut Reader<'_>, low: u32) -> u64 {
+fn take(bits: &mut BitReader<'_>, low: u32) -> u64 {
     let mut ones = 0;
     while ones < ESCAPE && bits.take(1) == 1 {
         ones += 1;
@@ -188,7 +188,7 @@ fn take(bits: &mut Reader<'_>, low: u32) -> u64 {
 }
 
 /// Reads a block of so many samples.
-fn read(bits: &mut Reader<'_>, count: usize, values: &mut Vec<f64>) {
+fn read(bits: &mut BitReader<'_>, count: usize, values: &mut Vec<f64>) {
     let exponent = i32::try_from(bits.take(8)).unwrap_or(0) - 128;
     let order = usize::try_from(bits.take(2)).unwrap_or(0);
     let low = u32::try_from(bits.take(5)).unwrap_or(0);

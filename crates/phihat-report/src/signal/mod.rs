@@ -3,15 +3,15 @@
 mod bits;
 mod code;
 
-use crate::kind::{CHARTS, Curve};
+use crate::kind::{CHARTS, KindCurve};
 use code::Coded;
 
 /// Values that a page holds: some 3 MB where every one is noise.
 const VALUES_MAX: u64 = 1_200_000;
 
 /// Every curve that some chart shows, once, with the factor from SI units.
-pub(crate) fn sources() -> Vec<(&'static Curve, f64)> {
-    let mut sources: Vec<(&'static Curve, f64)> = Vec::new();
+pub(crate) fn sources() -> Vec<(&'static KindCurve, f64)> {
+    let mut sources: Vec<(&'static KindCurve, f64)> = Vec::new();
     for (kind, curve) in CHARTS.iter().flat_map(|kind| kind.curves.iter().map(move |c| (kind, c))) {
         if !sources.iter().any(|(seen, _)| seen.label == curve.label) {
             sources.push((curve, kind.scale));
@@ -22,7 +22,7 @@ pub(crate) fn sources() -> Vec<(&'static Curve, f64)> {
 
 /// One signal of one joint.
 #[derive(Debug, Clone)]
-pub(crate) struct Signal {
+pub(crate) struct CodedSignal {
     /// Samples that share a value; 1: each has its own.
     each: u64,
     seen: u64,
@@ -31,7 +31,7 @@ pub(crate) struct Signal {
     high: Coded,
 }
 
-impl Signal {
+impl CodedSignal {
     /// A signal of a run of so many samples and joints.
     pub(crate) fn new(samples: u64, joints: usize) -> Self {
         let (low, high) = (Coded::default(), Coded::default());
@@ -87,12 +87,12 @@ pub(crate) fn each(samples: u64, joints: usize) -> u64 {
 
 /// When the samples were taken: `(k, t, step)`, from sample `k` at time `t` \[ns\] on one each `step` \[ns\].
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Times {
+pub(crate) struct SampleTimes {
     runs: Vec<(u64, u64, u64)>,
     last: Option<(u64, u64)>,
 }
 
-impl Times {
+impl SampleTimes {
     /// The next sample.
     pub(crate) fn push(&mut self, k: u64, t_ns: u64) {
         if let (Some((before, at)), Some(run)) = (self.last, self.runs.last_mut()) {

@@ -588,15 +588,15 @@ async function compares(browser, file) {
     const { context, page, seen } = await open(browser, file, options);
     const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     check(name, `${view}: nothing is wider than the screen`, wider <= 0, `${wider} px`);
-    check(name, `${view}: the plot is drawn`, (await page.locator(".plot > svg .mark").count()) > 1);
+    check(name, `${view}: the plot is drawn`, (await page.locator(".plot > svg:visible .mark").count()) > 1);
     const screens = await page.evaluate(() => document.getElementById("details").getBoundingClientRect().top / innerHeight);
     check(name, `${view}: at most ten screens before the details`, screens <= 10, screens.toFixed(1));
-    const first = await page.locator(".plot > svg").first().evaluate((svg) => svg.getBoundingClientRect().top / innerHeight);
+    const first = await page.locator(".plot > svg:visible").first().evaluate((svg) => svg.getBoundingClientRect().top / innerHeight);
     check(name, `${view}: the picture begins on the first screen`, first < (view === "phone" ? 1.3 : 1), first.toFixed(2));
     check(name, `${view}: says nothing on the console`, seen.errors.length === 0, seen.errors.join("; "));
     check(name, `${view}: asks for nothing`, seen.requests.length === 1, seen.requests.join(" "));
     if (view === "phone") {
-      const svg = await page.locator(".plot > svg").first().boundingBox();
+      const svg = await page.locator(".plot > svg:visible").first().boundingBox();
       check(name, "phone: the opening is one screen: the whole picture, without a scroll sideways", svg.y + svg.height <= options.viewport.height && svg.x + svg.width <= options.viewport.width, JSON.stringify(svg));
     } else await accessible(page, name, view);
     if (shots) await page.screenshot({ path: `${shots}/${name}-${view}.png`, fullPage: true });

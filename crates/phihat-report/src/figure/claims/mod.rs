@@ -1,17 +1,17 @@
 //! Figures of what was proved, from the certificate: frequency responses, inertia windows, the price of the bound.
 
-use crate::kit::sheet::Figure;
+use crate::kit::draw::Picture;
 use crate::record::Record;
 
 mod bode;
-mod sheet;
+mod ends;
 mod trade_off;
 mod window;
 
 pub(crate) use trade_off::figure as front;
 
 /// The figures of the claims: those whose data the gains carry.
-pub(crate) fn claim_figures(record: &Record<'_>) -> Vec<Figure> {
+pub(crate) fn claim_figures(record: &Record<'_>) -> Vec<Picture> {
     let Some(gains) = record.gains else { return Vec::new() };
     let certified = gains.certificate.as_ref().map(|certificate| {
         let (window, bode) = (window::figure(gains, certificate), bode::figure(gains, certificate));

@@ -4,9 +4,11 @@ use phihat_session::Dice;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::quantile::sorted_quantile;
+
 /// Errors of one law: a row per restart of its tuning, a column per test world, all above 0, in one unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Figures {
+pub struct ErrorTable {
     rows: Vec<Vec<f64>>,
 }
 
@@ -57,7 +59,7 @@ pub enum PairError {
     },
 }
 
-impl Figures {
+impl ErrorTable {
     /// A row per restart, a column per world.
     ///
     /// # Errors
@@ -154,7 +156,7 @@ pub struct Ratio {
 ///
 /// A. C. Davison, D. V. Hinkley, "Bootstrap Methods and their Application", 1997, section 3.8 (hierarchical
 /// data); A. B. Owen, "The pigeonhole bootstrap", Annals of Applied Statistics 1(2), 2007 (rows and columns).
-pub fn ratio(ours: &Figures, theirs: &Figures, how: Bootstrap) -> Result<Ratio, PairError> {
+pub fn ratio(ours: &ErrorTable, theirs: &ErrorTable, how: Bootstrap) -> Result<Ratio, PairError> {
     if ours.worlds() != theirs.worlds() {
         return Err(PairError::Unpaired { ours: ours.worlds(), theirs: theirs.worlds() });
     }
@@ -193,19 +195,9 @@ fn redrawn(dice: &mut Dice, count: usize) -> Vec<usize> {
     (0..count).map(|_| dice.below(count)).collect()
 }
 
-/// Linear between neighbours; of sorted values, one at least.
-pub(super) fn sorted_quantile(sorted: &[f64], share: f64) -> f64 {
-    let place = share.clamp(0.0, 1.0) * (sorted.len() - 1) as f64;
-    let (below, part) = (place.floor(), place.fract());
-    let index = (0..sorted.len()).find(|k| *k as f64 >= below).unwrap_or(0);
-    let above = (index + 1).min(sorted.len() - 1);
-    sorted[index] + part * (sorted[above] - sorted[index])
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Bootstrap, Figures, PairError, ratio, sorted_quantile};
-    use crate::sure::Sure as _;
+    use super::{Bootstrap, ErrorTable, PairError, ratio};
     use phihat_session::Dice;
 
     const HOW: Bootstrap = Bootstrap { draws: 4000, level: 0.95, seed: 7 };
@@ -216,15 +208,16 @@ mod tests {
     }
 
     /// `exp` of restart plus world, as a table.
-    fn table(restarts: &[f64], worlds: &[f64]) -> Figures {
+    fn table(restarts: &[f64], worlds: &[f64]) -> ErrorTable {
         let row = |r: &f64| worlds.iter().map(|w| (r + w).exp()).collect();
-        Figures::new(restarts.iter().map(row).collect()).sure()
+        ErrorTable::new(restarts.iter().map(row).collect()).unwrap()
     }
 
     #[test]
     fn one_law_that_is_half_as_bad_everywhere_is_so_without_doubt() {
         let worlds = [0.3, -1.0, 4.0, 2.0];
-        let found = ratio(&table(&[-(2.0_f64.ln())], &worlds), &table(&[0.0], &worlds), HOW).sure();
+        let found =
+            ratio(&table(&[-(2.0_f64.ln())], &worlds), &table(&[0.0], &worlds), HOW).unwrap();
         assert!((found.ratio - 0.5).abs() < 1e-12);
         assert!(found.interval.iter().all(|end| (end - 0.5).abs() < 1e-12), "{found:?}");
         assert!((found.p - 2.0 / 4001.0).abs() < 1e-12, "{found:?}");
@@ -241,7 +234,7 @@ mod tests {
         };
         let (r, own, shared) = (draw(20, 0.3), draw(40, 0.2), draw(40, 3.0));
         let both: Vec<f64> = own.iter().zip(&shared).map(|(a, b)| a + b).collect();
-        let found = ratio(&table(&r, &both), &table(&[0.0], &shared), HOW).sure();
+        let found = ratio(&table(&r, &both), &table(&[0.0], &shared), HOW).unwrap();
         let variance = |x: &[f64]| {
             let mean = x.iter().sum::<f64>() / x.len() as f64;
             x.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / x.len() as f64
@@ -266,7 +259,7 @@ mod tests {
             let mut law = || -> Vec<f64> { (0..12).map(|_| 0.4 * normal(&mut dice)).collect() };
             let (a, b) = (law(), law());
             let worlds: Vec<f64> = (0..15).map(|w| f64::from(w).sin()).collect();
-            let found = ratio(&table(&a, &worlds), &table(&b, &worlds), how).sure();
+            let found = ratio(&table(&a, &worlds), &table(&b, &worlds), how).unwrap();
             held += i32::from(found.interval[0] <= 1.0 && found.interval[1] >= 1.0);
             called += i32::from(found.p < 0.05);
         }
@@ -275,20 +268,14 @@ mod tests {
 
     #[test]
     fn what_has_no_logarithm_or_no_partner_is_told_with_its_place() {
-        let bad = Figures::new(vec![vec![1.0, 2.0], vec![1.0, -2.0]]).err().sure();
+        let bad = ErrorTable::new(vec![vec![1.0, 2.0], vec![1.0, -2.0]]).unwrap_err();
         assert_eq!(bad, PairError::Value { restart: 1, world: 1, value: -2.0 });
-        assert_eq!(Figures::new(vec![]).err().sure(), PairError::Empty);
-        let ragged = Figures::new(vec![vec![1.0], vec![1.0, 1.0]]).err().sure();
+        assert_eq!(ErrorTable::new(vec![]).unwrap_err(), PairError::Empty);
+        let ragged = ErrorTable::new(vec![vec![1.0], vec![1.0, 1.0]]).unwrap_err();
         assert_eq!(ragged, PairError::Ragged { restart: 1, found: 2, first: 1 });
         let (one, two) = (table(&[0.0], &[0.0]), table(&[0.0], &[0.0, 1.0]));
         assert!(matches!(ratio(&one, &two, HOW), Err(PairError::Unpaired { ours: 1, theirs: 2 })));
         let few = Bootstrap { draws: 3, ..HOW };
         assert!(matches!(ratio(&one, &one, few), Err(PairError::Bootstrap { draws: 3, .. })));
-    }
-
-    #[test]
-    fn quantiles_are_linear_between_neighbours() {
-        assert!((sorted_quantile(&[1.0, 2.0, 4.0], 0.75) - 3.0).abs() < 1e-15);
-        assert!((sorted_quantile(&[5.0], 0.3) - 5.0).abs() < 1e-15);
     }
 }

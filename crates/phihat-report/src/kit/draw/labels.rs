@@ -1,9 +1,9 @@
-//! Places for the labels of a scatter plot: beside their marks, none on a mark or another label.
+//! Places for labels: beside their marks, none on a mark or another label.
 
 use core::f64::consts::TAU;
 
-/// Height of a label.
-pub(crate) const HIGH: f64 = 14.0;
+use super::look::{FigureSize, Rect};
+
 /// Half a mark, with some room.
 const MARK: f64 = 8.0;
 /// Distances that are tried, near ones first, and directions at each.
@@ -15,32 +15,38 @@ const LED: f64 = 12.0;
 /// Marks nearer than this make a crowd.
 const NEAR: f64 = 70.0;
 
-/// Place of a label: left edge, centre, width; `led` is true if a line has to lead to it.
+/// Place of a label: left edge, centre, width, height; `led` is true if a line has to lead to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Place {
+pub(super) struct Label {
     pub left: f64,
     pub centre: f64,
-    pub width: f64,
     pub led: bool,
+    size: [f64; 2],
 }
 
-impl Place {
-    /// `[left, top, right, bottom]`
-    fn sides(&self) -> [f64; 4] {
-        [self.left, self.centre - HIGH / 2.0, self.left + self.width, self.centre + HIGH / 2.0]
+impl Label {
+    fn sides(&self) -> Rect {
+        let [width, height] = self.size;
+        let top = self.centre - 0.5 * height;
+        [self.left, top, self.left + width, top + height]
     }
 
     /// The place of the label's edge that is nearest to its mark.
-    pub(crate) fn nearest(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    pub(super) fn nearest(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [left, top, right, bottom] = self.sides();
         [x.clamp(left, right), y.clamp(top, bottom)]
     }
 }
 
-/// A place for the label of every mark, inside `frame`: `[left, top, right, bottom]`.
+/// A place for the label of every mark, inside a frame; one without text has none that matters.
 ///
 /// Those in the thickest crowd choose first. A label for which there is no free place has its nearest one.
-pub(crate) fn places(marks: &[[f64; 2]], widths: &[f64], frame: [f64; 4]) -> Vec<Place> {
+pub(super) fn places(
+    marks: &[[f64; 2]],
+    texts: &[&str],
+    frame: Rect,
+    look: &FigureSize,
+) -> Vec<Label> {
     let crowd = |&k: &usize| {
         let near = |other: &&[f64; 2]| distance(marks[k], **other) < NEAR;
         core::cmp::Reverse(marks.iter().filter(near).count())
@@ -48,34 +54,41 @@ pub(crate) fn places(marks: &[[f64; 2]], widths: &[f64], frame: [f64; 4]) -> Vec
     let mut order: Vec<usize> = (0..marks.len()).collect();
     order.sort_by_key(crowd);
     let around = |[x, y]: [f64; 2]| [x - MARK, y - MARK, x + MARK, y + MARK];
-    let mut taken: Vec<[f64; 4]> = marks.iter().map(|mark| around(*mark)).collect();
-    let mut places: Vec<Option<Place>> = vec![None; marks.len()];
-    for k in order {
-        let free = |place: &Place| {
-            let sides = place.sides();
+    let mut taken: Vec<Rect> = marks.iter().map(|mark| around(*mark)).collect();
+    let mut labels: Vec<Label> =
+        marks.iter().map(|mark| beside(*mark, 0.0, 0.0, [0.0; 2])).collect();
+    for k in order.into_iter().filter(|k| !texts[*k].is_empty()) {
+        // A label's own width is a little less than what text may take.
+        let size = [0.9 * look.wide(texts[k].chars().count()), 1.15 * look.text];
+        let free = |label: &Label| {
+            let sides = label.sides();
             inside(sides, frame) && taken.iter().all(|other| !overlap(sides, *other))
         };
-        let place = candidates(marks[k], widths[k]).find(free);
-        let place = place.or_else(|| candidates(marks[k], widths[k]).next());
-        taken.extend(place.map(|place| place.sides()));
-        places[k] = place;
+        let nearest = beside(marks[k], DISTANCES[0], 0.0, size);
+        labels[k] = candidates(marks[k], size).find(free).unwrap_or(nearest);
+        taken.push(labels[k].sides());
     }
-    places.into_iter().flatten().collect()
+    labels
 }
 
 /// Places around a mark, near ones first; to the right and to the left before above and below.
-fn candidates([x, y]: [f64; 2], width: f64) -> impl Iterator<Item = Place> {
+fn candidates(mark: [f64; 2], size: [f64; 2]) -> impl Iterator<Item = Label> {
     let around = move |distance: f64| {
         (0..DIRECTIONS).map(move |k| {
             // 0, 1/2, then alternating away from the horizontal.
             let turn = (k / 2 + k % 2 * (DIRECTIONS / 2)) as f64 / DIRECTIONS as f64;
-            let (sine, cosine) = (TAU * turn).sin_cos();
-            let left =
-                if cosine >= 0.0 { x + distance * cosine } else { x + distance * cosine - width };
-            Place { left, centre: y + distance * sine, width, led: distance > LED }
+            beside(mark, distance, turn, size)
         })
     };
     DISTANCES.into_iter().flat_map(around)
+}
+
+/// The label at a distance from its mark, in a direction \[turns\].
+fn beside([x, y]: [f64; 2], distance: f64, turn: f64, size: [f64; 2]) -> Label {
+    let (sine, cosine) = libm::sincos(TAU * turn);
+    let left = if cosine >= 0.0 { 0.0 } else { -size[0] };
+    let (left, centre) = (x + distance * cosine + left, y + distance * sine);
+    Label { left, centre, led: distance > LED, size }
 }
 
 fn distance([x, y]: [f64; 2], [u, v]: [f64; 2]) -> f64 {
@@ -92,7 +105,7 @@ fn overlap(a: [f64; 4], b: [f64; 4]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{inside, overlap, places};
+    use super::{FigureSize, inside, overlap, places};
 
     #[test]
     fn labels_of_a_crowd_lie_on_nothing_and_inside_the_frame() {
@@ -106,9 +119,10 @@ mod tests {
             }
         };
         let marks: Vec<_> = (0..36).map(mark).collect();
-        let widths: Vec<_> = (0..36).map(|k| 30.0 + f64::from(k * 29 % 110)).collect();
+        let text = |k: usize| &"computed-torque-inside-and-out"[..4 + k * 29 % 16];
+        let texts: Vec<_> = (0..36).map(text).collect();
         let frame = [70.0, 16.0, 930.0, 580.0];
-        let all = places(&marks, &widths, frame);
+        let all = places(&marks, &texts, frame, &FigureSize::WIDE);
         assert_eq!(all.len(), 36);
         for (i, place) in all.iter().enumerate() {
             assert!(inside(place.sides(), frame), "{place:?}");
@@ -120,7 +134,7 @@ mod tests {
             }
         }
         // Alone, a label is to the right of its mark.
-        let alone = places(&[[200.0, 200.0]], &[50.0], frame)[0];
+        let alone = places(&[[200.0, 200.0]], &["label"], frame, &FigureSize::WIDE)[0];
         assert_eq!((alone.centre, alone.led), (200.0, false));
         assert!((208.0..=212.0).contains(&alone.left));
     }

@@ -1,19 +1,15 @@
 //! Fronts of two figures that are both better when smaller.
 
-use serde::{Deserialize, Serialize};
-
-use super::paired::sorted_quantile;
-
 /// A choice by what it costs: `[noise, error]`, both better when smaller, in any unit.
-pub type Point = [f64; 2];
+pub type FrontPoint = [f64; 2];
 
 /// The points that no other beats in both figures, by their first figure; of equal ones the first. NaN is
 /// left out.
-pub fn front(points: &[Point]) -> Vec<Point> {
-    let mut sorted: Vec<Point> =
+pub fn front(points: &[FrontPoint]) -> Vec<FrontPoint> {
+    let mut sorted: Vec<FrontPoint> =
         points.iter().copied().filter(|point| point.iter().all(|x| !x.is_nan())).collect();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    let mut kept: Vec<Point> = Vec::new();
+    let mut kept: Vec<FrontPoint> = Vec::new();
     for point in sorted {
         if kept.last().is_none_or(|last| point[1] < last[1]) {
             kept.push(point);
@@ -35,45 +31,16 @@ pub fn front(points: &[Point]) -> Vec<Point> {
 /// # References
 ///
 /// E. Zitzler, L. Thiele, "Multiobjective evolutionary algorithms", IEEE Trans. Evolutionary Computation 3(4), 1999.
-pub fn hypervolume(points: &[Point], reference: Point) -> f64 {
-    let inside: Vec<Point> =
+pub fn hypervolume(points: &[FrontPoint], reference: FrontPoint) -> f64 {
+    let inside: Vec<FrontPoint> =
         points.iter().copied().filter(|p| p[0] < reference[0] && p[1] < reference[1]).collect();
     let mut above = reference[1];
-    let strip = |point: &Point| {
+    let strip = |point: &FrontPoint| {
         let area = (reference[0] - point[0]) * (above - point[1]);
         above = point[1];
         area
     };
     front(&inside).iter().map(strip).sum()
-}
-
-/// Quantile of the values at a share, linear between neighbours; `None` for no values, or if one is NaN.
-pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
-    if values.is_empty() || values.iter().any(|value| value.is_nan()) {
-        return None;
-    }
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    Some(sorted_quantile(&sorted, share))
-}
-
-/// Median and quartiles of several runs of one thing.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Spread {
-    /// A quarter lies below.
-    pub lower: f64,
-    /// Half lies below.
-    pub median: f64,
-    /// Three quarters lie below.
-    pub upper: f64,
-}
-
-impl Spread {
-    /// `None` of none, or where one is no number.
-    pub fn of(values: &[f64]) -> Option<Self> {
-        let at = |share: f64| quantile(values, share);
-        Some(Self { lower: at(0.25)?, median: at(0.5)?, upper: at(0.75)? })
-    }
 }
 
 #[cfg(test)]
