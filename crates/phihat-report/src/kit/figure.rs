@@ -152,10 +152,10 @@ pub struct Band {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fill {
-    /// A tube: green, seen through.
+    /// A tube: transparent green.
     #[default]
     Tube,
-    /// A histogram: blue, seen through.
+    /// A histogram: transparent blue.
     Bars,
     /// A window: light blue.
     Window,
@@ -170,7 +170,7 @@ pub enum Fill {
 pub struct Marker {
     /// Its place `[x, y]`.
     pub at: [f64; 2],
-    /// Text beside it; empty: none.
+    /// Its label; empty: none.
     pub label: String,
     /// Text for those who point at it; empty: none.
     pub note: String,
@@ -195,7 +195,7 @@ pub enum Ink {
     Bold(u8),
     /// Thin and grey: one of many.
     Soft,
-    /// Solid and black: a mark beside data.
+    /// Solid and black: a mark that is no data.
     Plain,
 }
 

@@ -1,11 +1,11 @@
-//! Colours, dashes and marks: each is told from the others without colour, and by its class on a dark page.
+//! Colours, dashes and marks: distinct without colour; a class each for a dark page.
 
 use core::fmt::Write as _;
 
 use super::look::{FigureSize, px};
 use crate::kit::figure::{Fill, Ink};
 
-/// Curves that can be told apart.
+/// Number of distinct curves.
 pub(super) const CURVES: usize = 6;
 
 /// Colours after Okabe and Ito, and the dashes of each curve.

@@ -26,7 +26,7 @@ enum KeySign {
     Class(usize),
 }
 
-/// The entries of a panel; what has no label, or has it beside its last point, is not among them.
+/// The entries of a panel; a series without a label, or with its name at its last point, has none.
 pub(super) fn entries(panel: &Panel) -> Vec<KeyEntry> {
     let entry = |sign: KeySign, label: &str| KeyEntry { sign, label: short(label, LABEL_MAX) };
     let bands = panel.bands.iter().map(|band| entry(KeySign::Band(band.fill), &band.label));
@@ -130,10 +130,12 @@ fn sign(sign: &KeySign, [x, y]: [f64; 2], look: &FigureSize, figure: &str) -> Ma
         }
         KeySign::Band(fill) => {
             let (class, colour, opacity) = ink::fill(*fill);
-            html! { rect class=(class) x=(px(x)) y=(px(y - half)) width=(px(long)) height=(px(2.0 * half)) fill=(colour) fill-opacity=(opacity) {} }
+            html! { rect class=(class) x=(px(x)) y=(px(y - half)) width=(px(long)) height=(px(2.0 * half))
+            fill=(colour) fill-opacity=(opacity) {} }
         }
         KeySign::Class(class) => html! {
-            rect x=(px(x)) y=(px(y - half)) width=(px(long)) height=(px(2.0 * half)) fill=(map::pattern(figure, *class)) stroke="#1b1f24" stroke-width="0.8" {}
+            rect x=(px(x)) y=(px(y - half)) width=(px(long)) height=(px(2.0 * half)) fill=(map::pattern(figure,
+                *class)) stroke="#1b1f24" stroke-width="0.8" {}
             (map::letter(*class, [x + 0.5 * long, y], look.text))
         },
     }

@@ -1,4 +1,4 @@
-//! Places for labels: beside their marks, none on a mark or another label.
+//! Places for labels: next to their marks, none on a mark or another label.
 
 use core::f64::consts::TAU;
 
@@ -56,7 +56,7 @@ pub(super) fn places(
     let around = |[x, y]: [f64; 2]| [x - MARK, y - MARK, x + MARK, y + MARK];
     let mut taken: Vec<Rect> = marks.iter().map(|mark| around(*mark)).collect();
     let mut labels: Vec<Label> =
-        marks.iter().map(|mark| beside(*mark, 0.0, 0.0, [0.0; 2])).collect();
+        marks.iter().map(|mark| label_at(*mark, 0.0, 0.0, [0.0; 2])).collect();
     for k in order.into_iter().filter(|k| !texts[*k].is_empty()) {
         // A label's own width is a little less than what text may take.
         let size = [0.9 * look.wide(texts[k].chars().count()), 1.15 * look.text];
@@ -64,7 +64,7 @@ pub(super) fn places(
             let sides = label.sides();
             inside(sides, frame) && taken.iter().all(|other| !overlap(sides, *other))
         };
-        let nearest = beside(marks[k], DISTANCES[0], 0.0, size);
+        let nearest = label_at(marks[k], DISTANCES[0], 0.0, size);
         labels[k] = candidates(marks[k], size).find(free).unwrap_or(nearest);
         taken.push(labels[k].sides());
     }
@@ -77,14 +77,14 @@ fn candidates(mark: [f64; 2], size: [f64; 2]) -> impl Iterator<Item = Label> {
         (0..DIRECTIONS).map(move |k| {
             // 0, 1/2, then alternating away from the horizontal.
             let turn = (k / 2 + k % 2 * (DIRECTIONS / 2)) as f64 / DIRECTIONS as f64;
-            beside(mark, distance, turn, size)
+            label_at(mark, distance, turn, size)
         })
     };
     DISTANCES.into_iter().flat_map(around)
 }
 
 /// The label at a distance from its mark, in a direction \[turns\].
-fn beside([x, y]: [f64; 2], distance: f64, turn: f64, size: [f64; 2]) -> Label {
+fn label_at([x, y]: [f64; 2], distance: f64, turn: f64, size: [f64; 2]) -> Label {
     let (sine, cosine) = libm::sincos(TAU * turn);
     let left = if cosine >= 0.0 { 0.0 } else { -size[0] };
     let (left, centre) = (x + distance * cosine + left, y + distance * sine);

@@ -7,7 +7,7 @@ use super::scale::Scale;
 use crate::kit::anchor;
 use crate::kit::figure::Content;
 
-/// Classes that can be told apart.
+/// Number of distinct classes.
 pub(super) const CLASSES_MAX: usize = 6;
 
 /// From light to dark, so that they differ in grey too: colour, and the strokes of a tile of 16 units.
@@ -29,7 +29,8 @@ pub(super) fn pattern(figure: &str, class: usize) -> String {
 pub(super) fn patterns(figure: &str, classes: usize) -> Markup {
     html! { @if classes > 0 { defs {
         @for (class, (colour, strokes)) in INKS.iter().enumerate().take(classes) {
-            pattern id=(format!("{}-{class}", anchor("hatch", figure))) width="16" height="16" patternUnits="userSpaceOnUse" {
+            pattern id=(format!("{}-{class}", anchor("hatch", figure))) width="16" height="16"
+                patternUnits="userSpaceOnUse" {
                 rect width="16" height="16" fill=(colour) {}
                 path d=(strokes) stroke="#404040" stroke-width="1.2" {}
             }
@@ -112,7 +113,8 @@ pub(super) fn draw(
     html! {
         @for block in &blocks {
             @let [left, top, width, height] = sides(block);
-            rect x=(px(left)) y=(px(top)) width=(px(width)) height=(px(height)) fill=(pattern(figure, block.class)) shape-rendering="crispEdges" {}
+            rect x=(px(left)) y=(px(top)) width=(px(width)) height=(px(height)) fill=(pattern(figure,
+                block.class)) shape-rendering="crispEdges" {}
         }
         @for letter in letters { (letter) }
     }

@@ -53,14 +53,17 @@ pub fn svg(figure: &Figure, look: &FigureSize) -> Markup {
     let centimetres = |length: f64| format!("{}cm", (1e3 * length / UNITS_PER_CM).round() / 1e3);
     let title = short(&figure.title, 400);
     html! {
-        svg.figure xmlns="http://www.w3.org/2000/svg" role=(role) aria-label=(title) width=(centimetres(width)) height=(centimetres(height))
-            viewBox=(format!("0 0 {} {}", px(width), px(height))) font-family="sans-serif" font-size=(look.text) fill="#1b1f24" {
+        svg.figure xmlns="http://www.w3.org/2000/svg" role=(role) aria-label=(title) width=(centimetres(width))
+            height=(centimetres(height))
+            viewBox=(format!("0 0 {} {}", px(width), px(height))) font-family="sans-serif" font-size=(look.text)
+                fill="#1b1f24" {
             title { (title) }
             desc { (described(figure)) }
             (map::patterns(&figure.id, classes))
             rect.ground width=(px(width)) height=(px(height)) fill="#fff" {}
             @for (text, place) in layout.title.iter().zip(1..) {
-                text.title x=(px(look.text)) y=(px(f64::from(place) * 1.2 * look.line())) font-size=(px(1.2 * look.text)) { (text) }
+                text.title x=(px(look.text)) y=(px(f64::from(place) * 1.2 * look.line())) font-size=(px(1.2 *
+                    look.text)) { (text) }
             }
             (key::draw(&layout.key, [look.text, layout.key_top], look, &figure.id))
             @for panel in &layout.panels {
@@ -68,8 +71,10 @@ pub fn svg(figure: &Figure, look: &FigureSize) -> Markup {
                 @let lines = |count: usize| top + look.line() * count as f64;
                 @for (text, place) in panel.title.iter().zip(0..) { (head(text, [left, lines(place)], look)) }
                 (key::draw(&panel.key, [left + look.text, lines(panel.title.len())], look, &figure.id))
-                @for (text, place) in panel.words.iter().zip(panel.title.len() + panel.key.len()..) { (head(text, [left, lines(place)], look)) }
-                (PanelArea { panel: panel.panel, x: &panel.x, y: &panel.y, frame: panel.frame, look, figure: &figure.id }.draw())
+                @for (text, place) in panel.words.iter().zip(panel.title.len() + panel.key.len()..) { (head(text,
+                    [left, lines(place)], look)) }
+                (PanelArea { panel: panel.panel, x: &panel.x, y: &panel.y, frame: panel.frame, look, figure:
+                    &figure.id }.draw())
             }
         }
     }

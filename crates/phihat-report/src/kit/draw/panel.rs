@@ -105,7 +105,8 @@ impl PanelArea<'_> {
                     @for (place, curve) in series.iter().enumerate() { (self.series(curve, place)) }
                     (self.labelled(series))
                 }
-                Content::Map { .. } => (map::draw(&self.panel.content, (self.x, self.y), (self.figure, self.look.text)))
+                Content::Map { .. } => (map::draw(&self.panel.content, (self.x, self.y), (self.figure,
+                    self.look.text)))
             }
             (self.axes(map))
         }
@@ -156,12 +157,15 @@ impl PanelArea<'_> {
         html! {
             path.axis d=(lines) fill="none" stroke="#1b1f24" stroke-width="0.8" {}
             @for tick in &self.x.ticks {
-                text.tick x=(px(self.x.px(tick.at))) y=(px(bottom + 1.35 * text)) text-anchor="middle" { (tick.label) }
+                text.tick x=(px(self.x.px(tick.at))) y=(px(bottom + 1.35 * text)) text-anchor="middle" {
+                    (tick.label) }
             }
             @for tick in &self.y.ticks {
-                text.tick x=(px(left - 0.5 * text)) y=(px(self.y.px(tick.at) + 0.36 * text)) text-anchor="end" { (tick.label) }
+                text.tick x=(px(left - 0.5 * text)) y=(px(self.y.px(tick.at) + 0.36 * text)) text-anchor="end" {
+                    (tick.label) }
             }
-            text.axis-label x=(px(f64::midpoint(left, right))) y=(px(bottom + 2.8 * text)) text-anchor="middle" { (label(&self.panel.x, right - left)) }
+            text.axis-label x=(px(f64::midpoint(left, right))) y=(px(bottom + 2.8 * text)) text-anchor="middle" {
+                (label(&self.panel.x, right - left)) }
             @if !self.panel.y.label.is_empty() {
                 text.axis-label transform=(turned) text-anchor="middle" { (label(&self.panel.y, bottom - top)) }
             }
@@ -174,8 +178,8 @@ impl PanelArea<'_> {
         let step = |[from, to, low, high]: &[f64; 4]| {
             let (left, right) = (self.x.clamped(*from), self.x.clamped(*to));
             let (bottom, top) = (self.y.clamped(*low), self.y.clamped(*high));
-            let seen = [from, to, low, high].iter().all(|end| !end.is_nan()) && right > left;
-            seen.then(|| {
+            let drawable = [from, to, low, high].iter().all(|end| !end.is_nan()) && right > left;
+            drawable.then(|| {
                 format!("M{} {}H{}V{}H{}z", px(left), px(top), px(right), px(bottom), px(left))
             })
         };
@@ -227,10 +231,13 @@ impl PanelArea<'_> {
         let [left, top, right, bottom] = self.frame;
         let [wide, high] = [px(right - left), px(bottom - top)];
         html! {
-            @if !spread.is_empty() { path class=(pen.class[0]) d=(spread) fill="none" stroke=(pen.colour) stroke-width="1" {} }
+            @if !spread.is_empty() { path class=(pen.class[0]) d=(spread) fill="none" stroke=(pen.colour)
+                stroke-width="1" {} }
             // What leaves the axes is cut by a window of its own, which needs no name.
-            @if !lines.is_empty() { svg x=(px(left)) y=(px(top)) width=(wide) height=(high) viewBox=(format!("{} {} {wide} {high}", px(left), px(top))) {
-                path class=(pen.class[0]) d=(lines) fill="none" stroke=(pen.colour) stroke-width=(pen.width) stroke-linejoin="round" stroke-dasharray=[dashes(&pen)] {}
+            @if !lines.is_empty() { svg x=(px(left)) y=(px(top)) width=(wide) height=(high)
+                viewBox=(format!("{} {} {wide} {high}", px(left), px(top))) {
+                path class=(pen.class[0]) d=(lines) fill="none" stroke=(pen.colour) stroke-width=(pen.width)
+                    stroke-linejoin="round" stroke-dasharray=[dashes(&pen)] {}
             } }
             @if !dots.is_empty() { path class=(pen.class[1]) d=(dots) fill=(pen.colour) fill-opacity=[opacity] {} }
         }
@@ -254,11 +261,14 @@ impl PanelArea<'_> {
         let texts: Vec<_> = texts.chain(markers.iter().map(|(_, m)| m.label.as_str())).collect();
         let labels = labels::places(&at, &texts, self.frame, self.look);
         html! {
-            @for (at, label) in at.iter().zip(&labels).filter(|(_, label)| label.led) { @let [u, v] = label.nearest(*at);
-                path.leader d=(format!("M{} {}L{} {}", px(at[0]), px(at[1]), px(u), px(v))) fill="none" stroke="#6e7781" stroke-width="0.6" {}
+            @for (at, label) in at.iter().zip(&labels).filter(|(_, label)| label.led) { @let [u, v] =
+                label.nearest(*at);
+                path.leader d=(format!("M{} {}L{} {}", px(at[0]), px(at[1]), px(u), px(v))) fill="none"
+                    stroke="#6e7781" stroke-width="0.6" {}
             }
             @for ((_, pen, text), label) in named.iter().zip(&labels) { (self.text(label, text, pen.width > 2.0)) }
-            @for ((at, marker), label) in markers.iter().zip(&labels[named.len()..]) { (self.marker(*at, marker, label)) }
+            @for ((at, marker), label) in markers.iter().zip(&labels[named.len()..]) { (self.marker(*at, marker,
+                label)) }
         }
     }
 
@@ -271,7 +281,8 @@ impl PanelArea<'_> {
         html! { g.mark {
             @if !marker.note.is_empty() { title { (marker.note) } }
             @if let Some(link) = &marker.link { a href=(link) { (sign) } } @else { (sign) }
-            @if marker.ring { circle.s-ink cx=(px(at[0])) cy=(px(at[1])) r=(px(2.3 * self.look.mark())) fill="none" stroke="#1b1f24" stroke-width="1.6" {} }
+            @if marker.ring { circle.s-ink cx=(px(at[0])) cy=(px(at[1])) r=(px(2.3 * self.look.mark()))
+                fill="none" stroke="#1b1f24" stroke-width="1.6" {} }
         } }
     }
 
@@ -287,5 +298,6 @@ fn place_of([x, y]: [f64; 2]) -> String {
 }
 
 fn stroked(pen: &Pen, path: &str) -> Markup {
-    html! { path class=(pen.class[0]) d=(path) fill="none" stroke=(pen.colour) stroke-width=(pen.width) stroke-dasharray=[dashes(pen)] {} }
+    html! { path class=(pen.class[0]) d=(path) fill="none" stroke=(pen.colour) stroke-width=(pen.width)
+    stroke-dasharray=[dashes(pen)] {} }
 }
