@@ -31,7 +31,8 @@ const CLAIM: &str = "laws of their own";
 ///
 /// # Evidence
 ///
-/// None is needed: [`Self::verify`] finds `y/x` over cells of the circle, in exact arithmetic ([`phihat_kernel::frozen`]).
+/// None is needed: [`Self::verify`] finds `y/x` over cells of the circle, in exact arithmetic
+/// ([`phihat_kernel::frozen`]).
 ///
 /// # Not claimed
 ///

@@ -62,8 +62,8 @@ pub struct Motion<'a> {
 ///
 /// # Method
 ///
-/// At `μ` in the middle each joint's `N + μΔ` has all roots inside the unit circle. On it, over each cell of `t` there is
-/// one number `κ` with
+/// At `μ` in the middle each joint's `N + μΔ` has all roots inside the unit circle. On it, over each cell of `t` there
+/// is one number `κ` with
 ///
 /// ```text
 /// Re((N_i + aΔ_i)(N_i + bΔ_i)*) + κ sin²θ Im(N_iΔ_i*)/sin θ > 0   for all joints i                      (X1)
@@ -131,7 +131,8 @@ pub fn moving(joints: &[Joint], motion: &Motion<'_>) -> Result<(), Unproved> {
     level(joints, &motion.range, &Level { drift, whole, unit: thrice, taps })
 }
 
-/// Proves (P4): the arm's loop is stable however fast `W` moves in its range: (X2) at rest, without taps, with `λ = 3ab`.
+/// Proves (P4): the arm's loop is stable however fast `W` moves in its range: (X2) at rest, without taps, with `λ =
+/// 3ab`.
 ///
 /// # Errors
 ///
@@ -153,8 +154,8 @@ struct Level {
 
 /// (X2) for each joint.
 ///
-/// `above + U turning − U² bent` with `U = y/sin θ` is concave in `U`: over a cell its least value is at an end of what `U`
-/// can be, on one side of a line or the other.
+/// `above + U turning − U² bent` with `U = y/sin θ` is concave in `U`: over a cell its least value is at an end of what
+/// `U` can be, on one side of a line or the other.
 fn level(joints: &[Joint], range: &Range, of: &Level) -> Result<(), Unproved> {
     alone(joints, range)?;
     let (middle, sine) = (range.middle(), sine_squared());
@@ -208,8 +209,8 @@ fn concave(cell: &Cell, multiplier: &Multiplier<'_>) -> bool {
 ///
 /// # Method
 ///
-/// `q(μ) = |N + μΔ|² − (modulus · μ|Δ|)²` is a parabola in `μ`, open above. It is positive over the range where it is at
-/// the low end and rises, where it is at the high end and falls, and where it has no zero at all.
+/// `q(μ) = |N + μΔ|² − (modulus · μ|Δ|)²` is a parabola in `μ`, open above. It is positive over the range where it is
+/// at the low end and rises, where it is at the high end and falls, and where it has no zero at all.
 ///
 /// # Errors
 ///
@@ -277,14 +278,14 @@ pub fn phase(joint: &Joint, range: &Range, angle: f64) -> Result<(), Unproved> {
     everywhere(&groups, holds).map_err(|fails| at(fails, None))
 }
 
-/// Proves that no `−L/μ` with `μ` of a range equals `e^{jκθ}`, `0 ≤ κ ≤ samples`, at any `θ` of the unit circle, and that
-/// with so many whole samples more of delay, or fewer, the loop is stable.
+/// Proves that no `−L/μ` with `μ` of a range equals `e^{jκθ}`, `0 ≤ κ ≤ samples`, at any `θ` of the unit circle, and
+/// that with so many whole samples more of delay, or fewer, the loop is stable.
 ///
 /// # Method
 ///
 /// Over a cell up to `θ_1` the loop is larger than the range, or smaller, or the angle of `−L` lies beyond
-/// `samples · θ_1`. `N + μ e^{jκθ} Δ` then has no zero for any `κ`; its argument over `0 … π` is that without a lag, and
-/// more by what it is at `θ = π`, where `|N| < μ|Δ|` makes that `πκ`: of `κ` more roots, all are inside.
+/// `samples · θ_1`. `N + μ e^{jκθ} Δ` then has no zero for any `κ`; its argument over `0 … π` is that without a lag,
+/// and more by what it is at `θ = π`, where `|N| < μ|Δ|` makes that `πκ`: of `κ` more roots, all are inside.
 ///
 /// # Not exact
 ///

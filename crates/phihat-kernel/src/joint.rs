@@ -7,8 +7,8 @@ use crate::{Number, Polynomial, Unproved};
 /// Loop of one joint, cut open where torque meets the inertia: for the inertia ratio `μ` its poles are the roots of
 /// `N + μΔ`.
 ///
-/// `L = N/Δ` leads from the joint's mean acceleration over a sample to minus its torque over `M̄`, `K/Δ` likewise from a
-/// kick of position by `T²/2` at the end of a sample, `R/(Δ + N/μ)` from one sample's misreading to the torque
+/// `L = N/Δ` leads from the joint's mean acceleration over a sample to minus its torque over `M̄`, `K/Δ` likewise from
+/// a kick of position by `T²/2` at the end of a sample, `R/(Δ + N/μ)` from one sample's misreading to the torque
 /// commanded \[N·m\], up to its sign and a delay. All of the loop's modes are among the roots, but those at `z = 0`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {

@@ -1,8 +1,9 @@
 //! The trusted base of phihat's certificates: claims about sampled linear loops, proved in exact arithmetic.
 //!
 //! Numbers are dyadic rationals: what doubles are, and what sums and products of them are. Nothing is rounded, and
-//! nothing transcendental is evaluated but bounds of `e^{−x}` and `cos x`, by Taylor sums, and the angles of a delay. A joint's law and its setting
-//! enter as doubles; from them polynomials `N`, `Δ` in `z` follow exactly ([`Joint`]), products of them on the circle
+//! nothing transcendental is evaluated but bounds of `e^{−x}` and `cos x`, by Taylor sums, and the angles of a delay. A
+//! joint's law and its setting enter as doubles; from them polynomials `N`, `Δ` in `z` follow exactly ([`Joint`]),
+//! products of them on the circle
 //! `|z| = 1` are polynomials in `t = sin²(θ/2)`, and a claim is that such polynomials stay positive on `[0, 1]`
 //! (Bernstein coefficients over cells) and that one polynomial has its roots inside the circle (Schur and Cohn).
 //!

@@ -1,5 +1,5 @@
-//! Claims about random joints against eigenvalues, dense samples of the circle and inertia that moves. Wrong if an arm that
-//! is proved stable grows, if a margin goes beyond what dense sampling finds, or if hardly anything were proved.
+//! Claims about random joints against eigenvalues, dense samples of the circle and inertia that moves. Wrong if an arm
+//! that is proved stable grows, if a margin goes beyond what dense sampling finds, or if hardly anything were proved.
 
 use std::f64::consts::PI;
 

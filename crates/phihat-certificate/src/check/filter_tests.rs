@@ -1,6 +1,6 @@
-//! Laws from positions that filter their innovation: their samples against the core's, and what the kernel proves of the
-//! core's numbers against the growth of the loop's matrix. Wrong if a filter were left out somewhere, counted twice, or
-//! taken for stable where the loop grows.
+//! Laws from positions that filter their innovation: their samples against the core's, and what the kernel proves of
+//! the core's numbers against the growth of the loop's matrix. Wrong if a filter were left out somewhere, counted
+//! twice, or taken for stable where the loop grows.
 
 use core::f64::consts::{PI, TAU};
 

@@ -43,7 +43,7 @@ pub(crate) fn joint(
 /// The velocity of a law that does not hear it.
 const NO_VELOCITY: Velocity = Velocity { last: 0.0, velocity: 0.0, position: 0.0, before: 0.0 };
 
-/// What a sample makes of the state, and the torque, when all is zero but one.
+/// Next state and torque of a sample in which all is zero but one number.
 struct Answer {
     next: [f64; STATE_ENTRIES],
     tau: f64,

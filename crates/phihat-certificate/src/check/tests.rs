@@ -1,5 +1,5 @@
-//! The arithmetic of the checks against closed forms and sums. Wrong if a polynomial below zero counted as one above, or
-//! a matrix that is not definite passed.
+//! The arithmetic of the checks against closed forms and sums. Wrong if a polynomial below zero counted as one above,
+//! or a matrix that is not definite passed.
 
 use core::f64::consts::PI;
 use phihat::{Form, TorqueSource, VelocitySource};

@@ -37,7 +37,8 @@ impl Moving {
         Ok(())
     }
 
-    /// The proof alone, for one of the joints, in exact arithmetic: whoever looks for a multiplier learns at which frequency it fails.
+    /// The proof alone, for one of the joints, in exact arithmetic: whoever looks for a multiplier learns at which
+    /// frequency it fails.
     ///
     /// # Errors
     ///
