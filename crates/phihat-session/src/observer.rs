@@ -1,12 +1,11 @@
 //! Evaluation of the record of a run, block by block.
 
+use crate::words;
 use phihat_design::Gains;
 use phihat_report::{Drawing, TubeRun, TubeSeen};
 use phihat_sim::{Measured, Metrics, Trace};
 use phihat_study::Study;
 use serde_json::json;
-
-use crate::design;
 
 /// Evaluation of a record, block by block.
 pub(crate) struct RunObserver<'a> {
@@ -28,7 +27,7 @@ pub struct RunFigures {
 
 impl<'a> RunObserver<'a> {
     pub(crate) fn new(study: &Study, gains: Option<&'a Gains>) -> Self {
-        let names = design::names(study);
+        let names = words::names(study);
         let period_ns = study.control.period_ns;
         let samples = phihat_sim::samples(study.duration, period_ns);
         Self {
