@@ -1,7 +1,7 @@
 //! One joint's loop as polynomials in `z`, from its law and setting.
 
 use crate::matrix::{Matrix, characteristic, reduced};
-use crate::setting::{Law, Setting, Told};
+use crate::setting::{Law, Reported, Setting};
 use crate::{Number, Polynomial, Unproved};
 
 /// Loop of one joint, cut open where torque meets the inertia: for the inertia ratio `μ` its poles are the roots of
@@ -74,7 +74,7 @@ impl Joint {
 type Form = Vec<Number>;
 
 /// One sample of the loop as linear forms of its state: `q`, `q̇`, the law's state, position and velocity as they were
-/// given to the law last, the torque it is told, the drive's torque, commands on their way, the next misreading.
+/// given to the law last, the torque reported to it, the drive's torque, commands on their way, the next misreading.
 struct Sample {
     size: usize,
     period: Number,
@@ -83,7 +83,7 @@ struct Sample {
     /// `∫(T − t) τ dt`, `∫ τ dt` over the coming interval, the torque that a drive gets, and the command.
     double: Form,
     impulse: Form,
-    told: Form,
+    sent: Form,
     command: Form,
 }
 
@@ -95,7 +95,7 @@ impl Sample {
             return None;
         }
         // Places in the state.
-        let (position, velocity, told_last, end, line) = (n + 2, n + 3, n + 4, n + 5, n + 6);
+        let (position, velocity, reported, end, line) = (n + 2, n + 3, n + 4, n + 5, n + 6);
         let misread = line + setting.late;
         let size = misread + 1;
         let number = Number::of;
@@ -112,7 +112,7 @@ impl Sample {
             (number(filter.position)?, &read),
             (number(filter.before)?, &unit(position)),
         ]);
-        let inputs = [&read, &speed, &unit(told_last)];
+        let inputs = [&read, &speed, &unit(reported)];
         let law_form = |state: &[f64], input: &[f64; 3]| -> Option<Form> {
             let mut form = vec![Number::zero(); size];
             for (i, value) in state.iter().enumerate() {
@@ -124,15 +124,15 @@ impl Sample {
             Some(form)
         };
         let command = law_form(&law.output, &law.direct)?;
-        let told = if setting.late == 0 { command.clone() } else { unit(line) };
+        let sent = if setting.late == 0 { command.clone() } else { unit(line) };
         let mut next: Matrix = vec![vec![Number::zero(); size]; size];
-        let (mut mean, mut double) = (told.clone(), times(&told, &half));
+        let (mut mean, mut double) = (sent.clone(), times(&sent, &half));
         if let Some(drive) = &setting.drive {
-            let gap = plus(&unit(end), &times(&told, &Number::from(-1)));
+            let gap = plus(&unit(end), &times(&sent, &Number::from(-1)));
             mean = plus(&mean, &times(&gap, &number(drive.mean)?));
             double = plus(&double, &times(&gap, &number(drive.double)?));
             let left = &Number::from(1) - &number(drive.lost)?;
-            next[end] = plus(&told, &times(&gap, &left));
+            next[end] = plus(&sent, &times(&gap, &left));
         }
         next[0] = plus(&unit(0), &times(&unit(1), &period));
         next[1] = unit(1);
@@ -141,15 +141,15 @@ impl Sample {
         }
         next[position] = read;
         next[velocity] = speed;
-        next[told_last] = match setting.told {
-            Told::Applied => mean.clone(),
-            Told::Commanded => told.clone(),
+        next[reported] = match setting.reported {
+            Reported::Applied => mean.clone(),
+            Reported::Commanded => sent.clone(),
         };
         for k in 1..=setting.late {
             next[line + k - 1] = if k < setting.late { unit(line + k) } else { command.clone() };
         }
         let impulse = times(&mean, &period);
-        Some(Self { size, period, next, double, impulse, told, command })
+        Some(Self { size, period, next, double, impulse, sent, command })
     }
 
     /// The state's matrix with the inertia infinite, and what is added to it: where the torque moves an inertia of 1,
@@ -159,7 +159,7 @@ impl Sample {
         let [mut moved, mut kicked, mut misread] = [empty.clone(), empty.clone(), empty];
         moved[0].clone_from(&self.double);
         moved[1].clone_from(&self.impulse);
-        kicked[0] = times(&self.told, &(&self.period * &self.period).shifted(-1));
+        kicked[0] = times(&self.sent, &(&self.period * &self.period).shifted(-1));
         misread[self.size - 1].clone_from(&self.command);
         vec![self.next.clone(), moved, kicked, misread]
     }
