@@ -4,7 +4,7 @@ use phihat::{
     Form, JointGains, JointState, Measurement, Reference, STATE_ENTRIES, TorqueSource,
     VelocityFilter, VelocitySource, VelocityState,
 };
-use phihat_kernel::{Joint, Law, Reported, Setting, Velocity};
+use phihat_kernel::{Joint, Law, Reported, Setting, Unproved, Velocity};
 
 use super::drive::drive;
 use crate::refutation::refuse;
@@ -34,6 +34,14 @@ pub(crate) fn joint(
         },
     };
     Joint::new(&law, &setting).map_err(|why| refuse(claim, &format!("a loop: {why}"), 0.0, 0.0))
+}
+
+/// An inequality that is not proved, with the frequency at which it fails, or the reason.
+pub(crate) fn failed(what: &str, why: Unproved) -> String {
+    match why {
+        Unproved::At { theta, .. } => format!("{what} at θ = {theta:.6} rad/sample"),
+        why => format!("{what}: {why}"),
+    }
 }
 
 /// The velocity of a law that does not hear it.
