@@ -433,8 +433,8 @@ fn one_multiplier(groups: &[Forms]) -> bool {
     }
 }
 
-/// Order of two fractions with positive denominators: by signs, lengths and leading bits, and by products where these do
-/// not decide.
+/// Order of two fractions with positive denominators: by signs, lengths and leading bits, and by
+/// products where these do not decide.
 fn compared(a: &(BigInt, BigInt), b: &(BigInt, BigInt)) -> Ordering {
     let (sign, other) = (a.0.sign(), b.0.sign());
     if sign != other || sign == Sign::NoSign {
