@@ -1,6 +1,6 @@
 //! One joint's loop as polynomials in `z`, from its law and setting.
 
-use crate::matrix::{Matrix, characteristic, reduced};
+use crate::matrix::{Matrix, Resolvent, reduced};
 use crate::setting::{Law, Reported, Setting};
 use crate::{Number, Polynomial, Unproved};
 
@@ -28,9 +28,9 @@ impl Joint {
     /// # Method
     ///
     /// One sample is written as exact linear forms of the state. `Δ` is the characteristic polynomial with the
-    /// inertia infinite, `Δ + N/M` with inertia `M`: the difference at `M = 1` is `N`, and at `M = ½` it must be twice
-    /// that, or torque does not meet the inertia in one place. `K` and `R` come likewise, from matrices in which the
-    /// torque makes the kick, and the command misreads the next sample.
+    /// inertia infinite. With inertia `M` the torque adds `1/M` times the rows of position and velocity, and the
+    /// polynomial must become `Δ + N/M`, or torque does not meet the inertia in one place. `K` and `R` come likewise,
+    /// from rows in which the torque makes the kick, and the command misreads the next sample.
     ///
     /// # Errors
     ///
@@ -39,13 +39,10 @@ impl Joint {
         let sample = Sample::new(law, setting).ok_or(Unproved::NoLoop)?;
         let all = reduced(sample.matrices());
         let [fixed, moved, kicked, misread] = all.as_slice() else { return Err(Unproved::NoLoop) };
-        let open = characteristic(fixed);
-        let with =
-            |added: &Matrix, times: i64| characteristic(&sum(fixed, added, times)).minus(&open);
-        let (back, kick, reading) = (with(moved, 1), with(kicked, 1), with(misread, 1));
-        if with(moved, 2) != back.times(&Number::from(2)) {
-            return Err(Unproved::NoLoop);
-        }
+        let resolvent = Resolvent::of(fixed);
+        let added = |rows: &Matrix| resolvent.added(rows).ok_or(Unproved::NoLoop);
+        let (back, kick, reading) = (added(moved)?, added(kicked)?, added(misread)?);
+        let open = resolvent.determinant;
         let idle = open.roots_at_zero().min(back.roots_at_zero()).min(kick.roots_at_zero());
         let [open, back, kick] = [open, back, kick].map(|p| p.without_roots_at_zero(idle));
         let inertia = Number::of(setting.inertia).ok_or(Unproved::NoLoop)?;
@@ -177,10 +174,4 @@ fn weighed(terms: &[(Number, &Form)]) -> Form {
     let length = terms.first().map_or(0, |(_, form)| form.len());
     let none = vec![Number::zero(); length];
     terms.iter().fold(none, |sum, (weight, form)| plus(&sum, &times(form, weight)))
-}
-
-/// `A + times · B`.
-fn sum(a: &Matrix, b: &Matrix, factor: i64) -> Matrix {
-    let factor = Number::from(factor);
-    a.iter().zip(b).map(|(a, b)| plus(a, &times(b, &factor))).collect()
 }
