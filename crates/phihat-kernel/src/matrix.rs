@@ -20,9 +20,9 @@ impl Resolvent {
     ///
     /// # Method
     ///
-    /// With `B = 2^{−s} A` of integers: `M_1 = 1`, `c_k = −tr(B M_k)/k`, `M_{k+1} = B M_k + c_k`. The divisions leave no
-    /// rest, for the `c_k` are the coefficients of `det(λ − B)`, which are integers; that of `z^{n−k}` is `2^{sk} c_k`,
-    /// and `M_k` of `A` is `2^{s(k−1)}` times that of `B`.
+    /// With `B = 2^{−s} A` of integers: `M_1 = 1`, `c_k = −tr(B M_k)/k`, `M_{k+1} = B M_k + c_k`. The divisions leave
+    /// no rest, for the `c_k` are the coefficients of `det(λ − B)`, which are integers; that of `z^{n−k}` is
+    /// `2^{sk} c_k`, and `M_k` of `A` is `2^{s(k−1)}` times that of `B`.
     pub(crate) fn of(a: &Matrix) -> Self {
         let n = a.len();
         let unit = a.iter().flatten().filter_map(Number::exponent).min().unwrap_or(0);
@@ -68,9 +68,9 @@ impl Resolvent {
     ///
     /// # Method
     ///
-    /// `B = Σ e_i b_iᵀ` over its rows that are not zero, and `det(z − A − tB) det(z − A)^{r−1} = det(det(z − A) − tG)`
-    /// of `r` rows, `G_ij = b_iᵀ adj(z − A) e_j`. It is linear in `t` where the minors of `G` vanish, for one row always,
-    /// for two where its determinant does. More rows are not treated.
+    /// `B = Σ e_i b_iᵀ` over its `r` rows that are not zero, and `det(z − A − tB) det(z − A)^{r−1} =
+    /// det(det(z − A) − tG)` with `G_ij = b_iᵀ adj(z − A) e_j`: linear in `t` for one row always, for two where
+    /// `det G = 0`. More rows are not treated.
     pub(crate) fn added(&self, rows: &Matrix) -> Option<Polynomial> {
         let of: Vec<usize> =
             (0..rows.len()).filter(|i| !rows[*i].iter().all(Number::is_zero)).collect();
