@@ -42,7 +42,8 @@ amplitude_rad = 0.2
 frequency_hz = 0.3
 "#;
 
-/// A candidate of the search joint by joint: stable, and without a bound on its error. Example 04 has one with its tube.
+/// A candidate of the search joint by joint: stable, and without a bound on its error. Example 04 has one with its
+/// tube.
 fn designed() -> Result<Gains, Box<dyn Error>> {
     let study = Study::from_text(STUDY, "planar.toml", Path::new("."))?;
     let demand = Demand::along(&study)?;

@@ -64,7 +64,11 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
     let (name, bar) = match crates[..] {
         [] => BARS[0],
         [Some(one)] => one,
-        _ => return Err("files of the sources of phihat, phihat-kernel or phihat-certificate".to_owned()),
+        _ => {
+            return Err(
+                "files of the sources of phihat, phihat-kernel or phihat-certificate".to_owned()
+            );
+        }
     };
 
     let mut chosen: Vec<&str> = files.iter().flat_map(|file| ["--file", *file]).collect();

@@ -230,7 +230,7 @@ pub(crate) mod document {
         Some(format!("{}: {UNCOUPLED}; design these gains again", joint.name))
     }
 
-    #[allow(clippy::ref_option, reason = "the signature that serde calls")]
+    #[expect(clippy::ref_option, reason = "the signature that serde calls")]
     pub(crate) fn serialize<S: Serializer>(
         certificate: &Option<Certificate>,
         serializer: S,

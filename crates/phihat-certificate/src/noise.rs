@@ -99,7 +99,8 @@ impl TorqueNoise {
     }
 }
 
-/// Means of `|H|²` and `|(1 − 1/z)H|²`, `H` from a misreading to the torque over `M̄`, over at least `least` even points of the circle.
+/// Means of `|H|²` and `|(1 − 1/z)H|²`, `H` from a misreading to the torque over `M̄`, over at least `least` even
+/// points of the circle.
 fn spectrum(response: &Response, (mu, inertia): (f64, f64), least: f64) -> (f64, f64) {
     let half = (0.5 * least).ceil().max(2.0);
     let (mut size, mut change) = (0.0, 0.0);

@@ -7,9 +7,9 @@ use phihat_certificate::{
 use serde::Deserialize;
 
 #[derive(Deserialize)]
-#[allow(dead_code, reason = "the provenance is for readers")]
 struct Panda {
-    provenance: String,
+    #[serde(rename = "provenance")]
+    _provenance: String,
     joints: Vec<JointRecord>,
     model: LoopModel,
     frozen: FrozenArm,

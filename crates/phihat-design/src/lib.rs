@@ -4,9 +4,9 @@
 //!
 //! Finders: laws for a specification, and the claims about them.
 //!
-//! [`design()`] searches for a candidate, joint by joint; [`tube::tube`] finds the envelope of the error of a whole run;
-//! [`Certificate`] holds the claims, as data; [`Certificate::verify`] checks them again from the gains alone. [`claims`]
-//! are about the continuous law, [`sampled`] about the loop as it runs. The way from a study to gains is
+//! [`design()`] searches for a candidate, joint by joint; [`tube::tube`] finds the envelope of the error of a whole
+//! run; [`Certificate`] holds the claims, as data; [`Certificate::verify`] checks them again from the gains alone.
+//! [`claims`] are about the continuous law, [`sampled`] about the loop as it runs. The way from a study to gains is
 //! `phihat-synthesis`, which is made of these finders.
 //!
 //! # Example

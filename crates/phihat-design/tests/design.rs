@@ -54,7 +54,7 @@ fn a_candidate_is_stable_on_every_arm_and_its_error_has_no_bound() {
         let certificate = gains.certificate.as_ref().unwrap();
         certificate.verify(&gains).unwrap();
         arm_inside_window(&study, &Arm::of(&study).unwrap(), &gains).unwrap();
-        let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+        let names = study.robot.joint_names();
         let law = gains.joint_gains(&names, study.control.period_ns, Form::Observer).unwrap();
         let outcome = Simulation::new(&study, &law).unwrap().run(|_| ());
         assert!(outcome.divergence.is_none());
@@ -251,7 +251,7 @@ fn the_integral_and_the_rise_time_are_kept_too() {
     let (arm, center, payload) = ARMS[0];
     let mut study = study(arm, center, payload, 2e-3);
     // Known one by one, so that each joint has a bound of its own.
-    let (low, high) = (vec![1.0, 0.5, 0.1], vec![2.0, 1.0, 0.2]);
+    let (low, high) = (vec![0.3, 0.15, 0.1], vec![0.6, 0.3, 0.2]);
     study.design.inertia = InertiaSource::Typed { low, high };
     let bound = |gains: &Gains| {
         let certificate = gains.certificate.as_ref().unwrap();

@@ -39,8 +39,8 @@ pub(crate) struct Fails(pub(crate) f64);
 /// # Method
 ///
 /// `holds` may say yes of a cell only if the condition holds of all means of its Bernstein coefficients (with the same
-/// weights for all polynomials). Where it says no, the cell is halved; where it says no of a single `t`, the proof ends.
-/// Polynomials of a group share degree and unit.
+/// weights for all polynomials). Where it says no, the cell is halved; where it says no of a single `t`, the proof
+/// ends. Polynomials of a group share degree and unit.
 pub(crate) fn everywhere(
     groups: &[Vec<Polynomial>],
     holds: impl Fn(&Cell) -> bool,

@@ -5,8 +5,8 @@
 
 use crate::{Number, Polynomial};
 
-/// `Re(P Q*)` in `t`: `Σ a_k T_k(cos θ)`, `a_k` the sum of `p_i q_j` with `|i − j| = k`, `T_k` Chebyshev's polynomial of
-/// the first kind.
+/// `Re(P Q*)` in `t`: `Σ a_k T_k(cos θ)`, `a_k` the sum of `p_i q_j` with `|i − j| = k`, `T_k` Chebyshev's polynomial
+/// of the first kind.
 pub(crate) fn real(p: &Polynomial, q: &Polynomial) -> Polynomial {
     let (above, below) = by_difference(p, q);
     let both = |k: usize| &above[k] + &below[k];
@@ -15,7 +15,8 @@ pub(crate) fn real(p: &Polynomial, q: &Polynomial) -> Polynomial {
     sum(&first, &Polynomial::constant(&Number::from(1)), &cosine())
 }
 
-/// `Im(P Q*)/sin θ` in `t`: `Σ b_k U_{k−1}(cos θ)`, `b_k` the sum of `p_i q_j` with `i − j = k` less that with `i − j = −k`,
+/// `Im(P Q*)/sin θ` in `t`: `Σ b_k U_{k−1}(cos θ)`, `b_k` the sum of `p_i q_j` with `i − j = k` less that with `i − j =
+/// −k`,
 /// `U_k` Chebyshev's polynomial of the second kind.
 pub(crate) fn turned(p: &Polynomial, q: &Polynomial) -> Polynomial {
     let (above, below) = by_difference(p, q);

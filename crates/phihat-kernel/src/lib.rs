@@ -1,8 +1,9 @@
 //! The trusted base of phihat's certificates: claims about sampled linear loops, proved in exact arithmetic.
 //!
 //! Numbers are dyadic rationals: what doubles are, and what sums and products of them are. Nothing is rounded, and
-//! nothing transcendental is evaluated but bounds of `e^{−x}` and `cos x`, by Taylor sums, and the angles of a delay. A joint's law and its setting
-//! enter as doubles; from them polynomials `N`, `Δ` in `z` follow exactly ([`Joint`]), products of them on the circle
+//! nothing transcendental is evaluated but bounds of `e^{−x}` and `cos x`, by Taylor sums, and the angles of a delay. A
+//! joint's law and its setting enter as doubles; from them polynomials `N`, `Δ` in `z` follow exactly ([`Joint`]),
+//! products of them on the circle
 //! `|z| = 1` are polynomials in `t = sin²(θ/2)`, and a claim is that such polynomials stay positive on `[0, 1]`
 //! (Bernstein coefficients over cells) and that one polynomial has its roots inside the circle (Schur and Cohn).
 //!
@@ -18,12 +19,12 @@
 //! # Example
 //!
 //! ```
-//! use phihat_kernel::{Joint, Law, Range, Setting, Told, Velocity, frozen};
+//! use phihat_kernel::{Joint, Law, Range, Reported, Setting, Velocity, frozen};
 //!
 //! // τ = −100 q − 14 q̇ at 1 kHz, without delay, on an inertia of 1 kg·m² more or less.
 //! let law = Law { direct: [-100.0, -14.0, 0.0], ..Law::default() };
 //! let velocity = Velocity { last: 0.0, velocity: 1.0, position: 0.0, before: 0.0 };
-//! let setting = Setting { period: 1e-3, inertia: 1.0, late: 0, velocity, drive: None, told: Told::Applied };
+//! let setting = Setting { period: 1e-3, inertia: 1.0, late: 0, velocity, drive: None, reported: Reported::Applied };
 //! let joint = Joint::new(&law, &setting)?;
 //!
 //! // (z − 1)² μ + 5e-5 (z + 1) + 0.014 (z − 1) has its roots inside for μ above 0.007, where one is at −1.
@@ -54,5 +55,5 @@ pub use claims::{Motion, Range, any_speed, decays, delay, frozen, modulus, movin
 pub use joint::Joint;
 pub use number::Number;
 pub use polynomial::Polynomial;
-pub use setting::{Drive, Law, Setting, Told, Velocity};
+pub use setting::{Drive, Law, Reported, Setting, Velocity};
 pub use unproved::Unproved;

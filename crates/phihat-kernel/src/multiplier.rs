@@ -27,7 +27,8 @@ impl<'a> Multiplier<'a> {
     ///
     /// # Method
     ///
-    /// A function is within `max|U''| (to − from)²/8` of its chord, and in `t` `U_{j−1}''` is 4 times that in `x = cos θ`.
+    /// A function is within `max|U''| (to − from)²/8` of its chord, and in `t` `U_{j−1}''` is 4 times that in `x = cos
+    /// θ`.
     /// `|U_{j−1}| ≤ u = min(j, 1/s)`, `|U_{j−1}'| ≤ u' = min(j³/2, (j + u)/s²)` by `(1 − x²)U' = xU − j cos jθ`, and
     /// `|U_{j−1}''| ≤ min(j⁵/8, (3u' + j²u)/s²)` by `(1 − x²)U'' = 3xU' − (j² − 1)U`, where `s ≤ sin θ` on the cell.
     pub(crate) fn over(&self, from: &Number, to: &Number) -> Line {

@@ -1,5 +1,5 @@
-//! Claims about random joints against eigenvalues, dense samples of the circle and inertia that moves. Wrong if an arm that
-//! is proved stable grows, if a margin goes beyond what dense sampling finds, or if hardly anything were proved.
+//! Claims about random joints against eigenvalues, dense samples of the circle and inertia that moves. Wrong if an arm
+//! that is proved stable grows, if a margin goes beyond what dense sampling finds, or if hardly anything were proved.
 
 use std::f64::consts::PI;
 
@@ -248,7 +248,7 @@ fn claims_that_make_no_sense_are_refused() {
             assert_eq!(moving(&joints, &motion), Err(Unproved::NoClaim));
         }
     }
-    // Told words.
+    // Words of an answer.
     let at = Unproved::At { joint: Some(2), theta: 0.5 };
     assert_eq!(at.to_string(), "joint 2 fails at 0.500000 rad/sample");
 }

@@ -106,10 +106,6 @@ pub fn beside_limits(
     Ok(())
 }
 
-pub(crate) fn names(study: &Study) -> Vec<String> {
-    study.robot.joints.iter().map(|joint| joint.name.clone()).collect()
-}
-
 /// Checks that the recording which `φ` is taken from, if any, can be read.
 pub(crate) fn trace_of_phi(study: &Study) -> Result<(), SessionError> {
     of_phi(study).map(drop)

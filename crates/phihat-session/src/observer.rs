@@ -6,8 +6,6 @@ use phihat_sim::{Measured, Metrics, Trace};
 use phihat_study::Study;
 use serde_json::json;
 
-use crate::design;
-
 /// Evaluation of a record, block by block.
 pub(crate) struct RunObserver<'a> {
     measured: Measured,
@@ -28,7 +26,7 @@ pub struct RunFigures {
 
 impl<'a> RunObserver<'a> {
     pub(crate) fn new(study: &Study, gains: Option<&'a Gains>) -> Self {
-        let names = design::names(study);
+        let names = study.robot.joint_names();
         let period_ns = study.control.period_ns;
         let samples = phihat_sim::samples(study.duration, period_ns);
         Self {

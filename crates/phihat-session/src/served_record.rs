@@ -8,7 +8,6 @@ use phihat_fci::{Ending, Packets, Reflex};
 use phihat_sim::{Abort, BLOCK, Stepped, StopReason, Trace};
 use phihat_study::Study;
 
-use crate::design;
 use crate::disk::Lock;
 use crate::error::SessionError;
 use crate::layout::TraceKind;
@@ -80,7 +79,7 @@ impl Recorder {
         let (parts, taken) = channel();
         let (back, rooms) = channel();
         let (tell, written) = channel();
-        let (names, period_ns) = (design::names(&place.study), place.study.control.period_ns);
+        let (names, period_ns) = (place.study.robot.joint_names(), place.study.control.period_ns);
         for _ in 0..ROOMS {
             // Both ends are here.
             let _ = back.send(Trace::new(&names, period_ns, BLOCK as u64));

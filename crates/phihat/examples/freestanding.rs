@@ -9,10 +9,10 @@
 
 use phihat::{
     Answer, Command, Controller, Delay, Events, GainError, JointDesign, JointGains, JointMap,
-    JointMapError, JointOptions, JointState, Limits, Log, Measurement, Memories, ModeEvents,
-    MotionLimits, OptionError, Options, Reference, Report, Request, Rules, Sample, Shaper,
-    Supervisor, SupervisorState, Transition, Unwrap, VelocityFilter, VelocityState, next_mode,
-    supervise, update_joints,
+    JointMapError, JointOptions, JointState, Limits, LinearLaw, Log, Measurement, Memories,
+    ModeEvents, MotionLimits, OptionError, Options, Reference, Report, Request, Rules, Sample,
+    Shaper, Supervisor, SupervisorState, Transition, Unwrap, VelocityFilter, VelocityState,
+    next_mode, supervise, update_joints,
 };
 
 macro_rules! entry_points {
@@ -56,6 +56,9 @@ macro_rules! entry_points {
         }
         pub mod $supervised {
             use super::*;
+            pub fn linear(gains: &JointGains<$scalar>) -> LinearLaw<$scalar> {
+                gains.linear()
+            }
             pub fn build(
                 gains: [JointGains<$scalar>; 7],
                 joints: &[JointOptions<$scalar>; 7],

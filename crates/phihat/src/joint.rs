@@ -165,8 +165,9 @@ impl<R: Real> JointState<R> {
         self.tau
     }
 
-    /// Everything that it remembers, in an order that stays the same within a version; their meaning depends on the form
-    /// of the law. With [`Self::of_entries`] the law can be played: a unit in one entry, and what a sample makes of it.
+    /// Everything that it remembers, in an order that stays the same within a version; their meaning depends on the
+    /// form of the law. With [`Self::of_entries`] the law can be played: a unit in one entry, and what a sample makes
+    /// of it.
     ///
     /// ```
     /// use phihat::JointState;

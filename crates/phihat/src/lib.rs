@@ -14,6 +14,7 @@
 //!
 //! - [`JointGains`]: one joint's gains, checked once, immutable. [`JointState`]: what it remembers,
 //!   owned by the caller. [`JointGains::update`]: the only verb of the hot path.
+//! - [`JointGains::linear`]: the law between limits as one linear system, [`LinearLaw`], for whoever computes with it.
 //! - [`Controller`]: an array of joints for a robot; [`update_joints`] for a number known at run time.
 //! - [`Limits`], [`Delay`]: torque and torque-rate limits that report what they did; transport delay.
 //! - [`Supervisor`]: what a real arm needs around it: a guard for bad, late and lost samples, joint limits,
@@ -47,6 +48,7 @@ mod joint;
 mod joint_map;
 mod law;
 mod limits;
+mod linear;
 mod log;
 mod position;
 mod position_design;
@@ -69,6 +71,7 @@ pub use innovation::{InnovationSection, SECTIONS_MAX};
 pub use joint::{Command, JointState, Measurement, Reference, STATE_ENTRIES, Status};
 pub use joint_map::{JointMap, JointMapError, order_hash};
 pub use limits::Limits;
+pub use linear::{LINEAR_INPUTS, LINEAR_SENT_MAX, LINEAR_STATES_MAX, LinearLaw};
 pub use log::Log;
 pub use position_design::PositionDesign;
 pub use real::Real;

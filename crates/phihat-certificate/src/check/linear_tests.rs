@@ -1,5 +1,5 @@
-//! Loops from the core's numbers against the same loops by the checker's formulas of the law. Wrong if a form, an order, a
-//! delay, a filter or a drive entered the exact proofs in another way than it runs.
+//! Loops from the core's numbers against the same loops by the checker's formulas of the law. Wrong if a form, an
+//! order, a delay, a filter or a drive entered the exact proofs in another way than it runs.
 
 use phihat::{Form, TorqueSource, VelocitySource};
 use phihat_kernel::{Number, Polynomial};

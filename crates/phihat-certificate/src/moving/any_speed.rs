@@ -20,7 +20,8 @@ const CLAIM: &str = "stability at any speed";
 /// # Proof
 ///
 /// With `α = W^{-1}u_k` in a sample, `v` its mean, and `e = (1/T)∫(1 − 2s/T)α ds`, position moves by
-/// `Tq̇ + (T²/2)(v + e)` and velocity by `Tv`; so, as in [`Moving`](super::Moving), `u = −diag(L) v − diag(K/Δ) e`. `1` and
+/// `Tq̇ + (T²/2)(v + e)` and velocity by `Tv`; so, as in [`Moving`](super::Moving), `u = −diag(L) v − diag(K/Δ) e`. `1`
+/// and
 /// `√3(1 − 2s/T)` are orthonormal on a sample: `‖v‖² + 3‖e‖² ≤ (1/T)∫‖α‖² ds`. `(α − u/b)·(α − u/a) ≤ 0` at
 /// every time, and its mean gives
 ///

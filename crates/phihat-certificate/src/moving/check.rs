@@ -37,7 +37,8 @@ impl Moving {
         Ok(())
     }
 
-    /// The proof alone, for one of the joints, in exact arithmetic: whoever looks for a multiplier learns at which frequency it fails.
+    /// The proof alone, for one of the joints, in exact arithmetic: whoever looks for a multiplier learns at which
+    /// frequency it fails.
     ///
     /// # Errors
     ///
@@ -101,7 +102,7 @@ pub(super) fn unproved(
     let theta = if let Unproved::At { theta, .. } = why { theta } else { 0.0 };
     let middle = Complex::new(0.5 * (low + high), 0.0);
     let left = (middle - Response::of(joint).crossing(on_circle(theta))).size();
-    Unstable::new(format!("{what}: {why}"), theta, (left, 0.5 * (high - low)))
+    Unstable::new(linear::failed(what, why), theta, (left, 0.5 * (high - low)))
 }
 
 pub(super) fn refused(claim: &str, why: Unstable) -> Refutation {

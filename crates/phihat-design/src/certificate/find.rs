@@ -150,8 +150,8 @@ impl Context<'_> {
 /// Powers by which an edge that its check cannot separate from a root is moved toward 1.
 const NARROWER: [f64; 3] = [0.75, 0.5, 0.25];
 
-/// The window, as far as its check, which is exact, finds it too: far from 1 an edge may lie where the finder's doubles no
-/// longer separate a root from none, and gains that `verify` refuses are of no use.
+/// The window, as far as its check, which is exact, finds it too: far from 1 an edge may lie where the finder's doubles
+/// no longer separate a root from none, and gains that `verify` refuses are of no use.
 fn confirmed(record: &JointRecord, model: &LoopModel) -> Result<InertiaWindow, Refutation> {
     let found = InertiaWindow::find(record, model)?;
     let Err(why) = found.verify(record, model) else { return Ok(found) };

@@ -42,8 +42,9 @@ impl Pid {
 ///
 /// # Claim
 ///
-/// Stable for the arm's inertia. From rest on the reference, for joints known one by one, `|e| ≤ bounds`, and in addition the error that the
-/// reference's own motion costs, with or without `M̄ q̈_d`; `|i ∫e| ≤ integral_nm` from `φ`, held over each sample.
+/// Stable for the arm's inertia. From rest on the reference, for joints known one by one, `|e| ≤ bounds`, and in
+/// addition the error that the reference's own motion costs, with or without `M̄ q̈_d`; `|i ∫e| ≤ integral_nm` from
+/// `φ`, held over each sample.
 ///
 /// # Not claimed
 ///
