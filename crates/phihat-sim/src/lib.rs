@@ -18,6 +18,7 @@ mod abreast;
 mod apart;
 mod batch;
 mod columnar;
+mod class_motion;
 mod control;
 mod curve;
 mod demand;
