@@ -198,7 +198,8 @@ impl Certificate {
             return None;
         }
         let why = if self.is_coupled() { "no tube was computed" } else { "φ is not known" };
-        Some(self.tube_refused.clone().unwrap_or_else(|| why.to_owned()))
+        let refused = self.tube_refused.as_ref().or(self.class_refused.as_ref());
+        Some(refused.cloned().unwrap_or_else(|| why.to_owned()))
     }
 
     /// Bound on a joint's steady error: that of the tube, that of the class of motions, or, for joints that are known
