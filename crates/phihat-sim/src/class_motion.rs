@@ -69,7 +69,7 @@ impl ClassMotion {
             draw += 1;
             draws.uniform(draw)
         };
-        let mut now = Reference::at_rest(class.center[joint]);
+        let mut now = at_rest(class.center[joint]);
         let (mut target, mut left) = (now, 0.0);
         let mut jets = Vec::new();
         let mut time = 0.0;
@@ -81,7 +81,7 @@ impl ClassMotion {
                     p if p < 0.8 => high - margin,
                     _ => low + margin + next() * (high - low - 2.0 * margin),
                 };
-                target = Reference::at_rest(at);
+                target = at_rest(at);
                 let longest = if next() < 0.5 { turn } else { across + turn };
                 left = (0.1 + 1.9 * next()) * longest;
             }
@@ -113,4 +113,8 @@ impl ClassMotion {
         let half = 0.5 * s * s;
         [q + s * dq + half * ddq + half * s / 3.0 * jerk, dq + s * ddq + half * jerk, ddq + s * jerk]
     }
+}
+
+fn at_rest(q: f64) -> Reference<f64> {
+    Reference { q, dq: 0.0, ddq: 0.0 }
 }

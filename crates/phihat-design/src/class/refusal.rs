@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::Refutation;
+use phihat_certificate::Refutation;
 
 /// Why no error bound for a class of motions was found.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -6,7 +6,6 @@ use phihat_model::{Body, Model, Rotor, Workspace};
 use phihat_study::{Held, Known, MotionClass, Reference, Study};
 
 use super::refusal::ClassRefusal;
-use crate::prelude::*;
 use crate::tube::modelled;
 
 /// The arm with one payload.
@@ -14,8 +13,6 @@ use crate::tube::modelled;
 pub(super) struct Case {
     pub(super) payload: Option<FrozenPayload>,
     pub(super) model: Model,
-    /// Words on payload and rotors.
-    pub(super) source: String,
 }
 
 /// Torque that is fed forward in place of `M̄ q̈_d`, or on top of it.
@@ -199,11 +196,7 @@ fn cases(study: &Study) -> Result<Vec<Case>, ClassRefusal> {
                 continue;
             }
             before.push(payload.clone());
-            let load = payload.as_ref().map_or("no payload".to_owned(), |p| {
-                format!("{} kg at {:?} m of {}", p.mass_kg, p.com_m, p.frame)
-            });
-            let source = if rotors.len() > 1 { format!("{load}, rotors {rotor:?}") } else { load };
-            cases.push(Case { payload, model, source });
+            cases.push(Case { payload, model });
         }
     }
     Ok(cases)

@@ -1,12 +1,12 @@
 //! Sums over the impulse responses of the loop frozen at one posture.
 
+use phihat_certificate::Refutation;
 use phihat_certificate::extremes::larger;
 
 use super::refusal::ClassRefusal;
 use super::scene::{Case, Scene};
 use super::slopes::Slopes;
 use crate::coupled::linear::{Horizon, LEFT, Linear, Lines, OUTPUTS};
-use crate::Refutation;
 
 /// Outputs: `e`, `ė`, change of the commanded torque per sample, `ë` without the force itself.
 pub(super) const E: usize = 0;
