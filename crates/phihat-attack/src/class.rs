@@ -73,6 +73,7 @@ pub fn class_run(study: &Study, gains: &Gains, bound: &ClassBound, seed: u64) ->
             _ => most,
         };
     }
+    phihat_sim::derive_substeps(&mut own);
     let fed = study.feedforward.is_some();
     let phase: Vec<f64> = bound.error_rad.iter().map(|_| dice.between(-0.5, 0.5)).collect();
     // What is fed forward is added by the study's own loop, which has no displaced encoders.
