@@ -57,7 +57,12 @@ impl ClassRuns {
 /// # Errors
 ///
 /// [`NoRun`]: the gains are none of this study, or it cannot be simulated.
-pub fn class_run(study: &Study, gains: &Gains, bound: &ClassBound, seed: u64) -> Result<ClassRuns, NoRun> {
+pub fn class_run(
+    study: &Study,
+    gains: &Gains,
+    bound: &ClassBound,
+    seed: u64,
+) -> Result<ClassRuns, NoRun> {
     let mut dice = Dice::new(seed, 45);
     let mut own = study.clone();
     if let Reference::Any { seed: drawn, .. } = &mut own.reference {
@@ -111,12 +116,13 @@ fn payload(study: &Study, dice: &mut Dice) -> Option<Payload> {
         return None;
     }
     let corner = dice.chance(0.5);
-    let com = set.com.map(|(low, high)| {
-        if corner { dice.pick(&[low, high]) } else { dice.between(low, high) }
-    });
+    let com = set.com.map(
+        |(low, high)| {
+            if corner { dice.pick(&[low, high]) } else { dice.between(low, high) }
+        },
+    );
     let most = mass * set.gyration * set.gyration;
     let inertia = [most, 0.0, 0.0, most, 0.0, most];
     let frame = set.frame.clone();
     Some(Payload { frame, mass, com, inertia, start: 0.0, end: f64::INFINITY })
 }
-

@@ -109,7 +109,10 @@ fn attack_class(arguments: &Arguments, study: &Path, gains: &Path) -> Result<boo
             Ok(found)
         };
         let threads: Vec<_> = (0..jobs).map(|job| scope.spawn(move || work(job))).collect();
-        threads.into_iter().map(|one| one.join().unwrap_or_else(|why| std::panic::resume_unwind(why))).collect()
+        threads
+            .into_iter()
+            .map(|one| one.join().unwrap_or_else(|why| std::panic::resume_unwind(why)))
+            .collect()
     });
     bar.finish_and_clear();
     let mut found = ClassRuns::default();

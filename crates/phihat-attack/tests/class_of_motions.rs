@@ -67,7 +67,11 @@ fn a_bound_is_found_for_the_class_and_derived_a_second_time() {
     certificate.verify(gains()).unwrap();
     let again = certificate.derive_class(gains(), &study()).unwrap().unwrap();
     let ratio = again.least_ratio();
-    println!("{:?} mrad, claimed over derived {ratio}, radius {}", class.worst(), class.spectral_radius);
+    println!(
+        "{:?} mrad, claimed over derived {ratio}, radius {}",
+        class.worst(),
+        class.spectral_radius
+    );
     // The second derivation leaves out what only adds.
     assert!((1.0..1.25).contains(&ratio), "{again:?}");
     for (moving, frozen) in class.error_rad.iter().zip(&class.frozen_error_rad) {
@@ -82,8 +86,7 @@ fn a_forged_bound_is_refuted() {
         let class = gains.certificate.as_mut().and_then(|all| all.class.as_mut()).unwrap();
         change(class);
         let certificate = gains.certificate.clone().unwrap();
-        certificate.verify(&gains).is_ok()
-            && certificate.derive_class(&gains, &study()).is_ok()
+        certificate.verify(&gains).is_ok() && certificate.derive_class(&gains, &study()).is_ok()
     };
     assert!(forged(|_| ()));
     for change in [

@@ -129,7 +129,8 @@ fn blocks(verified: &Verified, found: &Verification) -> String {
         blocks.push(block("THE TUBE, BY A SECOND DERIVATION", again_lines(tube, found)));
     }
     if let Some(class) = &verified.class {
-        blocks.push(block("THE CLASS OF MOTIONS, BY A SECOND DERIVATION", class_lines(class, found)));
+        blocks
+            .push(block("THE CLASS OF MOTIONS, BY A SECOND DERIVATION", class_lines(class, found)));
     }
     let left = table::not_counted(&verified.not_counted);
     let left = left.into_iter().map(|one| format!("  {one}")).collect();

@@ -108,11 +108,12 @@ pub use designer::{
 };
 pub use limit::{Limit, LimitError, LimitRequest, beside_limit, limit};
 pub use phihat_certificate::{
-    ArmBasis, ArmInertia, Bounds, Certificate, ClassBound, ClassPace, ClassWitness, CoarserEncoder, CoupledGains, ErrorBound, FORMAT,
-    FilterSection, FrozenPayload, FrozenPosture, Gains, GainsError, JointCertificate, JointKept,
-    JointLimit, JointRecord, JointRun, Left, LeftOut, Motion, NotCounted, PayloadSet, Phi,
-    PhiBasis, PositionObserver, Proved, Quantity, Searched, Settle, SettleFrom, Statement,
-    TradeOff, Tube, TubeJoint, TubeKept, TubeWatch, VERSION, Verified, Witness,
+    ArmBasis, ArmInertia, Bounds, Certificate, ClassBound, ClassPace, ClassWitness, CoarserEncoder,
+    CoupledGains, ErrorBound, FORMAT, FilterSection, FrozenPayload, FrozenPosture, Gains,
+    GainsError, JointCertificate, JointKept, JointLimit, JointRecord, JointRun, Left, LeftOut,
+    Motion, NotCounted, PayloadSet, Phi, PhiBasis, PositionObserver, Proved, Quantity, Searched,
+    Settle, SettleFrom, Statement, TradeOff, Tube, TubeJoint, TubeKept, TubeWatch, VERSION,
+    Verified, Witness,
 };
 pub use positions::{PositionEstimate, PositionSearch, TubeParts};
 pub use request::requested_gains;

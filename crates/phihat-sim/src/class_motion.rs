@@ -111,7 +111,11 @@ impl ClassMotion {
         let Some([_, _, next]) = self.jets.get(k + 1) else { return [q, 0.0, 0.0] };
         let (s, jerk) = ((t - k as f64 * STEP).max(0.0), (next - ddq) / STEP);
         let half = 0.5 * s * s;
-        [q + s * dq + half * ddq + half * s / 3.0 * jerk, dq + s * ddq + half * jerk, ddq + s * jerk]
+        [
+            q + s * dq + half * ddq + half * s / 3.0 * jerk,
+            dq + s * ddq + half * jerk,
+            ddq + s * jerk,
+        ]
     }
 }
 

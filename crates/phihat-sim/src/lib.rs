@@ -17,8 +17,8 @@
 mod abreast;
 mod apart;
 mod batch;
-mod columnar;
 mod class_motion;
+mod columnar;
 mod control;
 mod curve;
 mod demand;

@@ -179,8 +179,7 @@ fn judge(study: &Study, gains: &mut Gains) {
     };
     let Some(certificate) = &mut gains.certificate else { return };
     for joint in &mut certificate.joints {
-        // Bounds by each joint's own φ are none for joints that push each other.
-        joint.bounds = None;
+        // Of the search alone.
         joint.phi = None;
     }
     certificate.unproved.clear();
@@ -198,7 +197,10 @@ fn judge(study: &Study, gains: &mut Gains) {
         let allowed = study.spec.error_bound.as_ref().map(|all| all[i]);
         if let Some(allowed) = allowed.filter(|_| shares.errors[i] > 1.0) {
             let bound = class.error_rad[i];
-            let line = format!("{ERROR_KEY} = {allowed} on {}: the class bound says {bound:.4e}", joint.name);
+            let line = format!(
+                "{ERROR_KEY} = {allowed} on {}: the class bound says {bound:.4e}",
+                joint.name
+            );
             certificate.unproved.push(line);
         }
         let most = study.design.torque_step_max.as_ref().map(|most| most[i]);

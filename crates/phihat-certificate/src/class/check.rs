@@ -30,8 +30,13 @@ impl Certificate {
             let named = |why: Refutation| why.on(&joint.name);
             let period = joint.model.period_s;
             let quantum = joint.noise.as_ref().map_or(0.0, |noise| noise.quantum_rad);
-            at_most(CLAIM, "half a quantum ≤ error of a reading", 0.5 * quantum, class.reading_rad[i] * ROUNDING)
-                .map_err(named)?;
+            at_most(
+                CLAIM,
+                "half a quantum ≤ error of a reading",
+                0.5 * quantum,
+                class.reading_rad[i] * ROUNDING,
+            )
+            .map_err(named)?;
             if let Some(limit) = joint.limits.0 {
                 at_most(CLAIM, "torque ≤ its limit", class.torque_nm[i], limit * ROUNDING)
                     .map_err(named)?;
@@ -66,7 +71,13 @@ impl ClassBound {
     fn sized(&self, n: usize) -> Result<(), Refutation> {
         let yes = Refutation::unless;
         for (name, list) in self.lists() {
-            yes(CLAIM, &format!("one {name} per joint"), list.len() as f64, n as f64, list.len() == n)?;
+            yes(
+                CLAIM,
+                &format!("one {name} per joint"),
+                list.len() as f64,
+                n as f64,
+                list.len() == n,
+            )?;
             for value in list {
                 let fine = *value >= 0.0 && value.is_finite();
                 yes(CLAIM, &format!("0 ≤ {name} < ∞"), *value, 0.0, fine)?;
@@ -81,7 +92,13 @@ impl ClassBound {
         }
         for witness in &self.witnesses {
             let sized = witness.q_rad.len() == n;
-            yes(CLAIM, "a witness is a posture of the arm", witness.q_rad.len() as f64, n as f64, sized)?;
+            yes(
+                CLAIM,
+                "a witness is a posture of the arm",
+                witness.q_rad.len() as f64,
+                n as f64,
+                sized,
+            )?;
             for ((q, low), high) in witness.q_rad.iter().zip(low).zip(high) {
                 at_most(CLAIM, "a witness is inside the box", low - 1e-9, *q)?;
                 at_most(CLAIM, "a witness is inside the box", *q, high + 1e-9)?;

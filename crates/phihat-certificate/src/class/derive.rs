@@ -166,7 +166,8 @@ impl Certificate {
             Refutation::unless(CLAIM, "a witness carries a payload of the set", 0.0, 1.0, known)?;
             let frame = witness.payload.as_ref().map_or("", |p| p.frame.as_str());
             for rotor in rotors(study) {
-                let model = loaded(study, (*rotor, &body), frame)?.with_gravity(study.world.gravity);
+                let model =
+                    loaded(study, (*rotor, &body), frame)?.with_gravity(study.world.gravity);
                 all.push(setting.played(&loops, &model, &witness.q_rad)?);
             }
         }
@@ -179,7 +180,9 @@ impl Certificate {
         }
         let models: Vec<Model> = bodies
             .iter()
-            .map(|(frame, body)| Ok(loaded(study, (Rotor::Stated, body), frame)?.with_gravity(study.world.gravity)))
+            .map(|(frame, body)| {
+                Ok(loaded(study, (Rotor::Stated, body), frame)?.with_gravity(study.world.gravity))
+            })
             .collect::<Result<_, Refutation>>()?;
         let maxima = setting.maxima(&models, &mut dice);
         let [error, velocity, step] = setting.solve(&all, &maxima)?;
@@ -224,15 +227,33 @@ impl<'a> Setting<'a> {
         models: &[LoopModel],
     ) -> Result<Self, Refutation> {
         let n = class.center.len();
-        Refutation::unless(CLAIM, "one law per joint", models.len() as f64, n as f64, models.len() == n)?;
+        Refutation::unless(
+            CLAIM,
+            "one law per joint",
+            models.len() as f64,
+            n as f64,
+            models.len() == n,
+        )?;
         let plain = models.iter().all(|m| {
             m.form == phihat::Form::Positions
                 && m.drive_bandwidth_hz.is_none()
                 && m.sample_delay_samples == 0
         });
-        Refutation::unless(CLAIM, "laws from positions, no drive lag, no late sample", 0.0, 1.0, plain)?;
+        Refutation::unless(
+            CLAIM,
+            "laws from positions, no drive lag, no late sample",
+            0.0,
+            1.0,
+            plain,
+        )?;
         let balanced = study.world.held == Some(Held::InBalance) && study.world.start.is_none();
-        Refutation::unless(CLAIM, "the arm starts in balance, on the reference", 0.0, 1.0, balanced)?;
+        Refutation::unless(
+            CLAIM,
+            "the arm starts in balance, on the reference",
+            0.0,
+            1.0,
+            balanced,
+        )?;
         let mut dry = study.design.coulomb.1.clone();
         for push in &study.world.pushes {
             dry[push.joint] += push.torque.abs();
@@ -251,9 +272,11 @@ impl<'a> Setting<'a> {
         }
         let slope = |i: usize| {
             let own = study.robot.joints[i].friction;
-            let acts = if study.world.robot_friction { own } else { phihat_model::Friction::default() };
+            let acts =
+                if study.world.robot_friction { own } else { phihat_model::Friction::default() };
             // The logistic curve is steepest in its middle: a quarter of size times steepness.
-            let bend = acts.sigmoid.map_or(0.0, |s| (s.amplitude_nm * s.steepness_s_rad).abs() / 4.0);
+            let bend =
+                acts.sigmoid.map_or(0.0, |s| (s.amplitude_nm * s.steepness_s_rad).abs() / 4.0);
             acts.viscous.abs() + study.world.extra_viscous[i].abs() + bend
         };
         let bits = study.sensor.encoder_bits.as_deref();
@@ -342,7 +365,8 @@ impl<'a> Setting<'a> {
     fn maxima(&self, models: &[Model], dice: &mut Dice) -> Maxima {
         let n = self.n;
         let zero = || vec![0.0_f64; n];
-        let mut most = Maxima { whole: zero(), slow: zero(), size: zero(), jerk: zero(), fed: zero() };
+        let mut most =
+            Maxima { whole: zero(), slow: zero(), size: zero(), jerk: zero(), fed: zero() };
         let mut fed_jerk = zero();
         for k in 0..POINTS {
             let model = &models[k % models.len()];
@@ -435,7 +459,8 @@ impl<'a> Setting<'a> {
         for _ in 0..ROUNDS {
             let next: Vec<f64> = (0..n).map(|i| most(E, i, &error, &velocity)).collect();
             let speed: Vec<f64> = (0..n).map(|i| most(V, i, &error, &velocity)).collect();
-            let change = next.iter().zip(&error).map(|(a, b)| (a - b).abs() / a).fold(0.0, f64::max);
+            let change =
+                next.iter().zip(&error).map(|(a, b)| (a - b).abs() / a).fold(0.0, f64::max);
             (error, velocity) = (next, speed);
             if !error.iter().all(|e| *e < 10.0) {
                 return Err(refuse(CLAIM, "the class closes at postures derived again", 10.0, 1.0));

@@ -77,8 +77,10 @@ impl PlayedSums {
             gravity: each(n),
             moving: core::array::from_fn(|_| vec![zero(n); n]),
         };
-        let turned: [Vec<Matrix>; 2] =
-            [(0..n).map(|c| dynamics.less(c, 2.0)).collect(), (0..n).map(|c| dynamics.less(c, 1.0)).collect()];
+        let turned: [Vec<Matrix>; 2] = [
+            (0..n).map(|c| dynamics.less(c, 2.0)).collect(),
+            (0..n).map(|c| dynamics.less(c, 1.0)).collect(),
+        ];
         let mut whole = each(n);
         let mut before = vec![vec![0.0; 3 * n]; n];
         let mut last: Option<Answers> = None;

@@ -25,7 +25,9 @@ pub(crate) fn class(gains: &Gains) -> Option<String> {
             format!("{:.3} … {:.3}", low[i], high[i]),
             format!(
                 "{}, {}, {}",
-                class.speed_max_rad_s[i], class.acceleration_max_rad_s2[i], class.jerk_max_rad_s3[i]
+                class.speed_max_rad_s[i],
+                class.acceleration_max_rad_s2[i],
+                class.jerk_max_rad_s3[i]
             ),
             figure(class.error_rad[i] * MILLI, 3),
             figure(class.frozen_error_rad[i] * MILLI, 3),
@@ -84,5 +86,7 @@ fn paces(class: &ClassBound, gains: &Gains) -> Option<String> {
         ]);
     }
     align(&mut table);
-    Some(format!("{table}\nthe same gains at other paces; `phihat verify` checks the class itself only"))
+    Some(format!(
+        "{table}\nthe same gains at other paces; `phihat verify` checks the class itself only"
+    ))
 }

@@ -73,11 +73,11 @@ impl Over {
                 pace.v[c] * all.sum::<f64>()
             })
         };
-        let along = |which: usize, b: usize| sum(&|c, k| bent.second[which][c * n + b][k] * pace.v[c]);
+        let along =
+            |which: usize, b: usize| sum(&|c, k| bent.second[which][c * n + b][k] * pace.v[c]);
         let coriolis: Vec<Vec<f64>> = (0..n).map(|j| along(3, j)).collect();
-        let row = |m: &[f64], i: usize, x: &[f64]| -> f64 {
-            (0..n).map(|k| m[i * n + k] * x[k]).sum()
-        };
+        let row =
+            |m: &[f64], i: usize, x: &[f64]| -> f64 { (0..n).map(|k| m[i * n + k] * x[k]).sum() };
         let gradient = |k: usize| {
             let (i, j) = (k / n, k % n);
             row(&bent.mass[j], i, &pace.a) + 0.5 * row(&coriolis[j], i, &pace.v)
@@ -204,9 +204,8 @@ impl<'a> Problem<'a> {
 
     fn inputs(&self, boxed: &[bool], error: &[f64], velocity: &[f64]) -> Inputs {
         let (scene, rates, bent, n) = (self.scene, self.rates, self.bent, self.scene.n);
-        let row = |m: &[f64], i: usize, x: &[f64]| -> f64 {
-            (0..n).map(|k| m[i * n + k] * x[k]).sum()
-        };
+        let row =
+            |m: &[f64], i: usize, x: &[f64]| -> f64 { (0..n).map(|k| m[i * n + k] * x[k]).sum() };
         // Σ_c |list_c| y_c x.
         let bilinear = |list: &[Vec<f64>], i: usize, y: &[f64], x: &[f64]| -> f64 {
             list.iter().zip(y).map(|(m, y)| y * row(m, i, x)).sum()
@@ -358,7 +357,10 @@ impl<'a> Problem<'a> {
         }
         let scene = self.scene;
         let held = |i: usize| {
-            self.rates.torque[i] + scene.dry[i] + scene.slope[i] * self.pace.v[i] + 2.0 * self.held(i)
+            self.rates.torque[i]
+                + scene.dry[i]
+                + scene.slope[i] * self.pace.v[i]
+                + 2.0 * self.held(i)
         };
         Ok(Closed {
             step: steps.iter().enumerate().map(|(i, (x, _))| x + 2.0 * self.held(i)).collect(),

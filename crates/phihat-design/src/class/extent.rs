@@ -146,7 +146,10 @@ impl<'a> Search<'a> {
         let moved = |x: &[f64], dx: &[f64], sign: f64| -> Vec<f64> {
             x.iter().zip(dx).map(|(x, dx)| x + sign * MOMENT * dx).collect()
         };
-        let mut ends = [[vec![0.0; n], vec![0.0; n], vec![0.0; n]], [vec![0.0; n], vec![0.0; n], vec![0.0; n]]];
+        let mut ends = [
+            [vec![0.0; n], vec![0.0; n], vec![0.0; n]],
+            [vec![0.0; n], vec![0.0; n], vec![0.0; n]],
+        ];
         for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
             let (q, dq) = (moved(&place.q, &place.dq, sign), moved(&place.dq, &place.ddq, sign));
             scene.unknown(case, room, (&q, &dq, &place.ddq), &mut end[0]);
@@ -206,10 +209,26 @@ impl<'a> Search<'a> {
                         let width = step * (high - low);
                         let at = place.q[i];
                         let moves = [low, high, (at + width).min(high), (at - width).max(low)];
-                        moves.map(|q| { let mut p = place.clone(); p.q[i] = q; p }).to_vec()
+                        moves
+                            .map(|q| {
+                                let mut p = place.clone();
+                                p.q[i] = q;
+                                p
+                            })
+                            .to_vec()
                     }
-                    1 => [-place.dq[i], 0.0].map(|x| { let mut p = place.clone(); p.dq[i] = x; p }).to_vec(),
-                    _ => { let mut p = place.clone(); p.ddq[i] = -p.ddq[i]; vec![p] }
+                    1 => [-place.dq[i], 0.0]
+                        .map(|x| {
+                            let mut p = place.clone();
+                            p.dq[i] = x;
+                            p
+                        })
+                        .to_vec(),
+                    _ => {
+                        let mut p = place.clone();
+                        p.ddq[i] = -p.ddq[i];
+                        vec![p]
+                    }
                 };
                 for candidate in candidates {
                     let own = self.values(&candidate)[which];

@@ -12,7 +12,11 @@ use super::sums::Sums;
 const FACTORS: [f64; 6] = [0.25, 0.5, 0.75, 1.5, 2.0, 3.0];
 
 /// Bounds of the class at each of some paces.
-pub(super) fn paces(scene: &Scene<'_>, pace: &Pace, (bent, all): (&Bent, &[Sums])) -> Vec<ClassPace> {
+pub(super) fn paces(
+    scene: &Scene<'_>,
+    pace: &Pace,
+    (bent, all): (&Bent, &[Sums]),
+) -> Vec<ClassPace> {
     let list: Vec<usize> = (0..FACTORS.len()).collect();
     crate::parallel::parallel(&list, crate::parallel::threads(), |k| {
         let factor = FACTORS[k];

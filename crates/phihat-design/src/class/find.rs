@@ -94,7 +94,8 @@ fn bound(study: &Study, gains: &Gains, effort: Effort) -> Result<ClassBound, Cla
 fn first(scene: &Scene<'_>, count: u32) -> Result<Vec<Sums>, ClassRefusal> {
     let (ends, cases) = (scene.ends(), scene.cases.len());
     let middle: Vec<f64> = ends.iter().map(|(low, high)| 0.5 * (low + high)).collect();
-    let mut places: Vec<(usize, Vec<f64>)> = (0..cases).map(|case| (case, middle.clone())).collect();
+    let mut places: Vec<(usize, Vec<f64>)> =
+        (0..cases).map(|case| (case, middle.clone())).collect();
     for (k, mut q) in evenly(&ends, count).enumerate() {
         if k % 2 == 0 {
             for (q, (low, high)) in q.iter_mut().zip(&ends) {

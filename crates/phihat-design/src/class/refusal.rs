@@ -23,13 +23,17 @@ pub enum ClassRefusal {
     #[error(transparent)]
     Unstable(#[from] Refutation),
     /// The law has no integrator: a constant torque leaves an error for ever.
-    #[error("the law has no integrator: the response of joint {joint} to a constant torque does not fade")]
+    #[error(
+        "the law has no integrator: the response of joint {joint} to a constant torque does not fade"
+    )]
     NoIntegrator {
         /// Index of the joint, from 1.
         joint: usize,
     },
     /// Inequality (CM5) has no solution: the class is too fast for these gains.
-    #[error("the class does not close: spectral radius {radius:.3} is not below 1; slower motion or stiffer gains")]
+    #[error(
+        "the class does not close: spectral radius {radius:.3} is not below 1; slower motion or stiffer gains"
+    )]
     Open {
         /// Spectral radius of `max Θ` over the postures.
         radius: f64,

@@ -63,12 +63,15 @@ impl<'a> Scene<'a> {
         let fed = fed_forward(study, &mut dry)?;
         let slope = |i: usize| {
             let own = study.robot.joints[i].friction;
-            let acts = if study.world.robot_friction { own } else { phihat_model::Friction::default() };
-            let bend = acts.sigmoid.map_or(0.0, |s| 0.25 * (s.amplitude_nm * s.steepness_s_rad).abs());
+            let acts =
+                if study.world.robot_friction { own } else { phihat_model::Friction::default() };
+            let bend =
+                acts.sigmoid.map_or(0.0, |s| 0.25 * (s.amplitude_nm * s.steepness_s_rad).abs());
             acts.viscous.abs() + study.world.extra_viscous[i].abs() + bend
         };
         let bits = study.sensor.encoder_bits.as_deref();
-        let quantum = |i: usize| bits.map_or(0.0, |bits| crate::sampled::TorqueNoise::quantum(bits[i]));
+        let quantum =
+            |i: usize| bits.map_or(0.0, |bits| crate::sampled::TorqueNoise::quantum(bits[i]));
         let reading = |i: usize| 0.5 * quantum(i) + study.sensor.position_bias[i].abs();
         Ok(Self {
             n,

@@ -84,8 +84,7 @@ impl Bends {
     pub(super) fn at(model: &Model, room: &mut Workspace<f64>, q: &[f64]) -> Self {
         let n = q.len();
         let mut at = q.to_vec();
-        let mut bends =
-            Self { ddm: Vec::new(), coriolis: Vec::new(), gravity: Vec::new() };
+        let mut bends = Self { ddm: Vec::new(), coriolis: Vec::new(), gravity: Vec::new() };
         let over = |a: &[f64], b: &[f64]| -> Vec<f64> {
             a.iter().zip(b).map(|(a, b)| (a - b) / (2.0 * WIDE_STEP)).collect()
         };

@@ -278,9 +278,8 @@ impl Row {
     /// One more node `g(kT)` of the kernels, which are straight between nodes.
     fn take(&mut self, i: usize, block: &[Lines], moving: &Moving) {
         let (n, t, k) = (self.n, self.period, self.node);
-        let now: Each = core::array::from_fn(|o| {
-            block.iter().map(|lines| lines[OUTPUTS + PLACE[o]]).collect()
-        });
+        let now: Each =
+            core::array::from_fn(|o| block.iter().map(|lines| lines[OUTPUTS + PLACE[o]]).collect());
         let own = &moving.inverse[i * n..(i + 1) * n];
         // Trapezes: the first node is the end of one interval only.
         let half = if k == 0 { 0.5 } else { 1.0 };
@@ -338,9 +337,8 @@ impl Row {
                     self.bent[o][j] += 0.5 * (older + t) * (older + t) * t * size;
                 }
             }
-            let answer = |j: usize| -> f64 {
-                (0..n).map(|l| slope[l] * moving.mass[l * n + j]).sum()
-            };
+            let answer =
+                |j: usize| -> f64 { (0..n).map(|l| slope[l] * moving.mass[l * n + j]).sum() };
             if o == FREE {
                 for j in 0..n {
                     self.chords[0][j] += (age + older + 2.0 * t) * slope[j].abs();
@@ -374,11 +372,11 @@ impl Row {
                 let middle = age + 0.5 * t;
                 self.bent[E][j] += 0.5 * middle * middle * jump[j].abs();
                 self.turned[j] += older * t * slope[j].abs();
-                self.start_moves[0][j] =
-                    larger(self.start_moves[0][j], older * slope[j].abs());
+                self.start_moves[0][j] = larger(self.start_moves[0][j], older * slope[j].abs());
             }
             if early {
-                let (jumps, slopes) = ((&jump[..], &moving.blocks[0][..]), (&slope[..], &moving.blocks[1][..]));
+                let (jumps, slopes) =
+                    ((&jump[..], &moving.blocks[0][..]), (&slope[..], &moving.blocks[1][..]));
                 add_product(&mut self.twice, &mut self.scratch, age, jumps);
                 add_product(&mut self.twice, &mut self.scratch, t, slopes);
             } else {
@@ -449,7 +447,8 @@ impl Row {
             for l in 0..n {
                 for j in 0..n {
                     let (m, d) = (dm[l * n + j].abs(), coriolis[l * n + j]);
-                    let (twice, once) = ((2.0 * dm[l * n + j] - d).abs(), (dm[l * n + j] - d).abs());
+                    let (twice, once) =
+                        ((2.0 * dm[l * n + j] - d).abs(), (dm[l * n + j] - d).abs());
                     let at = c * n + j;
                     self.twice[at] += self.late_age[E][l] * m
                         + self.late_slope[E][l] * twice
@@ -482,4 +481,3 @@ fn unstable(inequality: &str) -> ClassRefusal {
     let (claim, inequality) = ("class of motions".to_owned(), inequality.to_owned());
     ClassRefusal::Unstable(Refutation { claim, inequality, left: 1.0, right: 1.0 })
 }
-
