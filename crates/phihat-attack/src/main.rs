@@ -92,7 +92,7 @@ fn attack_class(arguments: &Arguments, study: &Path, gains: &Path) -> Result<boo
     let study = phihat_session::read(study)?;
     let text = fs::read_to_string(gains).map_err(|e| format!("{}: {e}", gains.display()))?;
     let gains = phihat_design::Gains::from_json(&text)?;
-    let bound = gains.certificate.as_ref().and_then(|all| all.class.as_ref());
+    let bound = gains.certificate.as_ref().and_then(|all| all.class.as_deref());
     let bound = bound.ok_or("these gains have no class bound")?;
     let bar = ProgressBar::new(arguments.count);
     let processors = || std::thread::available_parallelism().map_or(1, usize::from);

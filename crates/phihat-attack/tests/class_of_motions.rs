@@ -57,7 +57,7 @@ fn certificate() -> &'static Certificate {
 
 fn bound() -> &'static ClassBound {
     let certificate = certificate();
-    certificate.class.as_ref().unwrap_or_else(|| panic!("{:?}", certificate.class_refused))
+    certificate.class.as_deref().unwrap_or_else(|| panic!("{:?}", certificate.class_refused))
 }
 
 #[test]
@@ -83,7 +83,7 @@ fn a_bound_is_found_for_the_class_and_derived_a_second_time() {
 fn a_forged_bound_is_refuted() {
     let forged = |change: fn(&mut ClassBound)| {
         let mut gains = gains().clone();
-        let class = gains.certificate.as_mut().and_then(|all| all.class.as_mut()).unwrap();
+        let class = gains.certificate.as_mut().and_then(|all| all.class.as_deref_mut()).unwrap();
         change(class);
         let certificate = gains.certificate.clone().unwrap();
         certificate.verify(&gains).is_ok() && certificate.derive_class(&gains, &study()).is_ok()

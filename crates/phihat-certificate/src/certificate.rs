@@ -51,7 +51,7 @@ pub struct Certificate {
     pub tube: Option<Tube>,
     /// Bounds for every motion of the study's class.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub class: Option<ClassBound>,
+    pub class: Option<Box<ClassBound>>,
     /// Why there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub class_refused: Option<String>,

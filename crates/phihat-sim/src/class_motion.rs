@@ -72,8 +72,9 @@ impl ClassMotion {
         let mut now = at_rest(class.center[joint]);
         let (mut target, mut left) = (now, 0.0);
         let mut jets = Vec::new();
-        let mut time = 0.0;
-        while time < duration + BEYOND {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+        let steps = ((duration + BEYOND) / STEP).ceil().clamp(1.0, 1e9) as u64;
+        for _ in 0..steps {
             if left <= 0.0 {
                 let place = next();
                 let at = match place {
@@ -97,7 +98,6 @@ impl ClassMotion {
                 ddq: now.ddq + change,
             };
             left -= STEP;
-            time += STEP;
         }
         Some(Self { jets })
     }

@@ -196,7 +196,6 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let run = period_ns.map(|_| Run { duration, rate, seed, base });
     let reference = run.map(|run| reference::read(&top.child("reference"), &arm, run));
     let reference = reference.map_or(Ok(None), |reference| found.keep(reference))?;
-    let inputs = inputs(top, &arm, base)?;
     let all = (sensor, interface, spec, design, feedforward, supervisor, reference);
     let (
         Some(sensor),
@@ -228,7 +227,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         interface: Box::new(interface),
         faults,
         reference,
-        inputs,
+        inputs: inputs(top, &arm, base)?,
         robot: arm.robot,
     })
 }

@@ -215,7 +215,7 @@ fn judge(study: &Study, gains: &mut Gains) {
         certificate.class_refused = Some(why);
         return;
     }
-    certificate.class = Some(class);
+    certificate.class = Some(Box::new(class));
 }
 
 /// The limit that could act somewhere in the class: the bound holds where none does.

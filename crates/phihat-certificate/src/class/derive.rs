@@ -219,6 +219,36 @@ fn rotors(study: &Study) -> &'static [Rotor] {
     if study.robot.has_rotor_interval() { &[Rotor::Least, Rotor::Most] } else { &[Rotor::Stated] }
 }
 
+/// The arm starts in balance, on the reference.
+fn in_balance(study: &Study) -> Result<(), Refutation> {
+    let balanced = study.world.held == Some(Held::InBalance) && study.world.start.is_none();
+    Refutation::unless(CLAIM, "the arm starts in balance, on the reference", 0.0, 1.0, balanced)
+}
+
+/// Level of forces of any course \[N·m\] per joint: dry friction, pushes.
+fn forces(study: &Study) -> Vec<f64> {
+    let mut dry = study.design.coulomb.1.clone();
+    for push in &study.world.pushes {
+        dry[push.joint] += push.torque.abs();
+    }
+    dry
+}
+
+/// Model of what is fed forward, and true if that is gravity alone; its dry friction goes to the forces.
+fn fed_forward(study: &Study, dry: &mut [f64]) -> Result<Option<(Model, bool)>, Refutation> {
+    let Some(own) = &study.feedforward else { return Ok(None) };
+    for (dry, level) in dry.iter_mut().zip(&own.coulomb) {
+        *dry += level.abs();
+    }
+    if own.known == Known::Nothing {
+        return Ok(None);
+    }
+    let model = study.robot.plant_model().with_gravity(study.world.gravity);
+    let model = model.with_masses_times(own.mass_scale);
+    let model = model.map_err(|why| refuse(CLAIM, &why.to_string(), 0.0, 0.0))?;
+    Ok(Some((model, own.known == Known::Gravity)))
+}
+
 impl<'a> Setting<'a> {
     fn of(
         study: &Study,
@@ -246,30 +276,9 @@ impl<'a> Setting<'a> {
             1.0,
             plain,
         )?;
-        let balanced = study.world.held == Some(Held::InBalance) && study.world.start.is_none();
-        Refutation::unless(
-            CLAIM,
-            "the arm starts in balance, on the reference",
-            0.0,
-            1.0,
-            balanced,
-        )?;
-        let mut dry = study.design.coulomb.1.clone();
-        for push in &study.world.pushes {
-            dry[push.joint] += push.torque.abs();
-        }
-        let mut fed = None;
-        if let Some(own) = &study.feedforward {
-            for (dry, level) in dry.iter_mut().zip(&own.coulomb) {
-                *dry += level.abs();
-            }
-            if own.known != Known::Nothing {
-                let model = study.robot.plant_model().with_gravity(study.world.gravity);
-                let model = model.with_masses_times(own.mass_scale);
-                let model = model.map_err(|why| refuse(CLAIM, &why.to_string(), 0.0, 0.0))?;
-                fed = Some((model, own.known == Known::Gravity));
-            }
-        }
+        in_balance(study)?;
+        let mut dry = forces(study);
+        let fed = fed_forward(study, &mut dry)?;
         let slope = |i: usize| {
             let own = study.robot.joints[i].friction;
             let acts =

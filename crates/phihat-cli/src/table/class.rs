@@ -6,7 +6,7 @@ use super::{MILLI, align, figure, plain_table, unit_of};
 
 /// Tables of a class bound; `None`: the gains have none.
 pub(crate) fn class(gains: &Gains) -> Option<String> {
-    let class = gains.certificate.as_ref()?.class.as_ref()?;
+    let class = gains.certificate.as_ref()?.class.as_deref()?;
     let mut table = plain_table([
         "any motion",
         "box\nrad",

@@ -344,33 +344,37 @@ impl<'a> Problem<'a> {
             return Err(radius);
         }
         let steps = most(STEP, &error, &velocity);
-        let mut torque = vec![0.0_f64; n];
         let inputs = self.inputs(&boxed, &error, &velocity);
-        for pair in all.iter().zip(&maps) {
-            let free = self.output(pair, FREE, (&inputs, &error, &velocity));
-            let mut own = vec![0.0; n];
-            let mass: Vec<f64> = pair.0.mass.iter().map(|x| x.abs()).collect();
-            add(&mut own, &mass, &free);
-            for (most, own) in torque.iter_mut().zip(own) {
-                *most = larger(*most, own);
-            }
-        }
-        let scene = self.scene;
-        let held = |i: usize| {
-            self.rates.torque[i]
-                + scene.dry[i]
-                + scene.slope[i] * self.pace.v[i]
-                + 2.0 * self.held(i)
-        };
+        let torque = self.torques((all, &maps), (&inputs, &error, &velocity));
         Ok(Closed {
             step: steps.iter().enumerate().map(|(i, (x, _))| x + 2.0 * self.held(i)).collect(),
-            torque: torque.iter().enumerate().map(|(i, x)| x + held(i)).collect(),
+            torque,
             at: errors.iter().map(|(_, at)| *at).collect(),
             error,
             velocity,
             frozen,
             radius,
         })
+    }
+
+    /// The largest torque of each joint: of the motion, of friction, and of the error.
+    fn torques(&self, (all, maps): (&[Sums], &[Maps]), at: (&Inputs, &[f64], &[f64])) -> Vec<f64> {
+        let (scene, n) = (self.scene, self.scene.n);
+        let mut most = vec![0.0_f64; n];
+        for (sums, maps) in all.iter().zip(maps) {
+            let free = self.output((sums, maps), FREE, at);
+            let mut own = vec![0.0; n];
+            let mass: Vec<f64> = sums.mass.iter().map(|x| x.abs()).collect();
+            add(&mut own, &mass, &free);
+            for (most, own) in most.iter_mut().zip(own) {
+                *most = larger(*most, own);
+            }
+        }
+        for (i, most) in most.iter_mut().enumerate() {
+            let friction = scene.dry[i] + scene.slope[i] * self.pace.v[i];
+            *most += self.rates.torque[i] + friction + 2.0 * self.held(i);
+        }
+        most
     }
 
     /// Error of each joint at one more posture, as a share of a solution.

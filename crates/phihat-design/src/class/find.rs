@@ -41,7 +41,7 @@ const DIGITS: f64 = 1e5;
 /// [`ClassRefusal`]: the theorem does not cover the study, the loop is not stable at a posture, or the class does not
 /// close, with its spectral radius.
 pub fn class_bound(study: &Study, gains: &Gains) -> Result<ClassBound, ClassRefusal> {
-    bound(study, gains, Effort { first: FIRST, moves: &MOVES, paces: true })
+    bound(study, gains, &Effort { first: FIRST, moves: &MOVES, paces: true })
 }
 
 /// The same over a few postures, without a search that goes on: for a search for gains, not to be claimed.
@@ -50,7 +50,7 @@ pub fn class_bound(study: &Study, gains: &Gains) -> Result<ClassBound, ClassRefu
 ///
 /// As [`class_bound`].
 pub fn quick_class_bound(study: &Study, gains: &Gains) -> Result<ClassBound, ClassRefusal> {
-    bound(study, gains, Effort { first: FEW, moves: &[], paces: false })
+    bound(study, gains, &Effort { first: FEW, moves: &[], paces: false })
 }
 
 /// How much is looked at.
@@ -61,7 +61,7 @@ struct Effort {
     paces: bool,
 }
 
-fn bound(study: &Study, gains: &Gains, effort: Effort) -> Result<ClassBound, ClassRefusal> {
+fn bound(study: &Study, gains: &Gains, effort: &Effort) -> Result<ClassBound, ClassRefusal> {
     let scene = Scene::new(study, gains)?;
     let pace = Pace::of(scene.class);
     let ((rates, bent), all) = both(

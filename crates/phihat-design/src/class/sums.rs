@@ -363,29 +363,36 @@ impl Row {
                 }
                 continue;
             }
-            let jump: Vec<f64> = if m == 0 {
-                vec![0.0; n]
-            } else {
-                slope.iter().zip(&self.last_slope).map(|(a, b)| a - b).collect()
-            };
-            for j in 0..n {
-                let middle = age + 0.5 * t;
-                self.bent[E][j] += 0.5 * middle * middle * jump[j].abs();
-                self.turned[j] += older * t * slope[j].abs();
-                self.start_moves[0][j] = larger(self.start_moves[0][j], older * slope[j].abs());
-            }
-            if early {
-                let (jumps, slopes) =
-                    ((&jump[..], &moving.blocks[0][..]), (&slope[..], &moving.blocks[1][..]));
-                add_product(&mut self.twice, &mut self.scratch, age, jumps);
-                add_product(&mut self.twice, &mut self.scratch, t, slopes);
-            } else {
-                for j in 0..n {
-                    self.late_age[E][j] += age * jump[j].abs();
-                    self.late_slope[E][j] += t * slope[j].abs();
-                }
-            }
+            self.of_error((m, early), &slope, moving);
             self.last_slope = slope;
+        }
+    }
+
+    /// The same of `e`, which is integrated twice: its slope, and how it jumps there.
+    fn of_error(&mut self, (m, early): (usize, bool), slope: &[f64], moving: &Moving) {
+        let (n, t) = (self.n, self.period);
+        let age = m as f64 * t;
+        let jump: Vec<f64> = if m == 0 {
+            vec![0.0; n]
+        } else {
+            slope.iter().zip(&self.last_slope).map(|(a, b)| a - b).collect()
+        };
+        for j in 0..n {
+            let middle = age + 0.5 * t;
+            self.bent[E][j] += 0.5 * middle * middle * jump[j].abs();
+            self.turned[j] += (age + t) * t * slope[j].abs();
+            self.start_moves[0][j] = larger(self.start_moves[0][j], (age + t) * slope[j].abs());
+        }
+        if early {
+            let (jumps, slopes) =
+                ((&jump[..], &moving.blocks[0][..]), (slope, &moving.blocks[1][..]));
+            add_product(&mut self.twice, &mut self.scratch, age, jumps);
+            add_product(&mut self.twice, &mut self.scratch, t, slopes);
+        } else {
+            for j in 0..n {
+                self.late_age[E][j] += age * jump[j].abs();
+                self.late_slope[E][j] += t * slope[j].abs();
+            }
         }
     }
 

@@ -28,7 +28,9 @@ pub(super) fn slower(study: &Study, factor: f64) -> Study {
         Reference::Any { class, .. } => {
             let lists = [&mut class.speed, &mut class.acceleration, &mut class.jerk];
             for (list, power) in lists.into_iter().zip(1..) {
-                list.iter_mut().for_each(|most| *most /= factor.powi(power));
+                for most in list {
+                    *most /= factor.powi(power);
+                }
             }
         }
     }
