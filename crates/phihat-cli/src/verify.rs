@@ -157,8 +157,8 @@ fn class_lines(class: &ClassAgain, found: &Verification) -> Vec<String> {
     };
     let mut lines: Vec<String> = class.joints.iter().map(joint).collect();
     lines.push(format!(
-        "  kicks played at {} postures, torque rates at {} points of the class, drawn from this file; claimed over derived \
-         is {:.3} at least; without second-order terms, so from below",
+        "  kicks played at {} postures, torque rates at {} points of the class, drawn from this file; claimed over \
+         derived is {:.3} at least; without second-order terms, so from below",
         class.postures,
         class.points,
         class.least_ratio()

@@ -105,7 +105,8 @@ impl Dice {
 /// Maxima of torques over points of the class.
 #[derive(Default)]
 struct Maxima {
-    /// Rate at constant acceleration, rate without the part in the acceleration, size and rate by the jerk of that part.
+    /// Rate at constant acceleration; rate without the part in the acceleration; size of that part, and its rate by the
+    /// jerk.
     whole: Vec<f64>,
     slow: Vec<f64>,
     size: Vec<f64>,

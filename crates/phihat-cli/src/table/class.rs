@@ -40,8 +40,8 @@ pub(crate) fn class(gains: &Gains) -> Option<String> {
     let mut lines = vec![
         table.to_string(),
         format!(
-            "any motion of the class, for as long as it lasts, from a start in balance: payload {} … {} kg on {}, no limit \
-             acts; spectral radius {:.3} (closes below 1); {} postures, {}",
+            "any motion of the class, for as long as it lasts, from a start in balance: payload {} … {} kg on {}, \
+             no limit acts; spectral radius {:.3} (closes below 1); {} postures, {}",
             class.payload.mass_kg.0,
             class.payload.mass_kg.1,
             class.payload.frame,

@@ -1,4 +1,4 @@
-//! Maxima over the class, its box and the payloads: rates of the unknown torque, and second derivatives of the dynamics.
+//! Maxima over class, box and payloads: rates of the unknown torque, second derivatives of the dynamics.
 
 use phihat_certificate::extremes::larger;
 use phihat_model::evenly;
