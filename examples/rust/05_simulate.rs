@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // This study states its gains. They run only if the arm's inertia stays inside their window.
     let gains = requested_gains(&study).ok_or("the study states no gains")?;
     arm_inside_window(&study, &Arm::of(&study)?, &gains)?;
-    let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+    let names = study.robot.joint_names();
     let law = gains.joint_gains(&names, study.control.period_ns, Form::Observer)?;
 
     let run = Simulation::new(&study, &law)?.run(|_samples_done| ());

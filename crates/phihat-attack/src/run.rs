@@ -26,7 +26,7 @@ pub enum NoRun {
 pub fn run(study: &Study, gains: &Gains, shares: &[f64]) -> Result<Outcome, NoRun> {
     let mut study = study.clone();
     gains.complete(&mut study)?;
-    let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+    let names = study.robot.joint_names();
     let period = study.control.period_ns;
     let law = gains.joint_gains(&names, period, study.control.form)?;
     Ok(phase::run(&study, &law, shares)?)

@@ -78,10 +78,9 @@ impl FrozenArm {
                 loops.get(joint).map_or(own.clone(), |(record, _)| own.on(&record.name))
             }
             why => {
-                let what = format!(
-                    "one circle through −{low:.5} and −{high:.5} has every L_i outside: {why}"
-                );
-                refuse(CLAIM, &what, 0.0, 1.0)
+                let what =
+                    format!("one circle through −{low:.5} and −{high:.5} has every L_i outside");
+                refuse(CLAIM, &linear::failed(&what, why), 0.0, 1.0)
             }
         })
     }

@@ -132,7 +132,7 @@ pub(crate) fn unproved(
     (low, high): (f64, f64),
     why: Unproved,
 ) -> Refutation {
-    let what = format!("N + μΔ ≠ 0 for μ in [{low}, {high}]: {why}");
+    let what = linear::failed(&format!("N + μΔ ≠ 0 for μ in [{low}, {high}]"), why);
     let Unproved::At { theta, .. } = why else { return refuse(claim, &what, low, high) };
     let value = Response::of(joint).crossing(on_circle(theta));
     let nearest = Complex::new(value.re.clamp(low, high), 0.0);

@@ -237,7 +237,7 @@ fn stability_while_moving_is_claimed_in_numbers_that_make_sense() {
         ("at θ", |m| m.h.iter_mut().for_each(|h| *h = -*h)),
         ("at θ", |m| m.drift *= 1e3),
         ("at θ", |m| m.drift *= 1e-3),
-        ("at θ", |m| m.high *= 20.0),
+        ("alone is not stable", |m| m.high *= 20.0),
     ];
     for (gate, edit) in edits {
         let mut other = own.clone();

@@ -177,7 +177,7 @@ impl ArmCase {
             robot: self.study.robot.name.clone(),
             study: self.path.display().to_string(),
             study_sha256: self.study.sha256.clone(),
-            joints: self.study.robot.joints.iter().map(|joint| joint.name.clone()).collect(),
+            joints: self.study.robot.joint_names(),
             inertia: self.units.clone(),
             error_max_rad: self.error_bound.clone(),
         }

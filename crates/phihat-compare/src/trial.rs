@@ -235,7 +235,7 @@ mod tests {
         let study = Study::from_text(text, "late.toml", std::path::Path::new(".")).unwrap();
         let supply = supply(&study, &[0.4; 3], NOMINAL_MASSES).unwrap();
         let motion = phihat_sim::Motion::new(&study.reference, &study.robot, 12.0).unwrap();
-        let names: Vec<_> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+        let names = study.robot.joint_names();
         let mut trace = Trace::new(&names, 1_000_000, 12_000);
         for k in 0..5000_u32 {
             let t = 3.0 + 1e-3 * f64::from(k);

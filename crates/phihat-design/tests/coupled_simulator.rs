@@ -45,7 +45,7 @@ fn study(pushes: &[Push]) -> Study {
 /// Joint 4's error at every sample.
 fn moved(pushes: &[Push]) -> Vec<f64> {
     let study = study(pushes);
-    let names: Vec<String> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+    let names = study.robot.joint_names();
     let gains = requested_gains(&study).unwrap();
     let law = gains.joint_gains(&names, study.control.period_ns, Form::Observer).unwrap();
     let outcome = Simulation::new(&study, &law).unwrap().run(|_| ());

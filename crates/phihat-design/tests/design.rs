@@ -54,7 +54,7 @@ fn a_candidate_is_stable_on_every_arm_and_its_error_has_no_bound() {
         let certificate = gains.certificate.as_ref().unwrap();
         certificate.verify(&gains).unwrap();
         arm_inside_window(&study, &Arm::of(&study).unwrap(), &gains).unwrap();
-        let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+        let names = study.robot.joint_names();
         let law = gains.joint_gains(&names, study.control.period_ns, Form::Observer).unwrap();
         let outcome = Simulation::new(&study, &law).unwrap().run(|_| ());
         assert!(outcome.divergence.is_none());

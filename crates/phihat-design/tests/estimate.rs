@@ -30,7 +30,7 @@ fn study(motion: &str, sensor: &str) -> Study {
 }
 
 fn recorded(study: &Study) -> Trace {
-    let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+    let names = study.robot.joint_names();
     let gains = requested_gains(study).unwrap();
     let law = gains.joint_gains(&names, study.control.period_ns, Form::Observer).unwrap();
     Simulation::new(study, &law).unwrap().run(|_| ()).trace

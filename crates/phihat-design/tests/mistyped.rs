@@ -33,7 +33,7 @@ fn study((kp, kd, a): (f64, f64, &[f64])) -> (Study, Gains, Arm) {
 fn arms(study: &Study, arm: &Arm, gains: &Gains) -> bool {
     let Ok(text) = gains.to_json() else { return false };
     let Ok(gains) = Gains::from_json(&text) else { return false };
-    let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+    let names = study.robot.joint_names();
     gains.joint_gains(&names, study.control.period_ns, phihat::Form::Observer).is_ok()
         && arm_inside_window(study, arm, &gains).is_ok()
 }

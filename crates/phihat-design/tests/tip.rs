@@ -207,8 +207,7 @@ fn no_error_inside_the_tubes_takes_the_tip_beyond_its_bound() {
         let n = 1 + trial % 8;
         let arm = Arm::draw(&mut random, n);
         let study = study(arm.robot());
-        let names: Vec<String> =
-            study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+        let names = study.robot.joint_names();
         // From a hundredth of a milliradian to a radian: nothing is linearised.
         let size = 10.0_f64.powf(random.between(-5.0, 0.0));
         let mut tube = tube(&mut random, &names, size);

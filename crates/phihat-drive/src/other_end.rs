@@ -33,7 +33,7 @@ impl OtherEnd {
 
     /// Index of each joint of a study in the messages.
     pub(crate) fn order(&self, study: &Study) -> Result<Order, OrderError> {
-        let names: Vec<_> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+        let names = study.robot.joint_names();
         Order::new(&names, self.facts.joints.as_deref(), self.facts.width)
     }
 

@@ -282,7 +282,7 @@ impl Prepared {
         }
         let Self { session, checks, options, end, mut tap, targets, .. } = self;
         let study = session.study().clone();
-        let names: Vec<_> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+        let names = study.robot.joint_names();
         let OtherEnd { words: at, robot, facts } = end;
         let begun = [("on", json!(at)), ("link", json!(facts)), ("checks", json!(checks))];
         let begun = begun.map(|(name, value)| (name.to_owned(), value));

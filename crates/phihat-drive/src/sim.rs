@@ -40,7 +40,7 @@ impl SimLink {
     /// A simulated arm is what its study says.
     pub fn facts_of(study: &Study, clock: Clock) -> Facts {
         let profile = &study.interface.profile;
-        let joints: Vec<_> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+        let joints = study.robot.joint_names();
         Facts {
             name: "the simulated arm".to_owned(),
             clock,

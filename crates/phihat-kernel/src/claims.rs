@@ -433,7 +433,64 @@ fn one_multiplier(groups: &[Forms]) -> bool {
     }
 }
 
-/// Order of two fractions with positive denominators.
+/// Order of two fractions with positive denominators: by signs, lengths and leading bits, and by
+/// products where these do not decide.
 fn compared(a: &(BigInt, BigInt), b: &(BigInt, BigInt)) -> Ordering {
-    (&a.0 * &b.1).cmp(&(&b.0 * &a.1))
+    let (sign, other) = (a.0.sign(), b.0.sign());
+    if sign != other || sign == Sign::NoSign {
+        return sign.cmp(&other);
+    }
+    let sizes = sizes((&a.0, &b.1), (&b.0, &a.1));
+    if sign == Sign::Minus { sizes.reverse() } else { sizes }
+}
+
+/// Order of the sizes of two products, none of which is zero.
+fn sizes(left: (&BigInt, &BigInt), right: (&BigInt, &BigInt)) -> Ordering {
+    // A product has as many bits as its factors together, or one less.
+    let bits = |(x, y): (&BigInt, &BigInt)| x.bits() + y.bits();
+    if bits(left).abs_diff(bits(right)) >= 2 {
+        return bits(left).cmp(&bits(right));
+    }
+    let [one, other] = [left, right].map(|(x, y)| {
+        let ([x, i], [y, j]) = (leading(x), leading(y));
+        (x * y, (x + 1) * (y + 1), i + j)
+    });
+    let unit = one.2.min(other.2);
+    let [(low, high), (other_low, other_high)] =
+        [one, other].map(|(low, high, at)| (low << (at - unit), high << (at - unit)));
+    if low >= other_high {
+        Ordering::Greater
+    } else if high <= other_low {
+        Ordering::Less
+    } else {
+        (left.0 * left.1).magnitude().cmp((right.0 * right.1).magnitude())
+    }
+}
+
+/// The first 62 bits of a size, and the number of bits after them: it lies from these to these and one.
+fn leading(x: &BigInt) -> [u128; 2] {
+    let rest = x.bits().saturating_sub(62);
+    [u128::try_from(x.magnitude() >> rest).unwrap_or_default(), rest.into()]
+}
+
+#[cfg(test)]
+mod tests {
+    use num_bigint::BigInt;
+
+    use super::compared;
+
+    #[test]
+    fn fractions_are_in_the_order_of_their_products() {
+        // Small ones, and long ones that differ in their last bits or nowhere.
+        let long = BigInt::from(3) << 300;
+        let fraction = |i: i64| match i % 3 {
+            0 => (BigInt::from(i % 41 - 20), BigInt::from(i / 41 + 1)),
+            1 => (&long + i % 5 - 2, &long + i % 7),
+            _ => (-&long * (i % 4 + 1) - i % 2, (&long << (i % 9)) + 1),
+        };
+        for (a, b) in (0..820).flat_map(|i| (0..820).step_by(7).map(move |j| (i, j))) {
+            let (a, b) = (fraction(a), fraction(b));
+            assert_eq!(compared(&a, &b), (&a.0 * &b.1).cmp(&(&b.0 * &a.1)), "{a:?} {b:?}");
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! One joint's loop as polynomials in `z`, from its law and setting.
 
-use crate::matrix::{Matrix, characteristic, reduced};
-use crate::setting::{Law, Setting, Told};
+use crate::matrix::{Matrix, Resolvent, reduced};
+use crate::setting::{Law, Reported, Setting};
 use crate::{Number, Polynomial, Unproved};
 
 /// Loop of one joint, cut open where torque meets the inertia: for the inertia ratio `μ` its poles are the roots of
@@ -28,9 +28,9 @@ impl Joint {
     /// # Method
     ///
     /// One sample is written as exact linear forms of the state. `Δ` is the characteristic polynomial with the
-    /// inertia infinite, `Δ + N/M` with inertia `M`: the difference at `M = 1` is `N`, and at `M = ½` it must be twice
-    /// that, or torque does not meet the inertia in one place. `K` and `R` come likewise, from matrices in which the
-    /// torque makes the kick, and the command misreads the next sample.
+    /// inertia infinite. With inertia `M` the torque adds `1/M` times the rows of position and velocity, and the
+    /// polynomial must become `Δ + N/M`, or torque does not meet the inertia in one place. `K` and `R` come likewise,
+    /// from rows in which the torque makes the kick, and the command misreads the next sample.
     ///
     /// # Errors
     ///
@@ -39,13 +39,10 @@ impl Joint {
         let sample = Sample::new(law, setting).ok_or(Unproved::NoLoop)?;
         let all = reduced(sample.matrices());
         let [fixed, moved, kicked, misread] = all.as_slice() else { return Err(Unproved::NoLoop) };
-        let open = characteristic(fixed);
-        let with =
-            |added: &Matrix, times: i64| characteristic(&sum(fixed, added, times)).minus(&open);
-        let (back, kick, reading) = (with(moved, 1), with(kicked, 1), with(misread, 1));
-        if with(moved, 2) != back.times(&Number::from(2)) {
-            return Err(Unproved::NoLoop);
-        }
+        let resolvent = Resolvent::of(fixed);
+        let added = |rows: &Matrix| resolvent.added(rows).ok_or(Unproved::NoLoop);
+        let (back, kick, reading) = (added(moved)?, added(kicked)?, added(misread)?);
+        let open = resolvent.determinant;
         let idle = open.roots_at_zero().min(back.roots_at_zero()).min(kick.roots_at_zero());
         let [open, back, kick] = [open, back, kick].map(|p| p.without_roots_at_zero(idle));
         let inertia = Number::of(setting.inertia).ok_or(Unproved::NoLoop)?;
@@ -74,7 +71,7 @@ impl Joint {
 type Form = Vec<Number>;
 
 /// One sample of the loop as linear forms of its state: `q`, `q̇`, the law's state, position and velocity as they were
-/// given to the law last, the torque it is told, the drive's torque, commands on their way, the next misreading.
+/// given to the law last, the torque reported to it, the drive's torque, commands on their way, the next misreading.
 struct Sample {
     size: usize,
     period: Number,
@@ -83,7 +80,7 @@ struct Sample {
     /// `∫(T − t) τ dt`, `∫ τ dt` over the coming interval, the torque that a drive gets, and the command.
     double: Form,
     impulse: Form,
-    told: Form,
+    sent: Form,
     command: Form,
 }
 
@@ -95,7 +92,7 @@ impl Sample {
             return None;
         }
         // Places in the state.
-        let (position, velocity, told_last, end, line) = (n + 2, n + 3, n + 4, n + 5, n + 6);
+        let (position, velocity, reported, end, line) = (n + 2, n + 3, n + 4, n + 5, n + 6);
         let misread = line + setting.late;
         let size = misread + 1;
         let number = Number::of;
@@ -112,7 +109,7 @@ impl Sample {
             (number(filter.position)?, &read),
             (number(filter.before)?, &unit(position)),
         ]);
-        let inputs = [&read, &speed, &unit(told_last)];
+        let inputs = [&read, &speed, &unit(reported)];
         let law_form = |state: &[f64], input: &[f64; 3]| -> Option<Form> {
             let mut form = vec![Number::zero(); size];
             for (i, value) in state.iter().enumerate() {
@@ -124,15 +121,15 @@ impl Sample {
             Some(form)
         };
         let command = law_form(&law.output, &law.direct)?;
-        let told = if setting.late == 0 { command.clone() } else { unit(line) };
+        let sent = if setting.late == 0 { command.clone() } else { unit(line) };
         let mut next: Matrix = vec![vec![Number::zero(); size]; size];
-        let (mut mean, mut double) = (told.clone(), times(&told, &half));
+        let (mut mean, mut double) = (sent.clone(), times(&sent, &half));
         if let Some(drive) = &setting.drive {
-            let gap = plus(&unit(end), &times(&told, &Number::from(-1)));
+            let gap = plus(&unit(end), &times(&sent, &Number::from(-1)));
             mean = plus(&mean, &times(&gap, &number(drive.mean)?));
             double = plus(&double, &times(&gap, &number(drive.double)?));
             let left = &Number::from(1) - &number(drive.lost)?;
-            next[end] = plus(&told, &times(&gap, &left));
+            next[end] = plus(&sent, &times(&gap, &left));
         }
         next[0] = plus(&unit(0), &times(&unit(1), &period));
         next[1] = unit(1);
@@ -141,15 +138,15 @@ impl Sample {
         }
         next[position] = read;
         next[velocity] = speed;
-        next[told_last] = match setting.told {
-            Told::Applied => mean.clone(),
-            Told::Commanded => told.clone(),
+        next[reported] = match setting.reported {
+            Reported::Applied => mean.clone(),
+            Reported::Commanded => sent.clone(),
         };
         for k in 1..=setting.late {
             next[line + k - 1] = if k < setting.late { unit(line + k) } else { command.clone() };
         }
         let impulse = times(&mean, &period);
-        Some(Self { size, period, next, double, impulse, told, command })
+        Some(Self { size, period, next, double, impulse, sent, command })
     }
 
     /// The state's matrix with the inertia infinite, and what is added to it: where the torque moves an inertia of 1,
@@ -159,7 +156,7 @@ impl Sample {
         let [mut moved, mut kicked, mut misread] = [empty.clone(), empty.clone(), empty];
         moved[0].clone_from(&self.double);
         moved[1].clone_from(&self.impulse);
-        kicked[0] = times(&self.told, &(&self.period * &self.period).shifted(-1));
+        kicked[0] = times(&self.sent, &(&self.period * &self.period).shifted(-1));
         misread[self.size - 1].clone_from(&self.command);
         vec![self.next.clone(), moved, kicked, misread]
     }
@@ -177,10 +174,4 @@ fn weighed(terms: &[(Number, &Form)]) -> Form {
     let length = terms.first().map_or(0, |(_, form)| form.len());
     let none = vec![Number::zero(); length];
     terms.iter().fold(none, |sum, (weight, form)| plus(&sum, &times(form, weight)))
-}
-
-/// `A + times · B`.
-fn sum(a: &Matrix, b: &Matrix, factor: i64) -> Matrix {
-    let factor = Number::from(factor);
-    a.iter().zip(b).map(|(a, b)| plus(a, &times(b, &factor))).collect()
 }

@@ -19,12 +19,12 @@
 //! # Example
 //!
 //! ```
-//! use phihat_kernel::{Joint, Law, Range, Setting, Told, Velocity, frozen};
+//! use phihat_kernel::{Joint, Law, Range, Reported, Setting, Velocity, frozen};
 //!
 //! // τ = −100 q − 14 q̇ at 1 kHz, without delay, on an inertia of 1 kg·m² more or less.
 //! let law = Law { direct: [-100.0, -14.0, 0.0], ..Law::default() };
 //! let velocity = Velocity { last: 0.0, velocity: 1.0, position: 0.0, before: 0.0 };
-//! let setting = Setting { period: 1e-3, inertia: 1.0, late: 0, velocity, drive: None, told: Told::Applied };
+//! let setting = Setting { period: 1e-3, inertia: 1.0, late: 0, velocity, drive: None, reported: Reported::Applied };
 //! let joint = Joint::new(&law, &setting)?;
 //!
 //! // (z − 1)² μ + 5e-5 (z + 1) + 0.014 (z − 1) has its roots inside for μ above 0.007, where one is at −1.
@@ -55,5 +55,5 @@ pub use claims::{Motion, Range, any_speed, decays, delay, frozen, modulus, movin
 pub use joint::Joint;
 pub use number::Number;
 pub use polynomial::Polynomial;
-pub use setting::{Drive, Law, Setting, Told, Velocity};
+pub use setting::{Drive, Law, Reported, Setting, Velocity};
 pub use unproved::Unproved;

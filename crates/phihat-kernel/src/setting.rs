@@ -2,7 +2,7 @@
 
 /// Law of one joint between limits: a sampled linear system, `x ← A x + B (q, q̇, τ)`, `τ = C x + D (q, q̇, τ)`.
 ///
-/// Inputs are the position error \[rad\], the velocity error \[rad/s\] and the torque that the law is told \[N·m\]; the
+/// Inputs are the position error \[rad\], the velocity error \[rad/s\] and the torque reported to the law \[N·m\]; the
 /// output is the torque commanded \[N·m\]. The state starts at zero.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Law {
@@ -29,8 +29,8 @@ pub struct Setting {
     pub velocity: Velocity,
     /// First-order drive; `None`: torque acts at once.
     pub drive: Option<Drive>,
-    /// Torque that the law is told.
-    pub told: Told,
+    /// Torque reported to the law.
+    pub reported: Reported,
 }
 
 /// `y_k = last · y_{k−1} + velocity · q̇_k + position · q_k + before · q_{k−1}`, the velocity error that the law gets.
@@ -57,9 +57,9 @@ pub struct Drive {
     pub double: f64,
 }
 
-/// Torque that the law is told at a sample, of the interval just ended.
+/// Torque reported to the law at a sample, of the interval just ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Told {
+pub enum Reported {
     /// The mean torque that acted.
     Applied,
     /// The command that the drive got.

@@ -248,7 +248,7 @@ fn claims_that_make_no_sense_are_refused() {
             assert_eq!(moving(&joints, &motion), Err(Unproved::NoClaim));
         }
     }
-    // Told words.
+    // Words of an answer.
     let at = Unproved::At { joint: Some(2), theta: 0.5 };
     assert_eq!(at.to_string(), "joint 2 fails at 0.500000 rad/sample");
 }

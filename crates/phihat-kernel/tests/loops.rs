@@ -1,5 +1,5 @@
 //! Polynomials of random loops against eigenvalues of the same loops written sample by sample. Wrong if a delay, a
-//! drive, a filter or the told torque entered in another way than they run.
+//! drive, a filter or the reported torque entered in another way than they run.
 
 use nalgebra::{Complex, DMatrix};
 use phihat_kernel::{Joint, Law, Number, Polynomial, Range, Unproved, frozen};

@@ -1,7 +1,7 @@
 //! Random laws in random settings, and their loops written sample by sample, in doubles.
 
 use nalgebra::DMatrix;
-use phihat_kernel::{Drive, Law, Setting, Told, Velocity};
+use phihat_kernel::{Drive, Law, Reported, Setting, Velocity};
 
 /// Numbers that are the same in every run.
 pub(crate) struct Dice(pub(crate) u64);
@@ -58,7 +58,7 @@ pub(crate) fn setting(dice: &mut Dice) -> Setting {
         late: dice.below(4),
         velocity,
         drive: (dice.roll() > 0.2).then_some(drive),
-        told: if dice.roll() > 0.0 { Told::Applied } else { Told::Commanded },
+        reported: if dice.roll() > 0.0 { Reported::Applied } else { Reported::Commanded },
     }
 }
 
@@ -70,7 +70,7 @@ pub(crate) struct Memory {
     law: Vec<f64>,
     position: f64,
     velocity: f64,
-    told: f64,
+    reported: f64,
     end: f64,
     line: Vec<f64>,
 }
@@ -87,7 +87,7 @@ impl Memory {
             &mut self.v,
             &mut self.position,
             &mut self.velocity,
-            &mut self.told,
+            &mut self.reported,
             &mut self.end,
         ];
         own.into_iter().chain(&mut self.law).chain(&mut self.line)
@@ -106,7 +106,7 @@ impl Memory {
             + f.velocity * self.v
             + f.position * read
             + f.before * self.position;
-        let inputs = [read, velocity, self.told];
+        let inputs = [read, velocity, self.reported];
         let row = |state: &[f64], input: &[f64; 3]| -> f64 {
             let own: f64 = state.iter().zip(&self.law).map(|(a, x)| a * x).sum();
             own + input.iter().zip(inputs).map(|(b, u)| b * u).sum::<f64>()
@@ -117,18 +117,18 @@ impl Memory {
         self.law = next;
         (self.position, self.velocity) = (read, velocity);
         self.line.push(command);
-        let told = self.line.remove(0);
+        let sent = self.line.remove(0);
         let t = setting.period;
-        let (mut mean, mut double) = (told, 0.5 * t * t * told);
+        let (mut mean, mut double) = (sent, 0.5 * t * t * sent);
         if let Some(drive) = setting.drive {
-            let gap = self.end - told;
+            let gap = self.end - sent;
             mean += drive.mean * gap;
             double += drive.double * gap;
-            self.end = told + (1.0 - drive.lost) * gap;
+            self.end = sent + (1.0 - drive.lost) * gap;
         } else {
-            self.end = told;
+            self.end = sent;
         }
-        self.told = if setting.told == Told::Applied { mean } else { told };
+        self.reported = if setting.reported == Reported::Applied { mean } else { sent };
         (mean, double, command)
     }
 }
@@ -165,8 +165,7 @@ pub(crate) fn matrix(joints: &[(Law, Setting)], inverse: &DMatrix<f64>) -> DMatr
     out
 }
 
-/// Largest modulus of an eigenvalue, by squaring: `‖A^{2^k}‖^{1/2^k}`. (Eigenvalues by the QR algorithm do not converge
-/// for some of these matrices, whose delays are nilpotent.)
+/// Largest modulus of an eigenvalue, by squaring: `‖A^{2^k}‖^{1/2^k}`.
 pub(crate) fn radius(a: &DMatrix<f64>) -> f64 {
     let (mut power, mut log, mut share) = (a.clone(), 0.0, 1.0);
     for _ in 0..32 {

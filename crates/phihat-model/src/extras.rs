@@ -146,7 +146,7 @@ pub(crate) fn about_urdf(path: &Path, urdf: &Path) -> Result<Option<String>> {
 /// Adds to `robot` what the TOML file `text` says.
 pub(crate) fn apply(mut robot: Robot, text: &str, origin: &str) -> Result<Robot> {
     let file = parse(text, origin)?;
-    let own: Vec<String> = robot.joints.iter().map(|joint| joint.name.clone()).collect();
+    let own = robot.joint_names();
     let names = if file.joints.is_empty() { &own } else { &file.joints };
     let order = order_of(names, &robot, origin)?;
     let lists = Lists { order, names, origin };

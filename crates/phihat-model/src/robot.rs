@@ -68,6 +68,12 @@ pub struct Robot {
 }
 
 impl Robot {
+    /// Names of the joints, in order.
+    #[must_use]
+    pub fn joint_names(&self) -> Vec<String> {
+        self.joints.iter().map(|joint| joint.name.clone()).collect()
+    }
+
     /// Names of the joints that slide: their positions are in m, their torques forces in N.
     #[must_use]
     pub fn sliding(&self) -> Vec<String> {

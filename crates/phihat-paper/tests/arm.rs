@@ -20,7 +20,7 @@ fn value(part: &Part, id: &str, name: &str) -> Option<f64> {
 }
 
 fn run(study: &Study) -> Outcome {
-    let names: Vec<String> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+    let names = study.robot.joint_names();
     let form = study.control.form;
     let gains = requested_gains(study).unwrap();
     let law = gains.joint_gains(&names, study.control.period_ns, form).unwrap();

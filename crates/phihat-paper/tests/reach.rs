@@ -79,7 +79,7 @@ fn comes_back(arm: &str, nominal: &[f64], (a, form, rate): (&str, Form, f64), po
     let mut start = study.robot.poses[pose].clone();
     start.iter_mut().enumerate().for_each(|(i, q)| *q += 1e-6 * (i as f64 + 1.0));
     study.world.start = Some(phihat_study::Start { dq: vec![0.0; start.len()], q: start });
-    let names: Vec<String> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+    let names = study.robot.joint_names();
     let gains = requested_gains(&study).unwrap();
     let law = gains.joint_gains(&names, study.control.period_ns, form).unwrap();
     let outcome = Simulation::new(&study, &law).unwrap().run(|_| ());

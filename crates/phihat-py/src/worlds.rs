@@ -106,7 +106,7 @@ impl Worlds {
         let n = study.robot.joints.len();
         let limits = (0..n).map(|i| study.limits(i).0.unwrap_or(f64::INFINITY)).collect();
         let bounds = study.spec.error_bound.clone().unwrap_or_else(|| vec![f64::NAN; n]);
-        let joint_names = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+        let joint_names = study.robot.joint_names();
         let period = study.control.period_ns as f64 * 1e-9;
         let table: Table = study.text.parse().map_err(|why| internal(py, why))?;
         let mut maker =
@@ -307,7 +307,7 @@ impl World {
 impl Law {
     /// The law of gains, behind the limits of a study.
     fn new(study: &Study, gains: &phihat_design::Gains, origin: &Path) -> Result<Self, Refused> {
-        let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+        let names = study.robot.joint_names();
         let period = study.control.period_ns;
         let laws = gains.joint_gains(&names, period, study.control.form);
         let laws = laws.map_err(|why| SessionError::at(origin, why))?;

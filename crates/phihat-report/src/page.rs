@@ -44,7 +44,7 @@ use maud::{Markup, PreEscaped, html};
 /// # "#;
 /// # let study = Study::from_text(text, "demo.toml", "".as_ref())?;
 /// # let gains = phihat_design::requested_gains(&study).ok_or("no gains")?;
-/// # let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+/// # let names = study.robot.joint_names();
 /// # let law = gains.joint_gains(&names, study.control.period_ns, Default::default())?;
 /// # let trace = Simulation::new(&study, &law)?.run(|_| ()).trace;
 /// # let metrics = Metrics::of(&trace, &study);

@@ -12,7 +12,6 @@ use phihat_study::{Payload, PayloadSet, Study};
 use serde::Serialize;
 
 use crate::error::SessionError;
-use crate::words;
 
 /// Number of drawn worlds.
 pub const WORLDS: usize = 8;
@@ -43,7 +42,7 @@ pub(crate) fn runs(
     let mut study = study.clone();
     gains.complete(&mut study).map_err(SessionError::other)?;
     let law = gains
-        .joint_gains(&words::names(&study), study.control.period_ns, study.control.form)
+        .joint_gains(&study.robot.joint_names(), study.control.period_ns, study.control.form)
         .map_err(SessionError::other)?;
     let mut draw = Draw(Dice::at(0x9e37_79b9_7f4a_7c15 ^ study.seed));
     let worlds: Vec<Study> = (0..WORLDS).map(|_| draw.world(&study)).collect();

@@ -1,6 +1,5 @@
 //! Evaluation of the record of a run, block by block.
 
-use crate::words;
 use phihat_design::Gains;
 use phihat_report::{Drawing, TubeRun, TubeSeen};
 use phihat_sim::{Measured, Metrics, Trace};
@@ -27,7 +26,7 @@ pub struct RunFigures {
 
 impl<'a> RunObserver<'a> {
     pub(crate) fn new(study: &Study, gains: Option<&'a Gains>) -> Self {
-        let names = words::names(study);
+        let names = study.robot.joint_names();
         let period_ns = study.control.period_ns;
         let samples = phihat_sim::samples(study.duration, period_ns);
         Self {

@@ -14,7 +14,6 @@ use crate::layout::TraceKind;
 use crate::observer::RunObserver;
 use crate::outside::OutsideRun;
 use crate::record::{Done, TraceFiles};
-use crate::words;
 
 /// A motion of a client's.
 #[derive(Debug)]
@@ -80,7 +79,7 @@ impl Recorder {
         let (parts, taken) = channel();
         let (back, rooms) = channel();
         let (tell, written) = channel();
-        let (names, period_ns) = (words::names(&place.study), place.study.control.period_ns);
+        let (names, period_ns) = (place.study.robot.joint_names(), place.study.control.period_ns);
         for _ in 0..ROOMS {
             // Both ends are here.
             let _ = back.send(Trace::new(&names, period_ns, BLOCK as u64));

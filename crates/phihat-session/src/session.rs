@@ -181,7 +181,7 @@ impl Session {
         };
         chosen.complete(&mut study).map_err(|e| SessionError::at(source, e))?;
         let law = chosen
-            .joint_gains(&words::names(&study), study.control.period_ns, study.control.form)
+            .joint_gains(&study.robot.joint_names(), study.control.period_ns, study.control.form)
             .map_err(|e| SessionError::at(source, e))?;
         let mut warnings = study.robot.warnings.clone();
         // Whoever runs what may not run is shown what comes of it.

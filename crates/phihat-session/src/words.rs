@@ -123,8 +123,3 @@ fn per_joint(values: &[f64], unit: &str) -> String {
         }
     }
 }
-
-/// Names of a study's joints, in the robot's order.
-pub(crate) fn names(study: &Study) -> Vec<String> {
-    study.robot.joints.iter().map(|joint| joint.name.clone()).collect()
-}

@@ -168,7 +168,7 @@ impl Simulation {
         Ok(Self {
             control: control(motion)?.taking_over(world.held.as_deref()),
             world,
-            names: study.robot.joints.iter().map(|j| j.name.clone()).collect(),
+            names: study.robot.joint_names(),
             period_ns: study.control.period_ns,
             samples: samples(study.duration, study.control.period_ns),
         })

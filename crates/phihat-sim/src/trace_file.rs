@@ -176,7 +176,7 @@ pub(crate) struct Turn {
 
 impl Turn {
     pub(crate) fn of(study: &Study) -> Self {
-        let names = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+        let names = study.robot.joint_names();
         Self { names, period_ns: study.control.period_ns, next: 0, before: None }
     }
 

@@ -129,5 +129,5 @@ fn a_record_that_is_taken_in_parts_is_that_of_the_whole() {
 }
 
 fn names(study: &Study) -> Vec<String> {
-    study.robot.joints.iter().map(|joint| joint.name.clone()).collect()
+    study.robot.joint_names()
 }

@@ -19,7 +19,7 @@ impl Begin {
     /// One control side and one world.
     pub(crate) fn sides(&self) -> Result<(ControlSide, WorldSide), StudioError> {
         let study = &self.study;
-        let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+        let names = study.robot.joint_names();
         let law = self
             .gains
             .joint_gains(&names, study.control.period_ns, study.control.form)

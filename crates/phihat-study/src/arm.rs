@@ -45,7 +45,7 @@ impl StudyArm {
         let (node, world) = (&top.child("robot"), top.child("world"));
         if top.has("joint") {
             let (robot, stated) = joint::read(top, world.word("joint_inertia")? == "low")?;
-            let names = robot.joints.iter().map(|joint| joint.name.clone()).collect();
+            let names = robot.joint_names();
             let joints = Joints { names, locked: Vec::new() };
             return Ok(Self { robot, joints, stated: Some(stated) });
         }
@@ -73,7 +73,7 @@ impl StudyArm {
             let read = Robot::read_part(&path, &part);
             read.map_err(|error| refuse(error).with_help(beside(&path)))?
         };
-        let names = |robot: &Robot| robot.joints.iter().map(|joint| joint.name.clone()).collect();
+        let names = |robot: &Robot| robot.joint_names();
         let all = Joints { names: names(&robot), locked: Vec::new() };
         let mut arm = Self { robot, joints: all, stated: None };
         if part.is_stated() {

@@ -132,7 +132,7 @@ fn first_gains(
 fn run(study: &Study, gains: &Gains) -> Result<Observed, SynthesisError> {
     let mut study = study.clone();
     gains.complete(&mut study)?;
-    let names: Vec<String> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+    let names = study.robot.joint_names();
     let law = gains.joint_gains(&names, study.control.period_ns, study.control.form)?;
     let outcome = Simulation::new(&study, &law)?.run(|_| ());
     match outcome.divergence {

@@ -34,7 +34,7 @@ fn candidate(study: &Study) -> Gains {
 
 /// Largest steady error of each joint in a run \[rad\].
 fn measured(study: &Study, gains: &Gains) -> Vec<f64> {
-    let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+    let names = study.robot.joint_names();
     let law = gains.joint_gains(&names, study.control.period_ns, study.control.form).unwrap();
     let outcome = Simulation::new(study, &law).unwrap().run(|_| ());
     assert!(outcome.divergence.is_none());

@@ -1,6 +1,6 @@
 //! `cargo xtask test`: the gate, which is everything that an edit can break; with `--all` the long campaigns too.
 //!
-//! The steps stand in [`steps`]. Steps of one [`Stage`] run side by side, two at a time, each in a process of
+//! The steps stand in [`steps`]. Steps of one [`Stage`] run side by side, three at a time, each in a process of
 //! its own, so that the processor time of each is measured separately ([`times`]). What a step prints is
 //! shown when it has ended.
 

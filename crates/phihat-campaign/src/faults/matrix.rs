@@ -242,7 +242,7 @@ impl Matrix {
     /// The closed loop of a run.
     pub(crate) fn build(&self, case: &Case, study: &Study) -> Result<Simulation, RunError> {
         let form = study.control.form;
-        let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+        let names = study.robot.joint_names();
         let gains = self.gains(case).joint_gains(&names, study.control.period_ns, form)?;
         Ok(Simulation::new(study, &gains)?)
     }

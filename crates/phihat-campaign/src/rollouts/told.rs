@@ -109,7 +109,7 @@ impl Rollouts {
 
     /// Joints, in the order of all arrays.
     pub fn joints(&self) -> Vec<String> {
-        self.study.robot.joints.iter().map(|joint| joint.name.clone()).collect()
+        self.study.robot.joint_names()
     }
 
     /// The study that a run is; files by their whole paths.
@@ -162,7 +162,7 @@ impl Rollouts {
         let own = if self.own_gains { requested_gains(&study) } else { None };
         let gains = own.as_ref().unwrap_or(&self.gains);
         gains.complete(&mut study)?;
-        let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+        let names = study.robot.joint_names();
         let law = gains.joint_gains(&names, study.control.period_ns, study.control.form)?;
         let simulation = Simulation::new(&study, &law)?;
         Ok((study, simulation))

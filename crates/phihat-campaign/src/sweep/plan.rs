@@ -111,7 +111,7 @@ impl Plan {
     /// The columns of its rows.
     pub fn columns(&self) -> Columns {
         let varied = self.vary.iter().map(Vary::name).collect();
-        let joints = self.study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+        let joints = self.study.robot.joint_names();
         Columns::new(varied, joints)
     }
 
@@ -162,7 +162,7 @@ impl Plan {
         let own = if self.own_gains { requested_gains(study) } else { None };
         let gains = own.as_ref().unwrap_or(&self.gains);
         gains.complete(study)?;
-        let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+        let names = study.robot.joint_names();
         let law = gains.joint_gains(&names, study.control.period_ns, study.control.form)?;
         Ok(Simulation::new(study, &law)?)
     }

@@ -2,34 +2,23 @@
 
 use core::f64::consts::TAU;
 
+use phihat_kernel::Drive;
+
 use crate::{JointRecord, LoopModel};
 
-/// A first-order drive over one interval.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Drive {
-    /// `ℓ = 1 − e^{−ωT}`.
-    pub(crate) lost: f64,
-    /// `c = (1/T) ∫_0^T e^{−ωt} dt`.
-    pub(crate) mean: f64,
-    /// `D = ∫_0^T (T − t) e^{−ωt} dt` \[s²\].
-    pub(crate) double: f64,
-}
-
-impl Drive {
-    /// The drive of a loop; `None`: torque acts at once.
-    pub(crate) fn of(model: &LoopModel) -> Option<Self> {
-        model.drive_bandwidth_hz.map(|hz| {
-            let x = TAU * hz * model.period_s;
-            let lost = -(-x).exp_m1();
-            // (x − ℓ)/x² by its series where the difference would cancel.
-            let bent = if x < 0.03 {
-                0.5 - x / 6.0 + x * x / 24.0 - x * x * x / 120.0 + x * x * x * x / 720.0
-            } else {
-                (x - lost) / (x * x)
-            };
-            Self { lost, mean: lost / x, double: bent * model.period_s * model.period_s }
-        })
-    }
+/// A first-order drive over one interval, `lost = 1 − e^{−ωT}`; `None`: torque acts at once.
+pub(crate) fn drive(model: &LoopModel) -> Option<Drive> {
+    model.drive_bandwidth_hz.map(|hz| {
+        let x = TAU * hz * model.period_s;
+        let lost = -(-x).exp_m1();
+        // (x − ℓ)/x² by its series where the difference would cancel.
+        let bent = if x < 0.03 {
+            0.5 - x / 6.0 + x * x / 24.0 - x * x * x / 120.0 + x * x * x * x / 720.0
+        } else {
+            (x - lost) / (x * x)
+        };
+        Drive { lost, mean: lost / x, double: bent * model.period_s * model.period_s }
+    })
 }
 
 /// Gain of the velocity's low-pass per sample; `None`: no filter.

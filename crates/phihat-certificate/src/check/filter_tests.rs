@@ -314,34 +314,34 @@ fn windowed(
 fn a_window_is_refused_for_another_filter() {
     let mut dice = Dice(53);
     let (mut windows, mut refused, mut passed) = (0, 0, 0);
-    for record in filtered(11, 2) {
+    for record in filtered(2, 2) {
         let Some((record, model, window)) = windowed(&mut dice, record) else { continue };
         windows += 1;
         window.verify(&record, &model).unwrap();
         for (at, number) in (0..own(&record).unwrap().innovation_filter.len())
             .flat_map(|at| (0..4).map(move |number| (at, number)))
         {
-            for factor in [0.7, 1.3] {
-                let mut other = record.clone();
-                let section = &mut other.observer.as_mut().unwrap().innovation_filter[at];
-                let numbers = section.rates.iter_mut().chain(&mut section.weights_per_s2);
-                numbers.skip(number).take(1).for_each(|value| *value *= factor);
-                if window.verify(&other, &model).is_err() {
-                    refused += 1;
-                    continue;
-                }
-                // A weight so small that the window is still that, as the samples have it too.
-                passed += 1;
-                for (edge, inside) in [(window.low, 1.001), (window.high, 0.999)] {
-                    let grows = |mu: f64| {
-                        let of = Loop::new(&other, &model, mu);
-                        radius(Layout::of(&of).matrix(&of)) > 1.0
-                    };
-                    assert!(!grows(edge * inside) && grows(edge / inside), "{edge} {other:?}");
-                }
+            // One way for one number, the other way for the next.
+            let factor = if number % 2 == 0 { 0.7 } else { 1.3 };
+            let mut other = record.clone();
+            let section = &mut other.observer.as_mut().unwrap().innovation_filter[at];
+            let numbers = section.rates.iter_mut().chain(&mut section.weights_per_s2);
+            numbers.skip(number).take(1).for_each(|value| *value *= factor);
+            if window.verify(&other, &model).is_err() {
+                refused += 1;
+                continue;
+            }
+            // A weight so small that the window is still that, as the samples have it too.
+            passed += 1;
+            for (edge, inside) in [(window.low, 1.001), (window.high, 0.999)] {
+                let grows = |mu: f64| {
+                    let of = Loop::new(&other, &model, mu);
+                    radius(Layout::of(&of).matrix(&of)) > 1.0
+                };
+                assert!(!grows(edge * inside) && grows(edge / inside), "{edge} {other:?}");
             }
         }
     }
     println!("{windows} windows: {refused} refused, {passed} passed");
-    assert!(windows > 15 && 50 * passed < refused, "{windows} {refused} {passed}");
+    assert!(windows > 7 && 30 * passed < refused, "{windows} {refused} {passed}");
 }

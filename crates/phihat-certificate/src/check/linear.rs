@@ -4,9 +4,9 @@ use phihat::{
     Form, JointGains, JointState, Measurement, Reference, STATE_ENTRIES, TorqueSource,
     VelocityFilter, VelocitySource, VelocityState,
 };
-use phihat_kernel::{Drive, Joint, Law, Setting, Told, Velocity};
+use phihat_kernel::{Joint, Law, Reported, Setting, Unproved, Velocity};
 
-use super::drive;
+use super::drive::drive;
 use crate::refutation::refuse;
 use crate::{JointRecord, LoopModel, Refutation};
 
@@ -27,17 +27,21 @@ pub(crate) fn joint(
         inertia: record.inertia_kg_m2,
         late: (model.delay_samples + model.sample_delay_samples) as usize,
         velocity: if hears { velocity(claim, model)? } else { NO_VELOCITY },
-        drive: drive::Drive::of(model).map(|drive::Drive { lost, mean, double }| Drive {
-            lost,
-            mean,
-            double,
-        }),
-        told: match model.torque {
-            TorqueSource::Applied => Told::Applied,
-            TorqueSource::Demanded => Told::Commanded,
+        drive: drive(model),
+        reported: match model.torque {
+            TorqueSource::Applied => Reported::Applied,
+            TorqueSource::Demanded => Reported::Commanded,
         },
     };
     Joint::new(&law, &setting).map_err(|why| refuse(claim, &format!("a loop: {why}"), 0.0, 0.0))
+}
+
+/// An inequality that is not proved, with the frequency at which it fails, or the reason.
+pub(crate) fn failed(what: &str, why: Unproved) -> String {
+    match why {
+        Unproved::At { theta, .. } => format!("{what} at θ = {theta:.6} rad/sample"),
+        why => format!("{what}: {why}"),
+    }
 }
 
 /// The velocity of a law that does not hear it.

@@ -1,11 +1,12 @@
 //! One sample of the closed loop, signal by signal, in the frame of a reference that moves with a constant
 //! acceleration.
 
-use super::drive::{Drive, filter, literal};
+use super::drive::{drive, filter, literal};
 use super::estimator;
 use super::sight::Sight;
 use crate::{JointRecord, LoopModel};
 use phihat::{Form, TorqueSource, VelocitySource};
+use phihat_kernel::Drive;
 
 /// Longest line of delayed commands: both delays.
 pub(crate) const LINE: usize = 2 * phihat::DELAY_MAX;
@@ -125,7 +126,7 @@ impl Loop {
             alpha,
             k: literal(record),
             filter: filter(model),
-            drive: Drive::of(model),
+            drive: drive(model),
             sight: Sight::of(record, model.period_s),
             late: (model.delay_samples + model.sample_delay_samples) as usize,
         }

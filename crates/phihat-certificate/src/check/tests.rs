@@ -7,7 +7,7 @@ use phihat::{Form, TorqueSource, VelocitySource};
 use super::agree::agrees;
 use super::complex::Complex;
 use super::definite::{definite, definite_within};
-use super::drive::{Drive, literal};
+use super::drive::{drive, literal};
 use super::estimator;
 use super::integral::{of_line, of_parabola};
 use super::plausible::{at_most, enough, gains, model, ratios};
@@ -198,7 +198,7 @@ fn a_drive_is_the_integral_of_its_decay() -> Result<(), &'static str> {
     for hz in [0.1, 4.0, 4.7, 4.8, 5.0, 150.0, 800.0] {
         for period in [1e-3, 4e-3] {
             let model = LoopModel { period_s: period, drive_bandwidth_hz: Some(hz), ..plain() };
-            let own = Drive::of(&model).ok_or("a drive")?;
+            let own = drive(&model).ok_or("a drive")?;
             let w = 2.0 * PI * hz;
             // Simpson, fine.
             let n = 2000_u32;
@@ -213,7 +213,7 @@ fn a_drive_is_the_integral_of_its_decay() -> Result<(), &'static str> {
             assert!(near(own.double, simpson(&|t| (period - t) * (-w * t).exp())), "{hz}");
         }
     }
-    assert!(Drive::of(&plain()).is_none());
+    assert!(drive(&plain()).is_none());
     Ok(())
 }
 

@@ -102,7 +102,7 @@ pub(super) fn unproved(
     let theta = if let Unproved::At { theta, .. } = why { theta } else { 0.0 };
     let middle = Complex::new(0.5 * (low + high), 0.0);
     let left = (middle - Response::of(joint).crossing(on_circle(theta))).size();
-    Unstable::new(format!("{what}: {why}"), theta, (left, 0.5 * (high - low)))
+    Unstable::new(linear::failed(what, why), theta, (left, 0.5 * (high - low)))
 }
 
 pub(super) fn refused(claim: &str, why: Unstable) -> Refutation {

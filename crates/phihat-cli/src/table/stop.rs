@@ -14,7 +14,7 @@ const FROM: [f64; 2] = [0.2, 1.0];
 pub(crate) fn stop(study: &Study, gains: &Gains) -> Option<String> {
     study.supervisor.as_ref()?;
     let arm = &gains.certificate.as_ref()?.arm;
-    let names: Vec<String> = study.robot.joints.iter().map(|joint| joint.name.clone()).collect();
+    let names = study.robot.joint_names();
     let period = study.control.period_ns as f64 * 1e-9;
     let positions = gains.joints.iter().any(|joint| joint.observer.is_some());
     let form = if positions { Form::Positions } else { study.control.form };

@@ -188,7 +188,7 @@ pub(crate) struct Run {
 /// Runs a study with gains that may be none of its own: nothing is claimed of it.
 pub(crate) fn run(mut study: Box<Study>, gains: &Gains) -> Result<Run, Box<dyn Error>> {
     gains.complete(&mut study)?;
-    let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+    let names = study.robot.joint_names();
     let law = gains.joint_gains(&names, study.control.period_ns, study.control.form)?;
     let outcome = Simulation::new(&study, &law)?.run(|_| ());
     let joints = Metrics::of(&outcome.trace, &study).joints;

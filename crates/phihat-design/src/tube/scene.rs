@@ -187,7 +187,7 @@ impl<'a> Scene<'a> {
             period,
             samples,
             substeps: study.world.substeps,
-            names: study.robot.joints.iter().map(|joint| joint.name.clone()).collect(),
+            names: study.robot.joint_names(),
             law,
             friction: (0..n).map(friction).collect(),
             pushes: &study.world.pushes,

@@ -164,7 +164,7 @@ pub(crate) fn sides(study: &Study) -> (ControlSide, WorldSide) {
 }
 
 pub(crate) fn names(study: &Study) -> Vec<String> {
-    study.robot.joints.iter().map(|joint| joint.name.clone()).collect()
+    study.robot.joint_names()
 }
 
 /// A fresh folder.

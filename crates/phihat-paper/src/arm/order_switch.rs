@@ -78,7 +78,7 @@ pub(crate) fn switched(first: &Study, second: &Study) -> Result<Run, PartError> 
     let law = |study: &Study| -> Result<Vec<JointGains<f64>>, PartError> {
         let gains =
             requested_gains(study).ok_or(PartError::Missing("the study states no gains"))?;
-        let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+        let names = study.robot.joint_names();
         let law = gains.joint_gains(&names, study.control.period_ns, Form::Literal);
         law.map_err(|why| PartError::UnitLaw { study: study.name.clone(), why })
     };

@@ -23,7 +23,7 @@ impl Run {
         let study = Box::new(study);
         let gains =
             requested_gains(&study).ok_or(PartError::Missing("the study states no gains"))?;
-        let names: Vec<String> = study.robot.joints.iter().map(|j| j.name.clone()).collect();
+        let names = study.robot.joint_names();
         let form = study.control.form;
         let law = gains.joint_gains(&names, study.control.period_ns, form);
         let law = law.map_err(|why| PartError::UnitLaw { study: study.name.clone(), why })?;

@@ -111,7 +111,7 @@ impl Firmware {
         let period = study.control.period_ns as f64 * 1e-9;
         let pole = |f: f64| -libm::expm1(-core::f64::consts::TAU * f * period);
         Some(Self {
-            names: study.robot.joints.iter().map(|joint| joint.name.clone()).collect(),
+            names: study.robot.joint_names(),
             torque_max: study.robot.joints.iter().map(limit).collect(),
             period,
             accepted: zero.clone(),
