@@ -27,7 +27,7 @@ pub(super) struct Closed {
     pub(super) step: Vec<f64>,
     /// Largest torque \[N·m\].
     pub(super) torque: Vec<f64>,
-    /// Error of an arm whose posture is frozen.
+    /// Error under the same forces if inertia and Coriolis torque stayed those of the posture.
     pub(super) frozen: Vec<f64>,
     /// Spectral radius of `max Θ`.
     pub(super) radius: f64,
@@ -155,14 +155,8 @@ impl<'a> Problem<'a> {
             let each = |k: usize| lists.iter().zip(&self.pace.v).map(|(m, v)| m[k] * v).sum();
             (0..n * n).map(each).collect()
         };
-        let stiff = |o: usize| {
-            let mut all = sums.gravity[o].clone();
-            plus(&mut all, &product(&sums.aged[o], &self.over.gravity, n));
-            plus(&mut all, &product(&sums.torque[o], &self.over.gradient, n));
-            all
-        };
         let on_error = |o: usize| {
-            let mut all = stiff(o);
+            let mut all = self.stiff(sums, o);
             if o == E {
                 plus(&mut all, &scaled(&sums.twice));
                 plus(&mut all, &product(&sums.bent[E], &self.over.mass, n));
@@ -183,6 +177,23 @@ impl<'a> Problem<'a> {
         Maps {
             on_error: core::array::from_fn(on_error),
             on_velocity: core::array::from_fn(on_velocity),
+        }
+    }
+
+    /// Stiffness of gravity and of the motion: what an error of position does where nothing moves.
+    fn stiff(&self, sums: &Sums, o: usize) -> Vec<f64> {
+        let n = self.scene.n;
+        let mut all = sums.gravity[o].clone();
+        plus(&mut all, &product(&sums.aged[o], &self.over.gravity, n));
+        plus(&mut all, &product(&sums.torque[o], &self.over.gradient, n));
+        all
+    }
+
+    /// The maps of an arm whose matrices stay those of the posture.
+    fn resting(&self, sums: &Sums) -> Maps {
+        Maps {
+            on_error: core::array::from_fn(|o| self.stiff(sums, o)),
+            on_velocity: core::array::from_fn(|_| vec![0.0; self.scene.n * self.scene.n]),
         }
     }
 
@@ -297,6 +308,51 @@ impl<'a> Problem<'a> {
         radius
     }
 
+    /// The least solution of (CM5) over some postures, by iteration from 0; `None`: there is none.
+    fn least(&self, (all, maps): (&[Sums], &[Maps]), boxed: &[bool]) -> Option<[Vec<f64>; 2]> {
+        let n = self.scene.n;
+        let sizes =
+            |list: Vec<(f64, usize)>| list.into_iter().map(|(x, _)| x).collect::<Vec<f64>>();
+        let moved = |a: &[f64], b: &[f64]| {
+            a.iter().zip(b).map(|(a, b)| (a - b).abs() / b.max(f64::MIN_POSITIVE)).largest()
+        };
+        let (mut error, mut velocity) = (vec![0.0; n], vec![0.0; n]);
+        for _ in 0..ROUNDS {
+            let next = [E, V].map(|o| sizes(self.most((all, maps), boxed, o, (&error, &velocity))));
+            let change = larger(moved(&error, &next[0]), moved(&velocity, &next[1]));
+            [error, velocity] = next;
+            let lost = error.iter().copied().largest();
+            if lost.is_nan() || lost > LOST {
+                return None;
+            }
+            if change < STILL {
+                return Some([error, velocity]);
+            }
+        }
+        None
+    }
+
+    /// The largest value of an output over postures, joint by joint, and the posture's index.
+    fn most(
+        &self,
+        (all, maps): (&[Sums], &[Maps]),
+        boxed: &[bool],
+        o: usize,
+        (error, velocity): (&[f64], &[f64]),
+    ) -> Vec<(f64, usize)> {
+        let inputs = self.inputs(boxed, error, velocity);
+        let mut most = vec![(0.0_f64, 0_usize); self.scene.n];
+        for (at, pair) in all.iter().zip(maps).enumerate() {
+            let out = self.output(pair, o, (&inputs, error, velocity));
+            for (most, out) in most.iter_mut().zip(out) {
+                if out.is_nan() || out > most.0 {
+                    *most = (out, at);
+                }
+            }
+        }
+        most
+    }
+
     /// Solves (CM5) over some postures; the spectral radius where there is no solution.
     pub(super) fn solve(&self, all: &[Sums]) -> Result<Closed, f64> {
         let n = self.scene.n;
@@ -304,43 +360,16 @@ impl<'a> Problem<'a> {
         let radius = Self::radius(&maps, n);
         let Some(first) = all.first() else { return Err(radius) };
         let boxed = self.boxed(first);
+        let resting: Vec<Maps> = all.iter().map(|sums| self.resting(sums)).collect();
+        let [frozen, _] = self.least((all, &resting), &boxed).ok_or(radius)?;
+        let [mut error, mut velocity] = self.least((all, &maps), &boxed).ok_or(radius)?;
         let most = |o: usize, error: &[f64], velocity: &[f64]| {
-            let inputs = self.inputs(&boxed, error, velocity);
-            let mut most = vec![(0.0_f64, 0_usize); n];
-            for (at, pair) in all.iter().zip(&maps).enumerate() {
-                let out = self.output(pair, o, (&inputs, error, velocity));
-                for (most, out) in most.iter_mut().zip(out) {
-                    if out.is_nan() || out > most.0 {
-                        *most = (out, at);
-                    }
-                }
-            }
-            most
+            self.most((all, &maps), &boxed, o, (error, velocity))
         };
-        let sizes = |list: &[(f64, usize)]| list.iter().map(|(x, _)| *x).collect::<Vec<f64>>();
-        let (mut error, mut velocity) = (vec![0.0; n], vec![0.0; n]);
-        let frozen = sizes(&most(E, &error, &velocity));
-        let mut rested = false;
-        for _ in 0..ROUNDS {
-            let next = (sizes(&most(E, &error, &velocity)), sizes(&most(V, &error, &velocity)));
-            let moved = |a: &[f64], b: &[f64]| {
-                a.iter().zip(b).map(|(a, b)| (a - b).abs() / b.max(f64::MIN_POSITIVE)).largest()
-            };
-            let change = larger(moved(&error, &next.0), moved(&velocity, &next.1));
-            (error, velocity) = next;
-            let lost = error.iter().copied().largest();
-            if lost.is_nan() || lost > LOST {
-                return Err(radius);
-            }
-            if change < STILL {
-                rested = true;
-                break;
-            }
-        }
         error.iter_mut().chain(&mut velocity).for_each(|x| *x *= INFLATED);
         let (errors, velocities) = (most(E, &error, &velocity), most(V, &error, &velocity));
         let below = |list: &[(f64, usize)], x: &[f64]| list.iter().zip(x).all(|((a, _), x)| a < x);
-        if !rested || !below(&errors, &error) || !below(&velocities, &velocity) {
+        if !below(&errors, &error) || !below(&velocities, &velocity) {
             return Err(radius);
         }
         let steps = most(STEP, &error, &velocity);

@@ -38,7 +38,7 @@ pub(super) struct Sums {
     pub(super) ramp: Each,
     /// Γ from errors of readings.
     pub(super) reading: Each,
-    /// Largest answer to a start off by an angle, law and arm.
+    /// Largest answer to a start off by an angle, law and arm, beyond what later readings can add.
     pub(super) start: Each,
     /// Largest `(age + T) |g'|`, and `|g|`, of `e`: the start's part in what moves.
     pub(super) start_moves: [Vec<f64>; 2],
@@ -172,6 +172,46 @@ impl Sums {
     }
 }
 
+/// Sizes of the answers since the start, sample by sample, joint by joint.
+#[derive(Default)]
+struct Begun {
+    /// After an error of one reading; the first at its own sample.
+    readings: Vec<[f64; KINDS]>,
+    /// After a start of the arm off by an angle, over each interval.
+    arms: Vec<[f64; KINDS]>,
+    /// After a start of the law with a reading off by an angle, from the sample after it.
+    laws: Vec<[f64; KINDS]>,
+}
+
+impl Begun {
+    /// `max_k (|s_k| − Σ_{m>k+1} |n_m|)`: of readings that have not come yet nothing is to be seen at sample `k + 1`.
+    ///
+    /// What comes after the last sample is counted as [`LEFT`] of the largest answer. Times between samples see two
+    /// neighbours: each answer is the largest of three.
+    fn beyond_readings(&self, n: usize) -> Each {
+        let samples = (self.arms.len() / n).min(self.laws.len() / n);
+        let near = |list: &[[f64; KINDS]], k: usize, j: usize, o: usize| {
+            let around = k.saturating_sub(1)..(k + 2).min(samples);
+            around.map(|k| list[k * n + j][o]).fold(0.0, larger)
+        };
+        let beyond = |o: usize, j: usize| -> f64 {
+            let of_joint = || self.readings.iter().skip(j).step_by(n).map(|sizes| sizes[o]);
+            let mut left: f64 = of_joint().sum();
+            let mut seen = of_joint();
+            left -= seen.next().unwrap_or(0.0);
+            let (mut most, mut largest) = (0.0, 0.0);
+            for (k, reading) in (0..samples).zip(seen) {
+                left -= reading;
+                let own = near(&self.arms, k, j, o) + near(&self.laws, k, j, o);
+                most = larger(most, own - larger(left, 0.0));
+                largest = larger(largest, own);
+            }
+            larger(most, LEFT * largest)
+        };
+        core::array::from_fn(|o| (0..n).map(|j| beyond(o, j)).collect())
+    }
+}
+
 /// Sums of one joint that answers.
 struct Row {
     n: usize,
@@ -189,6 +229,7 @@ struct Row {
     ramp: Each,
     reading: Each,
     start: Each,
+    begun: Begun,
     start_moves: [Vec<f64>; 2],
     slope: Each,
     aged: Each,
@@ -227,12 +268,10 @@ impl Row {
                 }
             }
         });
-        let peaks = linear.start_peaks(i, samples);
-        for (j, peaks) in peaks.iter().enumerate() {
-            for (o, place) in PLACE.into_iter().enumerate() {
-                own.start[o][j] += peaks[place];
-            }
-        }
+        linear.start(i, samples, |_, outputs| {
+            own.begun.laws.push(PLACE.map(|place| outputs[place].abs()))
+        });
+        own.start = own.begun.beyond_readings(n);
         own.tails(i, &tails, samples)?;
         Ok(own)
     }
@@ -251,6 +290,7 @@ impl Row {
             ramp: each(),
             reading: each(),
             start: each(),
+            begun: Begun::default(),
             start_moves: [vec![0.0; n], vec![0.0; n]],
             slope: each(),
             aged: each(),
@@ -268,10 +308,12 @@ impl Row {
     }
 
     fn read(&mut self, block: &[Lines]) {
-        for (o, place) in PLACE.into_iter().enumerate() {
-            for (sum, lines) in self.reading[o].iter_mut().zip(block) {
-                *sum += lines[2 * OUTPUTS + place].abs();
+        for (j, lines) in block.iter().enumerate() {
+            let sizes = PLACE.map(|place| lines[2 * OUTPUTS + place].abs());
+            for (sum, size) in self.reading.iter_mut().zip(sizes) {
+                sum[j] += size;
             }
+            self.begun.readings.push(sizes);
         }
     }
 
@@ -327,6 +369,7 @@ impl Row {
         let (n, t) = (self.n, self.period);
         let (age, older) = (m as f64 * t, (m as f64 + 1.0) * t);
         let early = m < self.long;
+        self.begun.arms.extend(core::iter::repeat_n([0.0; KINDS], n));
         for o in 0..KINDS {
             let slope: Vec<f64> =
                 now[o].iter().zip(&self.last[o]).map(|(a, b)| (a - b) / t).collect();
@@ -346,8 +389,8 @@ impl Row {
                     self.late_age[o][j] += older * t * slope[j].abs();
                 }
             }
-            for j in 0..n {
-                self.start[o][j] = larger(self.start[o][j], answer(j).abs());
+            for (j, arms) in self.begun.arms.iter_mut().rev().take(n).rev().enumerate() {
+                arms[o] = answer(j).abs();
             }
             if o == FREE {
                 continue;

@@ -1,7 +1,7 @@
 //! Several joints' loops on one inertia matrix, as one linear step, and its impulse responses.
 
 use nalgebra::{DMatrix, DVector};
-use phihat_certificate::extremes::{Extremes as _, larger};
+use phihat_certificate::extremes::Extremes as _;
 use phihat_certificate::{JointRecord, LoopModel};
 
 use crate::lanes::{Lane, WIDE};
@@ -157,27 +157,31 @@ impl Linear {
         None
     }
 
-    /// Largest outputs of joint `i` after a start of each joint's law with a reading 1 rad off, over so many samples.
-    pub(crate) fn start_peaks(&self, i: usize, samples: usize) -> Vec<[f64; OUTPUTS]> {
+    /// Shows joint `i`'s outputs at each sample after a start of each joint's law with a reading 1 rad off.
+    pub(crate) fn start(
+        &self,
+        i: usize,
+        samples: usize,
+        mut visit: impl FnMut(usize, &[f64; OUTPUTS]),
+    ) {
         let mut now: Vec<Outputs> = self.rows[i].iter().map(abreast).collect();
         let mut next = now.clone();
-        let mut peaks = vec![[0.0_f64; OUTPUTS]; self.starts.len()];
         let mut before = vec![Outputs::ZERO; self.starts.len()];
         for _ in 0..samples {
-            for ((start, peak), before) in self.starts.iter().zip(&mut peaks).zip(&mut before) {
+            for (j, (start, before)) in self.starts.iter().zip(&mut before).enumerate() {
                 let own = along(&now, start);
-                for o in 0..OUTPUTS {
-                    let last = if CHANGES.contains(&o) { before[o] } else { 0.0 };
-                    peak[o] = larger(peak[o], (own[o] - last).abs());
+                let mut outputs: [f64; OUTPUTS] = core::array::from_fn(|o| own[o]);
+                for o in CHANGES {
+                    outputs[o] -= before[o];
                 }
                 *before = own;
+                visit(j, &outputs);
             }
             for (next, column) in next.iter_mut().zip(&self.columns) {
                 *next = along(&now, column);
             }
             core::mem::swap(&mut now, &mut next);
         }
-        peaks
     }
 
     /// Shows joint `i`'s outputs after a unit of each input, for so many samples, at least those of the
