@@ -125,7 +125,9 @@ fn a_class_that_is_too_fast_does_not_close() {
     let mut study = study();
     let Reference::Any { class, .. } = &mut study.reference else { panic!("no class") };
     for list in [&mut class.speed, &mut class.acceleration, &mut class.jerk] {
-        list.iter_mut().for_each(|most| *most *= 30.0);
+        for most in list.iter_mut() {
+            *most *= 30.0;
+        }
     }
     match class_bound(&study, gains()) {
         Err(ClassRefusal::Open { radius }) => assert!(radius > 0.8, "{radius}"),

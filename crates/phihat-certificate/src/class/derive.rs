@@ -9,6 +9,7 @@ use super::dynamics::Dynamics;
 use super::sums::{E, KINDS, PlayedSums, STEP, V};
 use crate::check::agree::agrees;
 use crate::check::plausible::at_most;
+use crate::extremes::Extremes as _;
 use crate::loaded::loaded;
 use crate::refutation::refuse;
 use crate::{Certificate, Gains, JointRecord, LoopModel, Matrix, Refutation, TorqueNoise};
@@ -64,7 +65,7 @@ impl ClassAgain {
     /// The least of claimed over derived: at 1 both agree, below 1 the file is refuted.
     pub fn least_ratio(&self) -> f64 {
         let ratio = |joint: &JointOfClass| joint.claimed_rad / joint.derived_rad;
-        self.joints.iter().map(ratio).fold(f64::INFINITY, f64::min)
+        self.joints.iter().map(ratio).least()
     }
 }
 
@@ -463,14 +464,13 @@ impl<'a> Setting<'a> {
             sum
         };
         let most = |o: usize, i: usize, error: &[f64], velocity: &[f64]| {
-            all.iter().map(|own| output(own, o, i, error, velocity)).fold(0.0, f64::max)
+            all.iter().map(|own| output(own, o, i, error, velocity)).largest()
         };
         let (mut error, mut velocity) = (vec![0.0; n], vec![0.0; n]);
         for _ in 0..ROUNDS {
             let next: Vec<f64> = (0..n).map(|i| most(E, i, &error, &velocity)).collect();
             let speed: Vec<f64> = (0..n).map(|i| most(V, i, &error, &velocity)).collect();
-            let change =
-                next.iter().zip(&error).map(|(a, b)| (a - b).abs() / a).fold(0.0, f64::max);
+            let change = next.iter().zip(&error).map(|(a, b)| (a - b).abs() / a).largest();
             (error, velocity) = (next, speed);
             if !error.iter().all(|e| *e < 10.0) {
                 return Err(refuse(CLAIM, "the class closes at postures derived again", 10.0, 1.0));

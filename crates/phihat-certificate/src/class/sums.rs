@@ -2,6 +2,7 @@
 
 use super::dynamics::Dynamics;
 use crate::coupled::played::{OUTPUTS, Played};
+use crate::extremes::Extremes as _;
 use crate::{JointRecord, LoopModel, Matrix, Refutation};
 
 /// Longest run \[samples\], and how often it is looked at.
@@ -102,7 +103,7 @@ impl PlayedSums {
             own.take(sample, (&now, last.as_ref()), (dynamics, &turned), period, &mut whole);
             last = Some(now);
             if sample % BLOCK == BLOCK - 1 {
-                let size = (0..3 * n).map(|run| played.size(run)).fold(0.0, f64::max);
+                let size = (0..3 * n).map(|run| played.size(run)).largest();
                 most = most.max(size);
                 if size < RESTED * most {
                     return Ok(own);

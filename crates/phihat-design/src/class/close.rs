@@ -44,7 +44,7 @@ pub(super) struct Problem<'a> {
     over: Over,
 }
 
-/// What of the motion does not depend on a posture, entry by entry.
+/// Maxima over box and payloads, entry by entry: the part of the matrices that no posture changes.
 struct Over {
     /// `|M − its first order|`, `|2M' − D − its value|`, `|M' − D − its value|` per age² /2 or age.
     mass: Vec<f64>,

@@ -53,7 +53,7 @@ pub fn quick_class_bound(study: &Study, gains: &Gains) -> Result<ClassBound, Cla
     bound(study, gains, &Effort { first: FEW, moves: &[], paces: false })
 }
 
-/// How much is looked at.
+/// Extent of a search.
 struct Effort {
     /// Postures of the first round.
     first: u32,

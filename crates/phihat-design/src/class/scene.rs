@@ -162,7 +162,7 @@ fn covered(study: &Study, models: &[LoopModel]) -> Result<(), ClassRefusal> {
     refused.iter().find(|(is, _)| *is).map_or(Ok(()), |(_, key)| Err(unsupported(key)))
 }
 
-/// What is fed forward; dry friction that is goes to the forces of any course.
+/// Model of the torque that is fed forward; its dry friction goes to the forces of any course.
 fn fed_forward(study: &Study, dry: &mut [f64]) -> Result<Option<FedForward>, ClassRefusal> {
     let Some(own) = &study.feedforward else { return Ok(None) };
     for (dry, fed) in dry.iter_mut().zip(&own.coulomb) {

@@ -269,7 +269,7 @@ impl Row {
             }
         });
         linear.start(i, samples, |_, outputs| {
-            own.begun.laws.push(PLACE.map(|place| outputs[place].abs()))
+            own.begun.laws.push(PLACE.map(|place| outputs[place].abs()));
         });
         own.start = own.begun.beyond_readings(n);
         own.tails(i, &tails, samples)?;

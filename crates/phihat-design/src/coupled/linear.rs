@@ -257,7 +257,7 @@ impl Linear {
     }
 }
 
-/// What a law from positions holds after a start from rest with a reading 1 rad off: `ê`, and the `φ̂/M̄` with which
+/// State of a law from positions after a start from rest with a reading 1 rad off: `ê`, and the `φ̂/M̄` with which
 /// the torque stays that of before.
 fn started(record: &JointRecord, period: f64) -> Option<[f64; 2]> {
     let ahead = period * f64::from(record.observer.as_ref()?.delay_samples);
