@@ -10,6 +10,7 @@ use phihat_study::{DesignMethod, InertiaSource, PhiSource, Study};
 
 use crate::along::coupled_along;
 use crate::candidates::{candidates, with_phi};
+use crate::class_search::{for_class, is_class};
 use crate::coarser::coarser;
 use crate::error::SynthesisError;
 use crate::judged::{ERROR_KEY, Merit, beyond_error, missed};
@@ -74,6 +75,15 @@ pub fn synthesize(
         return Err(SynthesisError::Overload(Box::new(more)));
     }
     let specified = with_tip(study)?;
+
+    // A class of motions: candidates from the largest rates of the class, judged by the class bound.
+    if is_class(study) {
+        let mut outcome = for_class(&specified, arm)?;
+        if let Outcome::Designed(gains) = &mut outcome {
+            complete_certificate(&specified, arm, gains)?;
+        }
+        return Ok(outcome);
+    }
 
     // Candidates, tube, shares: repeated in the form of the law that is stated, or in both forms.
     let (formed, outcome) = if specified.control.form_designed {
