@@ -115,11 +115,9 @@ fn nextest(root: &Path, profile: &str) -> Result<(), String> {
     let file = times::tests_file(root)?;
     let _ = std::fs::remove_file(&file);
     let this = std::env::current_exe().map_err(|e| e.to_string())?;
-    // Tests of drives and servers wait for the clock or a socket: twice as many as cores keep these at work.
-    let threads = 2 * std::thread::available_parallelism().map_or(2, usize::from);
     let status = programs::like_the_build(&mut Command::new(nextest))
         .args(["nextest", "run", "--workspace", "--lib", "--bins", "--tests", "--examples"])
-        .args(["--profile", profile, "--test-threads", &threads.to_string()])
+        .args(["--profile", profile])
         .env(LOG, file)
         .envs((profile != "default").then_some(("PHIHAT_ALL", "1")))
         .env(runner()?, format!("{} measured", this.display()))
