@@ -94,6 +94,7 @@ mod request;
 mod reversals;
 pub mod sampled;
 mod smoothed;
+mod square;
 mod trace;
 mod trade_off;
 pub mod tube;

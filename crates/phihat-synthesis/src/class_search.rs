@@ -119,13 +119,13 @@ pub(crate) fn for_class(study: &Study, arm: &Arm) -> Result<Outcome, SynthesisEr
     let demand = ClassDemand::of(study)?;
     let phi = |joint: usize, _: f64| -> Phi { demand.phi(joint) };
     let mut search = PositionSearch::new(study, arm, &phi)?;
-    let certified = |mut gains: Box<Gains>, search: &PositionSearch<'_>| {
+    let certified = |mut gains: Box<Gains>, search: &PositionSearch<'_>, bound| {
         search.certify(&mut gains)?;
-        judge(study, &mut gains);
+        judge(study, &mut gains, bound);
         Ok(Outcome::Designed(gains))
     };
     if let Some(stated) = requested_gains(study) {
-        return certified(Box::new(stated), &search);
+        return certified(Box::new(stated), &search, None);
     }
     let mut shares = vec![FIRST; study.robot.joints.len()];
     let mut best: Option<Best> = None;
@@ -164,24 +164,25 @@ pub(crate) fn for_class(study: &Study, arm: &Arm) -> Result<Outcome, SynthesisEr
     }
     match best {
         Some(best) => {
-            let gains = within_step(study, &mut search, best);
-            certified(gains, &search)
+            let (gains, bound) = within_step(study, &mut search, best);
+            certified(gains, &search, bound)
         }
         None => Ok(Outcome::Infeasible(radius.map_or_else(|| search.refused(), open))),
     }
 }
 
-/// Laws whose torque steps keep their limits by the whole bound, which looks at more postures than the search did.
+/// Laws whose torque steps keep their limits by the whole bound, which looks at more postures than the search did; and
+/// that bound, where it was computed for these laws.
 fn within_step(
     study: &Study,
     search: &mut PositionSearch<'_>,
     Best { mut shares, mut gains, .. }: Best,
-) -> Box<Gains> {
+) -> (Box<Gains>, Option<ClassBound>) {
     for _ in 0..MENDED {
         let Ok(class) = class_bound(study, &gains) else { break };
         let found = Shares::of(study, &class);
         if found.most().1 <= 1.0 {
-            break;
+            return (gains, Some(class));
         }
         for (share, step) in shares.iter_mut().zip(&found.steps) {
             *share *= (ROOM / step.max(ROOM)).powf(1.0 / STEP_POWER);
@@ -189,7 +190,7 @@ fn within_step(
         let Some((quieter, _)) = search.laws(&shares) else { break };
         gains = Box::new(quieter);
     }
-    gains
+    (gains, None)
 }
 
 /// No law that was tried closes the class.
@@ -204,12 +205,12 @@ fn open(radius: f64) -> Infeasible {
     Infeasible { clauses: vec![clause], words, ..Infeasible::default() }
 }
 
-/// Puts the class bound and the clauses that it does not keep into a certificate.
-fn judge(study: &Study, gains: &mut Gains) {
+/// Puts the class bound, computed unless it is given, and the clauses that it does not keep into a certificate.
+fn judge(study: &Study, gains: &mut Gains, bound: Option<ClassBound>) {
     let refused = gains.certificate.as_ref().and_then(phihat_design::Certificate::refused);
     let found = match refused {
         Some(why) => Err(format!("a claim does not hold: {why}")),
-        None => class_bound(study, gains).map_err(|why| why.to_string()),
+        None => bound.map_or_else(|| class_bound(study, gains), Ok).map_err(|why| why.to_string()),
     };
     let Some(certificate) = &mut gains.certificate else { return };
     for joint in &mut certificate.joints {

@@ -52,8 +52,9 @@ pub struct SynthesisOptions {
 /// ```
 ///
 /// Joints of an arm push each other, which the search for a candidate neglects: the only bound on the error of a
-/// coupled arm is its tube. Where the arm is known by an interval of inertia per joint there is no coupling to
-/// count and no tube; each joint then has a bound of its own.
+/// coupled arm is its tube, or, for a class of motions, the class bound, which judges candidates in the tube's place.
+/// Where the arm is known by an interval of inertia per joint there is no coupling to count and no tube; each joint
+/// then has a bound of its own.
 ///
 /// # Errors
 ///

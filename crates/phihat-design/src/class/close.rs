@@ -5,6 +5,7 @@ use phihat_certificate::extremes::{Extremes as _, larger};
 use super::extent::{Bent, Pace, Rates};
 use super::scene::Scene;
 use super::sums::{E, FREE, KINDS, STEP, Sums, V};
+use crate::square::product;
 
 /// Iterations at most.
 const ROUNDS: u32 = 2000;
@@ -95,20 +96,6 @@ impl Over {
             coriolis,
         }
     }
-}
-
-/// `a b`.
-fn product(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
-    let mut out = vec![0.0; n * n];
-    for i in 0..n {
-        for l in 0..n {
-            let x = a[i * n + l];
-            for j in 0..n {
-                out[i * n + j] += x * b[l * n + j];
-            }
-        }
-    }
-    out
 }
 
 /// `out += a x`.

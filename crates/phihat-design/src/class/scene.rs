@@ -6,7 +6,7 @@ use phihat_model::{Body, Model, Rotor, Workspace};
 use phihat_study::{Held, Known, MotionClass, Reference, Study};
 
 use super::refusal::ClassRefusal;
-use crate::tube::modelled;
+use crate::tube::{TubeRefusal, modelled};
 
 /// The arm with one payload.
 #[derive(Debug, Clone)]
@@ -143,10 +143,13 @@ pub(super) struct Room {
     torque: Vec<f64>,
 }
 
-/// Refuses what Theorem C does not cover.
+/// Refuses studies that docs/theory/class.md does not cover.
 fn covered(study: &Study, models: &[LoopModel]) -> Result<(), ClassRefusal> {
     let unsupported = |key: &str| ClassRefusal::Unsupported(key.to_owned());
-    modelled(study).map_err(|why| ClassRefusal::Unsupported(why.to_string()))?;
+    modelled(study).map_err(|why| match why {
+        TubeRefusal::Unsupported(key) => unsupported(&format!("`{key}`")),
+        other => unsupported(&other.to_string()),
+    })?;
     let profile = &study.interface.profile;
     let refused = [
         (models.iter().any(|m| m.form != Form::Positions), "a form other than \"positions\""),
