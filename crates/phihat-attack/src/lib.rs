@@ -12,6 +12,7 @@
 mod arm;
 mod chain_text;
 mod claim;
+mod class;
 mod derived;
 mod draft;
 mod draw;
@@ -37,6 +38,7 @@ mod vary;
 
 pub use arm::UserArm;
 pub use claim::{Claim, JointClaim, NoClaim, claimed};
+pub use class::{ClassRuns, class_run};
 pub use draft::{Draft, Laws, Load, Scope, World};
 pub use draw::draw;
 pub use held::{Found, JointFound, Violation, held};

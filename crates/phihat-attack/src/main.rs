@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
-use phihat_attack::{Record, Summary, Trial};
+use phihat_attack::{ClassRuns, NoRun, Record, Summary, Trial, class_run};
 use phihat_campaign::{Ended, Journal, run_all};
 
 /// Draws studies and tries to break what is certified about them.
@@ -63,10 +63,21 @@ struct Arguments {
     /// Begin again, whatever the journal holds.
     #[arg(long)]
     fresh: bool,
+    /// Attack one class of motions in place of drawn studies: so many motions of this study, with its gains.
+    #[arg(long, value_name = "STUDY", requires = "gains")]
+    class: Option<PathBuf>,
+    /// The gains of the class, with their certificate.
+    #[arg(long, value_name = "FILE")]
+    gains: Option<PathBuf>,
 }
 
 fn main() -> ExitCode {
-    match attack(&Arguments::parse()) {
+    let arguments = Arguments::parse();
+    let done = match (&arguments.class, &arguments.gains) {
+        (Some(study), Some(gains)) => attack_class(&arguments, study, gains),
+        _ => attack(&arguments),
+    };
+    match done {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(why) => {
@@ -74,6 +85,53 @@ fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// Attacks one class of motions; returns true if no run left its bound.
+fn attack_class(arguments: &Arguments, study: &Path, gains: &Path) -> Result<bool, Box<dyn Error>> {
+    let study = phihat_session::read(study)?;
+    let text = fs::read_to_string(gains).map_err(|e| format!("{}: {e}", gains.display()))?;
+    let gains = phihat_design::Gains::from_json(&text)?;
+    let bound = gains.certificate.as_ref().and_then(|all| all.class.as_deref());
+    let bound = bound.ok_or("these gains have no class bound")?;
+    let bar = ProgressBar::new(arguments.count);
+    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
+    let jobs = arguments.jobs.unwrap_or_else(processors) as u64;
+    let first = arguments.seed.wrapping_mul(1_000_003).wrapping_add(arguments.from);
+    let (bar, study, gains) = (&bar, &study, &gains);
+    let all: Result<Vec<ClassRuns>, NoRun> = std::thread::scope(|scope| {
+        let work = |job: u64| {
+            let mut found = ClassRuns::default();
+            for k in (job..arguments.count).step_by(usize::try_from(jobs).unwrap_or(1)) {
+                found.and(&class_run(study, gains, bound, first.wrapping_add(k))?);
+                bar.inc(1);
+            }
+            Ok(found)
+        };
+        let threads: Vec<_> = (0..jobs).map(|job| scope.spawn(move || work(job))).collect();
+        threads
+            .into_iter()
+            .map(|one| one.join().unwrap_or_else(|why| std::panic::resume_unwind(why)))
+            .collect()
+    });
+    bar.finish_and_clear();
+    let mut found = ClassRuns::default();
+    for part in all? {
+        found.and(&part);
+    }
+    let [error, velocity, step] = found.least();
+    println!(
+        "{} runs, {} outside; bound over measured at least {error:.2} (|e|), {velocity:.2} (|ė|), {step:.2} (|Δτ|)",
+        found.runs, found.outside
+    );
+    if !found.broken.is_empty() {
+        println!("seeds of the runs outside: {:?}", found.broken);
+    }
+    if let Some(path) = &arguments.json {
+        let all = serde_json::json!({ "seed": arguments.seed, "class": found });
+        fs::write(path, format!("{all:#}\n")).map_err(|e| format!("{}: {e}", path.display()))?;
+    }
+    Ok(found.outside == 0)
 }
 
 /// Attacks the studies; returns true if no claim was broken.

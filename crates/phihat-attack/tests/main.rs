@@ -6,5 +6,6 @@
     reason = "tests: a panic is the report"
 )]
 
+mod class_of_motions;
 mod classes;
 mod ranges;

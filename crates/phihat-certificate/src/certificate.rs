@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::refutation::refuse;
 use crate::{
-    AnySpeed, ArmBasis, ArmInertia, Bounds, ContinuousLaw, CoupledGains, FrozenArm, InertiaWindow,
-    LargestStep, LoopModel, Margins, Moving, NotCounted, Phi, ReadingError, ReferenceError,
-    Refutation, SampledPeaks, SampledVarying, Settle, TorqueNoise, Tube, VaryingWindow,
+    AnySpeed, ArmBasis, ArmInertia, Bounds, ClassBound, ContinuousLaw, CoupledGains, FrozenArm,
+    InertiaWindow, LargestStep, LoopModel, Margins, Moving, NotCounted, Phi, ReadingError,
+    ReferenceError, Refutation, SampledPeaks, SampledVarying, Settle, TorqueNoise, Tube,
+    VaryingWindow,
 };
 
 /// Everything that is claimed about a set of gains on an arm.
@@ -48,6 +49,12 @@ pub struct Certificate {
     /// An envelope of the study's run from its start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tube: Option<Tube>,
+    /// Bounds for every motion of the study's class.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub class: Option<Box<ClassBound>>,
+    /// Why there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub class_refused: Option<String>,
     /// Clauses of the specification that are not proved, each with what is known of it; empty: all are.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unproved: Vec<String>,
@@ -191,16 +198,22 @@ impl Certificate {
             return None;
         }
         let why = if self.is_coupled() { "no tube was computed" } else { "φ is not known" };
-        Some(self.tube_refused.clone().unwrap_or_else(|| why.to_owned()))
+        let refused = self.tube_refused.as_ref().or(self.class_refused.as_ref());
+        Some(refused.cloned().unwrap_or_else(|| why.to_owned()))
     }
 
-    /// Bound on a joint's steady error: that of the tube, or, for joints that are known one by one, their own; `None`:
-    /// there is none. A coupled arm has no bound without a tube.
+    /// Bound on a joint's steady error: that of the tube, that of the class of motions, or, for joints that are known
+    /// one by one, their own; `None`: there is none. A coupled arm has no bound without a tube or a class.
     pub fn error_bound(&self, joint: usize) -> Option<ErrorBound> {
         if let Some(tube) = &self.tube {
             let own = tube.joints.get(joint)?;
             let (error_rad, velocity_error_rad_s) =
                 (own.error_max_rad, own.velocity_error_max_rad_s);
+            return Some(ErrorBound { error_rad, velocity_error_rad_s });
+        }
+        if let Some(class) = &self.class {
+            let error_rad = *class.error_rad.get(joint)?;
+            let velocity_error_rad_s = *class.velocity_error_rad_s.get(joint)?;
             return Some(ErrorBound { error_rad, velocity_error_rad_s });
         }
         let Bounds { error_rad, velocity_error_rad_s, .. } = *self.own_bounds(joint)?;

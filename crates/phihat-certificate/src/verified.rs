@@ -4,8 +4,8 @@ use phihat::{Form, TorqueSource, VelocitySource};
 use serde::Serialize;
 
 use crate::{
-    ArmBasis, Certificate, Gains, JointCertificate, LoopModel, NotCounted, PhiBasis, Refutation,
-    TubeAgain,
+    ArmBasis, Certificate, ClassAgain, Gains, JointCertificate, LoopModel, NotCounted, PhiBasis,
+    Refutation, TubeAgain,
 };
 
 /// One line of a checked certificate.
@@ -35,6 +35,8 @@ pub struct Verified {
     pub derived: Vec<Statement>,
     /// Result of a second derivation of the tube from a study.
     pub tube: Option<TubeAgain>,
+    /// Result of a second derivation of the bound for a class of motions from a study.
+    pub class: Option<ClassAgain>,
     /// Effects in the study that the claims leave out, as the file says.
     pub not_counted: Vec<NotCounted>,
     /// Clauses of the specification that the file does not prove, and the reason where it bounds no error.
@@ -84,6 +86,7 @@ impl Certificate {
             trusted: self.trusted(gains),
             derived: Vec::new(),
             tube: None,
+            class: None,
             not_counted: self.not_counted.clone(),
             not_proved: self.not_proved(),
             bounded: self.without_bound().is_none(),
@@ -143,6 +146,7 @@ impl Certificate {
                 });
             }
         }
+        list.extend(self.class_found(gains));
         let uncoupled = arm.basis != ArmBasis::Postures;
         let of = |joint: &JointCertificate| trusted(joint, uncoupled, gains.slides(&joint.name));
         list.extend(merged(self.joints.iter().map(|joint| (joint.name.as_str(), of(joint)))));
@@ -153,6 +157,35 @@ impl Certificate {
     fn not_proved(&self) -> Vec<String> {
         let why = self.without_bound().map(|why| format!("no bound on the error: {why}"));
         why.into_iter().chain(self.unproved.iter().cloned()).collect()
+    }
+
+    /// The bound for a class of motions, which rests on a search.
+    fn class_found(&self, gains: &Gains) -> Vec<Statement> {
+        let Some(class) = &self.class else { return Vec::new() };
+        let set = &class.payload;
+        let whole = |what: &str, value: String| Statement { joint: None, what: what.into(), value };
+        let mut list = vec![
+            whole("bound for every motion of the class", class.source.clone()),
+            whole(
+                "payload of the class",
+                format!(
+                    "{} … {} kg on {}, centre of mass in {:?} m",
+                    set.mass_kg.0, set.mass_kg.1, set.frame, set.com_m
+                ),
+            ),
+            whole("forces of any course in the class", format!("{:?} N·m", class.force_nm)),
+        ];
+        for (joint, (error, velocity)) in
+            self.joints.iter().zip(class.error_rad.iter().zip(&class.velocity_error_rad_s))
+        {
+            let (way, _) = units(gains.slides(&joint.name));
+            list.push(Statement {
+                joint: Some(joint.name.clone()),
+                what: "any motion of the class".to_owned(),
+                value: format!("|e| ≤ {error:.4e} {way}, |ė| ≤ {velocity:.4e} {way}/s"),
+            });
+        }
+        list
     }
 
     /// Results of searches, which are no better than the search.

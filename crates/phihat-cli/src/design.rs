@@ -149,6 +149,9 @@ impl Design {
             if let Some(certificate) = &gains.certificate {
                 println!("{}", table::certificate(certificate, gains));
             }
+            if let Some(class) = table::class(gains) {
+                println!("{class}");
+            }
             if let Some(stop) = table::stop(study, gains) {
                 println!("{stop}");
             }

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use phihat_certificate::tube::JointBeside;
-use phihat_certificate::{Statement, TubeAgain, Verified};
+use phihat_certificate::{ClassAgain, JointOfClass, Statement, TubeAgain, Verified};
 use phihat_report::kit::unit_of;
 use phihat_session::{Checked, Stage, Verification, WORLDS, verify};
 use phihat_sim::Metrics;
@@ -128,6 +128,10 @@ fn blocks(verified: &Verified, found: &Verification) -> String {
     if let Some(tube) = &verified.tube {
         blocks.push(block("THE TUBE, BY A SECOND DERIVATION", again_lines(tube, found)));
     }
+    if let Some(class) = &verified.class {
+        blocks
+            .push(block("THE CLASS OF MOTIONS, BY A SECOND DERIVATION", class_lines(class, found)));
+    }
     let left = table::not_counted(&verified.not_counted);
     let left = left.into_iter().map(|one| format!("  {one}")).collect();
     blocks.push(block("NOT COUNTED", left));
@@ -142,6 +146,24 @@ fn blocks(verified: &Verified, found: &Verification) -> String {
     };
     blocks.push(result.to_owned());
     blocks.join("\n")
+}
+
+/// Results of the second derivation of the bound for a class.
+fn class_lines(class: &ClassAgain, found: &Verification) -> Vec<String> {
+    let joint = |own: &JointOfClass| {
+        let unit = unit_of("mrad", found.sliding.contains(&own.name));
+        let ends = [own.claimed_rad, own.derived_rad].map(|e| 1e3 * e);
+        format!("  {}: |e| ≤ {:.4} {unit} claimed, {:.4} derived", own.name, ends[0], ends[1])
+    };
+    let mut lines: Vec<String> = class.joints.iter().map(joint).collect();
+    lines.push(format!(
+        "  kicks played at {} postures, torque rates at {} points of the class, drawn from this file; claimed over \
+         derived is {:.3} at least; without second-order terms, so from below",
+        class.postures,
+        class.points,
+        class.least_ratio()
+    ));
+    lines
 }
 
 /// Results of the second derivation and of the drawn worlds for the tube.

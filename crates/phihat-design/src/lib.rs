@@ -79,6 +79,7 @@ mod arm;
 pub mod budget;
 mod certificate;
 pub mod claims;
+mod class;
 mod contradiction;
 pub mod coupled;
 mod designer;
@@ -93,12 +94,14 @@ mod request;
 mod reversals;
 pub mod sampled;
 mod smoothed;
+mod square;
 mod trace;
 mod trade_off;
 pub mod tube;
 
 pub use arm::{Arm, ArmError, InertiaRates, ProofProgress, Unproved};
 pub use certificate::{arm_inside_window, find_moving};
+pub use class::{ClassDemand, ClassRefusal, class_bound, quick_class_bound};
 pub use contradiction::{Contradiction, ContradictionError, typed_inertia_holds};
 pub use designer::{
     Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, alternatives, design, has_law,
@@ -106,11 +109,12 @@ pub use designer::{
 };
 pub use limit::{Limit, LimitError, LimitRequest, beside_limit, limit};
 pub use phihat_certificate::{
-    ArmBasis, ArmInertia, Bounds, Certificate, CoarserEncoder, CoupledGains, ErrorBound, FORMAT,
-    FilterSection, FrozenPayload, FrozenPosture, Gains, GainsError, JointCertificate, JointKept,
-    JointLimit, JointRecord, JointRun, Left, LeftOut, Motion, NotCounted, PayloadSet, Phi,
-    PhiBasis, PositionObserver, Proved, Quantity, Searched, Settle, SettleFrom, Statement,
-    TradeOff, Tube, TubeJoint, TubeKept, TubeWatch, VERSION, Verified, Witness,
+    ArmBasis, ArmInertia, Bounds, Certificate, ClassBound, ClassPace, ClassWitness, CoarserEncoder,
+    CoupledGains, ErrorBound, FORMAT, FilterSection, FrozenPayload, FrozenPosture, Gains,
+    GainsError, JointCertificate, JointKept, JointLimit, JointRecord, JointRun, Left, LeftOut,
+    Motion, NotCounted, PayloadSet, Phi, PhiBasis, PositionObserver, Proved, Quantity, Searched,
+    Settle, SettleFrom, Statement, TradeOff, Tube, TubeJoint, TubeKept, TubeWatch, VERSION,
+    Verified, Witness,
 };
 pub use positions::{PositionEstimate, PositionSearch, TubeParts};
 pub use request::requested_gains;

@@ -142,6 +142,7 @@ fn again(
         verified.derived = derived;
         let share = |share| stage(Stage::Tube(share));
         verified.tube = derived_tube((gains, certificate), study, &share)?;
+        verified.class = certificate.derive_class(gains, study)?;
         Ok(verified)
     });
     let verified = match checked {

@@ -17,6 +17,7 @@
 mod abreast;
 mod apart;
 mod batch;
+mod class_motion;
 mod columnar;
 mod control;
 mod curve;

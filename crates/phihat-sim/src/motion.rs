@@ -4,6 +4,7 @@ use core::f64::consts::TAU;
 
 use phihat_study::{Reference, Sine, Study};
 
+use crate::class_motion::ClassMotion;
 use crate::curve;
 use crate::error::SimError;
 use crate::spline::{Jet, Spline, quintic_step};
@@ -54,6 +55,7 @@ enum Path {
     Sines { center: Vec<f64>, terms: Vec<Sine>, fade_in: f64 },
     Waypoints { t: Vec<f64>, q: Vec<Vec<f64>> },
     Splines(Vec<Spline>),
+    OfClass(Vec<ClassMotion>),
 }
 
 impl Motion {
@@ -74,6 +76,11 @@ impl Motion {
             }
             Reference::Waypoints { t, q } => Path::Waypoints { t: t.clone(), q: q.clone() },
             Reference::Samples { t, q } => Path::Splines(per_joint(t, q)),
+            Reference::Any { class, seed } => {
+                let joints = 0..class.center.len();
+                let draw = |joint| ClassMotion::draw(class, joint, *seed, duration);
+                Path::OfClass(joints.map(draw).collect())
+            }
             Reference::Cartesian { .. } => {
                 let (t, q) = curve::joint_samples(reference, robot, duration)?;
                 Path::Splines(per_joint(&t, &q))
@@ -116,6 +123,7 @@ impl Motion {
             }
             Path::Waypoints { t: times, q } => waypoints(times, q, joint, t),
             Path::Splines(splines) => splines[joint].at(t),
+            Path::OfClass(motions) => motions[joint].at(t),
         }
     }
 }

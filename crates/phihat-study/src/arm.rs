@@ -225,6 +225,15 @@ impl StudyArm {
         (!inside).then(|| format!("{low} to {high}"))
     }
 
+    /// The ends of travel of joint `j`; refused where it has none.
+    pub(crate) fn range(&self, node: &Node<'_>, j: usize) -> Result<(f64, f64), StudyError> {
+        let own = self.robot.joints.get(j).and_then(|joint| joint.position);
+        own.filter(|(low, high)| (high - low).is_finite()).ok_or_else(|| {
+            let message = format!("joint `{}` has no ends of travel", self.joints.names[j]);
+            node.error(Kind::MissingKey, "box_rad", message).with_help("state the box")
+        })
+    }
+
     /// The velocity limit of joint `j`, if `dq` is beyond it.
     pub(crate) fn too_fast(&self, j: usize, dq: f64) -> Option<f64> {
         let limit = self.robot.joints.get(j)?.velocity_max?;

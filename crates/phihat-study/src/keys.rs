@@ -473,10 +473,11 @@ static START: Section = Section {
         Key {
             name: "torque_nm",
             unit: "N·m",
-            shape: Shape::PerJoint(Bounds::closed(-1e5, 1e5), &["gravity"]),
+            shape: Shape::PerJoint(Bounds::closed(-1e5, 1e5), &["gravity", "balance"]),
             need: Need::Optional("no torque"),
             doc: "Torque with which something holds the arm before, and with which the law takes over: its first command. \
-                  `\"gravity\"`: what holds the robot's description there, without payload, where the robot does not do so by itself.",
+                  `\"gravity\"`: what holds the robot's description there, without payload, where the robot does not do so by itself. \
+                  `\"balance\"`: what holds the arm as it is, payload included, as a controller before would.",
         },
         Key {
             name: "dq_rad_s",

@@ -192,10 +192,10 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let supervisor = found.keep(supervisor::read(supervisor, &arm, (duration, control.form)))?;
     let faults = fault::read(top, &arm, duration)?;
     // Along a run of no known length there is nothing to look at.
-    let run = period_ns.map(|_| Run { duration, rate, base });
+    let seed = top.count("seed")?;
+    let run = period_ns.map(|_| Run { duration, rate, seed, base });
     let reference = run.map(|run| reference::read(&top.child("reference"), &arm, run));
     let reference = reference.map_or(Ok(None), |reference| found.keep(reference))?;
-    let inputs = inputs(top, &arm, base)?;
     let all = (sensor, interface, spec, design, feedforward, supervisor, reference);
     let (
         Some(sensor),
@@ -214,7 +214,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         name,
         text: top.source.text.to_owned(),
         sha256: sha256(top.source.text),
-        seed: top.count("seed")?,
+        seed,
         duration,
         spec,
         gains,
@@ -227,7 +227,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         interface: Box::new(interface),
         faults,
         reference,
-        inputs,
+        inputs: inputs(top, &arm, base)?,
         robot: arm.robot,
     })
 }

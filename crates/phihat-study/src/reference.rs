@@ -4,7 +4,7 @@ use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::run::{QUINTIC_SLOPE_MAX, Run};
-use crate::study::Reference;
+use crate::study::{MotionClass, Reference};
 use crate::{cartesian, samples, sines};
 
 pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Reference, StudyError> {
@@ -12,6 +12,7 @@ pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Refe
         "sines" => sines::read(node, arm, run),
         "waypoints" => waypoints(node, arm),
         "csv" => samples::read(node, arm, run),
+        "any" => any(node, arm, run.seed),
         "hold" => {
             Ok(Reference::Waypoints { t: vec![0.0], q: vec![arm.position(node, "q_rad", "pose")?] })
         }
@@ -43,6 +44,32 @@ fn waypoints(node: &Node<'_>, arm: &StudyArm) -> Result<Reference, StudyError> {
         q.push(position);
     }
     Ok(Reference::Waypoints { t, q })
+}
+
+/// A class of motions: its box inside the joints' limits, its speeds too.
+fn any(node: &Node<'_>, arm: &StudyArm, seed: u64) -> Result<Reference, StudyError> {
+    let center = arm.position(node, "center_rad", "center")?;
+    let half = arm.joints.numbers_if(node, "box_rad")?;
+    let speed = arm.joints.numbers(node, "speed_max_rad_s")?;
+    let acceleration = arm.joints.numbers(node, "acceleration_max_rad_s2")?;
+    let jerk = arm.joints.numbers(node, "jerk_max_rad_s3")?;
+    let (mut low, mut high) = (Vec::new(), Vec::new());
+    for (j, middle) in center.iter().enumerate() {
+        arm.check_velocity(node, "speed_max_rad_s", j, speed[j])?;
+        let ends = match &half {
+            Some(half) => {
+                let ends = (middle - half[j], middle + half[j]);
+                arm.check_position(node, "box_rad", j, ends.0)?;
+                arm.check_position(node, "box_rad", j, ends.1)?;
+                ends
+            }
+            None => arm.range(node, j)?,
+        };
+        low.push(ends.0);
+        high.push(ends.1);
+    }
+    let class = MotionClass { center, low, high, speed, acceleration, jerk };
+    Ok(Reference::Any { class, seed })
 }
 
 fn check_order(node: &Node<'_>, before: f64, time: f64) -> Result<(), StudyError> {

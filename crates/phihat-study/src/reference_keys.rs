@@ -14,6 +14,7 @@ pub(crate) const KINDS: &[Kind] = &[
     Kind { word: "curve", section: &CURVE },
     Kind { word: "csv", section: &CSV },
     Kind { word: "hold", section: &HOLD },
+    Kind { word: "any", section: &ANY },
 ];
 
 const fn kind(word: &'static [&'static str], doc: &'static str) -> Key {
@@ -231,5 +232,33 @@ static HOLD: Section = Section {
         kind(&["hold"], "Stay."),
         joint_position("q_rad", "`pose` is given", "Position."),
         pose("pose", "`q_rad` is given", "A named pose of the robot."),
+    ],
+};
+
+/// A largest derivative of the motions of a class.
+const fn largest(name: &'static str, unit: &'static str, doc: &'static str) -> Key {
+    let shape = Shape::PerJoint(Bounds::positive(1e6), &[]);
+    Key { name, unit, shape, need: Need::Required, doc }
+}
+
+static ANY: Section = Section {
+    path: "reference",
+    doc: "Any motion of a class: inside a joint box, within speed, acceleration and jerk. `phihat design` bounds the \
+          error of all of them at once; a run draws one from `seed`, which starts at rest at the centre and is switched \
+          at random instants.",
+    keys: &[
+        kind(&["any"], "Any motion of a class."),
+        joint_position("center_rad", "`center` is given", "Middle of the box."),
+        pose("center", "`center_rad` is given", "A named pose of the robot as the middle."),
+        Key {
+            name: "box_rad",
+            unit: "rad",
+            shape: Shape::PerJoint(Bounds::positive(100.0), &[]),
+            need: Need::Optional("the whole range of every joint"),
+            doc: "Half width of the box around the middle, inside the joints' limits.",
+        },
+        largest("speed_max_rad_s", "rad/s", "Largest speed."),
+        largest("acceleration_max_rad_s2", "rad/s²", "Largest acceleration."),
+        largest("jerk_max_rad_s3", "rad/s³", "Largest jerk."),
     ],
 };

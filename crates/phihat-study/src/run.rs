@@ -12,6 +12,8 @@ pub(crate) struct Run<'p> {
     pub(crate) duration: f64,
     /// Control samples per second \[Hz\].
     pub(crate) rate: f64,
+    /// Seed of the study.
+    pub(crate) seed: u64,
     /// Directory to which files are relative.
     pub(crate) base: Base<'p>,
 }

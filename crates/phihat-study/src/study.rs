@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use phihat::{Form, TorqueSource, VelocitySource};
-use phihat_model::{Profile, Robot};
+use phihat_model::{Model, Profile, Robot};
 
 use crate::Fault;
 use crate::payload::Payload;
@@ -520,6 +520,8 @@ pub enum Held {
     By(Vec<f64>),
     /// Torque that holds the robot's description against gravity where the run begins, without payload.
     ByGravity,
+    /// Torque that holds the arm where the run begins, with the study's own payload.
+    InBalance,
 }
 
 impl Study {
@@ -535,13 +537,31 @@ impl Study {
             Held::By(torque) => torque.clone(),
             // The robot does so by itself.
             Held::ByGravity if self.interface.profile.adds_gravity => vec![0.0; q.len()],
-            Held::ByGravity => {
-                let model = self.robot.plant_model().with_gravity(self.world.gravity);
-                let (rest, mut torque) = (vec![0.0; q.len()], vec![0.0; q.len()]);
-                model.bias(&mut phihat_model::Workspace::new(&model), q, &rest, &mut torque);
-                torque
+            Held::ByGravity => self.still(self.robot.plant_model(), q),
+            Held::InBalance => {
+                let mut whole = self.still(self.loaded_model(), q);
+                if self.interface.profile.adds_gravity {
+                    let own = self.still(self.robot.plant_model(), q);
+                    whole.iter_mut().zip(own).for_each(|(whole, own)| *whole -= own);
+                }
+                whole
             }
         })
+    }
+
+    /// The description with the study's own payload; without it where that cannot be attached, which a run refuses.
+    fn loaded_model(&self) -> Model {
+        let bare = self.robot.plant_model();
+        let Some(own) = &self.world.payload else { return bare };
+        bare.clone().with_payload_on(&own.frame, &own.body()).unwrap_or(bare)
+    }
+
+    /// Torque \[N·m\] that holds a model still.
+    fn still(&self, model: Model, q: &[f64]) -> Vec<f64> {
+        let model = model.with_gravity(self.world.gravity);
+        let (rest, mut torque) = (vec![0.0; q.len()], vec![0.0; q.len()]);
+        model.bias(&mut phihat_model::Workspace::new(&model), q, &rest, &mut torque);
+        torque
     }
 }
 
@@ -579,6 +599,13 @@ pub enum Reference {
         /// Start posture of inverse kinematics \[rad\].
         seed: Vec<f64>,
     },
+    /// Any motion of a class; a run draws one.
+    Any {
+        /// The class.
+        class: MotionClass,
+        /// Seed of the motion that a run draws.
+        seed: u64,
+    },
     /// Samples from a file, joined by a natural cubic spline per joint.
     Samples {
         /// Times \[s\], strictly increasing, first one 0.
@@ -586,6 +613,23 @@ pub enum Reference {
         /// `q[i][j]`: joint `j` at time `t[i]` \[rad\].
         q: Vec<Vec<f64>>,
     },
+}
+
+/// A class of motions: `q_d` inside a box, its first three derivatives bounded, joint by joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotionClass {
+    /// Position at which a drawn motion starts at rest \[rad\] per joint.
+    pub center: Vec<f64>,
+    /// Low ends of the box \[rad\] per joint.
+    pub low: Vec<f64>,
+    /// High ends of the box \[rad\] per joint.
+    pub high: Vec<f64>,
+    /// Largest speed \[rad/s\] per joint.
+    pub speed: Vec<f64>,
+    /// Largest acceleration \[rad/s²\] per joint.
+    pub acceleration: Vec<f64>,
+    /// Largest jerk \[rad/s³\] per joint.
+    pub jerk: Vec<f64>,
 }
 
 /// One term of a sum of sines.

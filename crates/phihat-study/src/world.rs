@@ -173,6 +173,7 @@ fn held(node: &Node<'_>, arm: &StudyArm) -> Result<Option<Held>, StudyError> {
     }
     Ok(Some(match arm.joints.numbers_or_word(node, "torque_nm")? {
         PerJoint::Values(torque) => Held::By(torque),
+        PerJoint::Word("balance") => Held::InBalance,
         PerJoint::Word(_) => Held::ByGravity,
     }))
 }

@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use phihat_design::claims::Refutation;
-use phihat_design::{ArmError, ContradictionError, DesignError, EstimateError, GainsError};
+use phihat_design::{
+    ArmError, ClassRefusal, ContradictionError, DesignError, EstimateError, GainsError,
+};
 use phihat_sim::{Overload, SimError};
 use thiserror::Error;
 
@@ -27,6 +29,9 @@ pub enum SynthesisError {
     /// A search cannot begin.
     #[error(transparent)]
     Design(#[from] DesignError),
+    /// No bound for a class of motions can be computed.
+    #[error("reference.kind = \"any\": {0}")]
+    Class(#[from] ClassRefusal),
     /// Gains do not fit the study.
     #[error(transparent)]
     Gains(#[from] GainsError),

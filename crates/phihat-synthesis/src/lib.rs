@@ -11,7 +11,7 @@
 //! 2. `candidates.rs`: one law per joint, for bounds of `φ` from the study's source.
 //! 3. `judged.rs`: the tube of a candidate, and the share of the specification that each joint uses.
 //! 4. `spec_search.rs` and `position_search.rs`: the repetition, for laws with velocity and for laws from positions;
-//!    `rank.rs` the shares for the next candidates.
+//!    `rank.rs` the shares for the next candidates; `class_search.rs` for every motion of a class.
 //! 5. `phihat-design`: the finders of laws ([`phihat_design::search`], [`phihat_design::PositionSearch`]) and of tubes
 //!    ([`phihat_design::tube`]).
 //!
@@ -24,6 +24,7 @@ mod along;
 mod arm;
 mod budget;
 mod candidates;
+mod class_search;
 mod coarser;
 mod commanded;
 pub mod digits;

@@ -10,6 +10,7 @@ use phihat_study::{DesignMethod, InertiaSource, PhiSource, Study};
 
 use crate::along::coupled_along;
 use crate::candidates::{candidates, with_phi};
+use crate::class_search::{for_class, is_class};
 use crate::coarser::coarser;
 use crate::error::SynthesisError;
 use crate::judged::{ERROR_KEY, Merit, beyond_error, missed};
@@ -51,8 +52,9 @@ pub struct SynthesisOptions {
 /// ```
 ///
 /// Joints of an arm push each other, which the search for a candidate neglects: the only bound on the error of a
-/// coupled arm is its tube. Where the arm is known by an interval of inertia per joint there is no coupling to
-/// count and no tube; each joint then has a bound of its own.
+/// coupled arm is its tube, or, for a class of motions, the class bound, which judges candidates in the tube's place.
+/// Where the arm is known by an interval of inertia per joint there is no coupling to count and no tube; each joint
+/// then has a bound of its own.
 ///
 /// # Errors
 ///
@@ -74,6 +76,15 @@ pub fn synthesize(
         return Err(SynthesisError::Overload(Box::new(more)));
     }
     let specified = with_tip(study)?;
+
+    // A class of motions: candidates from the largest rates of the class, judged by the class bound.
+    if is_class(study) {
+        let mut outcome = for_class(&specified, arm)?;
+        if let Outcome::Designed(gains) = &mut outcome {
+            complete_certificate(&specified, arm, gains)?;
+        }
+        return Ok(outcome);
+    }
 
     // Candidates, tube, shares: repeated in the form of the law that is stated, or in both forms.
     let (formed, outcome) = if specified.control.form_designed {

@@ -241,7 +241,7 @@ fn forgets(
 }
 
 /// `M^{-1}` by Cholesky's factors.
-fn inverse(mass: &Matrix, n: usize) -> Result<Matrix, Refutation> {
+pub(crate) fn inverse(mass: &Matrix, n: usize) -> Result<Matrix, Refutation> {
     let square = mass.len() == n && mass.iter().all(|row| row.len() == n);
     at_most("M(q) has one row and column per joint", if square { 0.0 } else { 1.0 }, 0.0)?;
     let mut factor = vec![vec![0.0; n]; n];

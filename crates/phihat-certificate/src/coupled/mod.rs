@@ -6,6 +6,7 @@
 mod alpha;
 mod check;
 mod document;
-mod played;
+pub(crate) mod played;
 
+pub(crate) use check::inverse;
 pub use document::{CoupledGains, FrozenPayload, FrozenPosture};

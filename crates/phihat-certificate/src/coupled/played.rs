@@ -9,7 +9,7 @@ use crate::check::sight::Sight;
 use crate::{JointRecord, LoopModel};
 
 /// Outputs of a joint at a sample: `e`, `ė`, `M^{-1}` times the acting torques, commanded torque, acting torque.
-pub(super) const OUTPUTS: usize = 5;
+pub(crate) const OUTPUTS: usize = 5;
 
 /// Places in a joint's state: then come the estimator's memory and the torques on their way.
 const Q: usize = 0;
@@ -183,7 +183,7 @@ struct Told {
 }
 
 /// Runs of one arm side by side.
-pub(super) struct Played<'a> {
+pub(crate) struct Played<'a> {
     laws: Vec<PlayedJoint<'a>>,
     /// `M^{-1}`.
     inverse: &'a [Vec<f64>],
@@ -195,7 +195,7 @@ pub(super) struct Played<'a> {
 
 impl<'a> Played<'a> {
     /// So many runs from rest.
-    pub(super) fn new(
+    pub(crate) fn new(
         loops: &[(&JointRecord, &'a LoopModel)],
         inverse: &'a [Vec<f64>],
         runs: usize,
@@ -208,7 +208,7 @@ impl<'a> Played<'a> {
     }
 
     /// Length of the whole arm's state.
-    pub(super) fn length(&self) -> usize {
+    pub(crate) fn length(&self) -> usize {
         self.laws.iter().map(PlayedJoint::length).sum()
     }
 
@@ -224,7 +224,7 @@ impl<'a> Played<'a> {
     }
 
     /// Kicks a run with a torque impulse of 1 N·m·s on a joint, `lever` seconds before the next sample.
-    pub(super) fn kick(&mut self, run: usize, joint: usize, lever: f64) {
+    pub(crate) fn kick(&mut self, run: usize, joint: usize, lever: f64) {
         for (i, states) in self.states.iter_mut().enumerate() {
             states[run][Q] += lever * self.inverse[i][joint];
             states[run][DQ] += self.inverse[i][joint];
@@ -232,12 +232,12 @@ impl<'a> Played<'a> {
     }
 
     /// Lets a joint's encoder of a run be read 1 rad too far at the next sample.
-    pub(super) fn misread(&mut self, run: usize, joint: usize) {
+    pub(crate) fn misread(&mut self, run: usize, joint: usize) {
         self.readings[joint][run] = 1.0;
     }
 
     /// Largest part of a run's state, in its units.
-    pub(super) fn size(&self, run: usize) -> f64 {
+    pub(crate) fn size(&self, run: usize) -> f64 {
         let mut most = 0.0_f64;
         for (law, states) in self.laws.iter().zip(&self.states) {
             for (place, value) in states[run].iter().enumerate() {
@@ -260,7 +260,7 @@ impl<'a> Played<'a> {
     }
 
     /// One sample of every run; shows each joint's outputs, run by run.
-    pub(super) fn step(&mut self, mut show: impl FnMut(usize, usize, &[f64; OUTPUTS])) {
+    pub(crate) fn step(&mut self, mut show: impl FnMut(usize, usize, &[f64; OUTPUTS])) {
         let n = self.laws.len();
         let runs = self.readings.first().map_or(0, Vec::len);
         let mut told = Vec::with_capacity(n);

@@ -69,6 +69,7 @@ impl Certificate {
     pub fn verify(&self, gains: &Gains) -> Result<(), Refutation> {
         self.whole(gains)?;
         self.tube_fits()?;
+        self.class_fits()?;
         let mut checked: Vec<(&JointCertificate, &JointRecord)> = Vec::new();
         for (joint, record) in self.joints.iter().zip(&gains.joints) {
             let same = |(before, law): &(&JointCertificate, &JointRecord)| {

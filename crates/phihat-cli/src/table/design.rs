@@ -185,6 +185,10 @@ fn proved(certificate: &Certificate) -> String {
             "the specification is kept by every run in the tube: payload {} … {} kg on {}, dry friction as stated, from t = 0, no limit acts",
             tube.payload.mass_kg.0, tube.payload.mass_kg.1, tube.payload.frame
         ),
+        None if certificate.class.is_some() => {
+            "the specification is kept by every motion of the class, from a start in balance"
+                .to_owned()
+        }
         None => {
             "bounds are those of each joint alone: nothing is known of how they push each other"
                 .to_owned()

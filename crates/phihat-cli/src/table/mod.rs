@@ -1,6 +1,7 @@
 //! Tables and sentences for the terminal. Units are converted here for reading, nothing else.
 
 mod budget;
+mod class;
 mod coarser;
 mod coupled;
 mod design;
@@ -14,6 +15,7 @@ mod stop;
 use phihat_report::kit::{MILLI, unit_of};
 
 pub(crate) use budget::budget;
+pub(crate) use class::class;
 pub(crate) use coarser::coarser;
 pub(crate) use design::{certificate, gains, not_counted};
 pub(crate) use fitted::Fitted;

@@ -120,6 +120,8 @@ impl FindCertificate for Certificate {
             not_counted: NotCounted::of(study),
             tube: None,
             tube_refused: None,
+            class: None,
+            class_refused: None,
             unproved: Vec::new(),
             settle: Some(Settle::of(study, None)),
         };

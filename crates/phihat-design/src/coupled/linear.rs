@@ -9,32 +9,32 @@ use crate::sampled::mean_of_line;
 use crate::sampled::sample::{Input, Sample};
 
 /// Outputs of a joint: `e`, `ė`, `ë` without the push itself, change of commanded torque, change of acting torque.
-pub(super) const OUTPUTS: usize = 5;
+pub(crate) const OUTPUTS: usize = 5;
 
 /// Outputs that are changes from sample to sample.
 const CHANGES: [usize; 2] = [3, 4];
 
 /// Outputs after a torque impulse at an interval's start, at its end, and after an encoder's error; one left over.
-pub(super) type Lines = [f64; 16];
+pub(crate) type Lines = [f64; 16];
 
 /// Sums over a response's whole future, per output: from torque (absolute integral), from the encoder (absolute sum).
-pub(super) type Sums = [[f64; OUTPUTS]; 2];
+pub(crate) type Sums = [[f64; OUTPUTS]; 2];
 
 /// Largest remainder of the state when a sum is cut; the remainder of a response is bounded and added.
-const LEFT: f64 = 1e-4;
+pub(crate) const LEFT: f64 = 1e-4;
 
 /// Longest horizon is `2^DOUBLINGS` samples.
 const DOUBLINGS: u32 = 20;
 
 /// After how many samples the loop has forgotten, and what is left then: `A^samples`, `‖A^samples‖_∞ < 1`.
 #[derive(Debug, Clone)]
-pub(super) struct Horizon {
-    pub(super) samples: usize,
+pub(crate) struct Horizon {
+    pub(crate) samples: usize,
     power: DMatrix<f64>,
 }
 
 /// The joints `i` with their laws and loops on one constant matrix `M`: `M q̈ = τ − d`.
-pub(super) struct Linear {
+pub(crate) struct Linear {
     a: DMatrix<f64>,
     /// Columns of `a`, sparse.
     columns: Vec<Vec<(usize, f64)>>,
@@ -46,13 +46,15 @@ pub(super) struct Linear {
     readings: Vec<Vec<(usize, f64)>>,
     /// Outputs of joint `i` at the very sample of encoder `j`'s error, `direct[j][i]`.
     direct: Vec<Vec<[f64; OUTPUTS]>>,
+    /// State at the sample after a start with a reading 1 rad off, of laws from positions, sparse.
+    starts: Vec<Vec<(usize, f64)>>,
     period: f64,
 }
 
 impl Linear {
     /// Laws in their loops on the inverse of an inertia matrix \[1/(kg·m²)\].
     #[allow(clippy::too_many_lines, reason = "one input after the other")]
-    pub(super) fn new(loops: &[(&JointRecord, &LoopModel)], inverse: &DMatrix<f64>) -> Self {
+    pub(crate) fn new(loops: &[(&JointRecord, &LoopModel)], inverse: &DMatrix<f64>) -> Self {
         let samples: Vec<Sample<'_>> = loops.iter().map(|(r, m)| Sample::new(r, m, 1.0)).collect();
         let nominal: Vec<f64> = loops.iter().map(|(r, _)| r.inertia_kg_m2).collect();
         let n = loops.len();
@@ -71,6 +73,7 @@ impl Linear {
             kicks: Vec::new(),
             readings: Vec::new(),
             direct: Vec::new(),
+            starts: Vec::new(),
             period,
         };
         // The law, delay and drive are the joint's own; what acts moves every joint.
@@ -118,13 +121,20 @@ impl Linear {
                 sparse(x)
             };
             own.kicks.push([kick(period), kick(0.0)]);
+            own.starts.push(match started(loops[j].0, period) {
+                Some([e, phi]) => {
+                    let (at, scale) = (starts[j] + 2, &scales[j]);
+                    vec![(at, e / scale[2]), (at + 2, phi / scale[4])]
+                }
+                None => Vec::new(),
+            });
         }
         own.columns = own.a.column_iter().map(|c| sparse(c.iter().copied())).collect();
         own
     }
 
     /// `None` when the loop does not forget.
-    pub(super) fn horizon(&self) -> Option<Horizon> {
+    pub(crate) fn horizon(&self) -> Option<Horizon> {
         let (mut power, mut half) = (self.a.clone(), self.a.clone());
         for doublings in 0..=DOUBLINGS {
             let left = norm_inf(&power);
@@ -147,11 +157,38 @@ impl Linear {
         None
     }
 
+    /// Shows joint `i`'s outputs at each sample after a start of each joint's law with a reading 1 rad off.
+    pub(crate) fn start(
+        &self,
+        i: usize,
+        samples: usize,
+        mut visit: impl FnMut(usize, &[f64; OUTPUTS]),
+    ) {
+        let mut now: Vec<Outputs> = self.rows[i].iter().map(abreast).collect();
+        let mut next = now.clone();
+        let mut before = vec![Outputs::ZERO; self.starts.len()];
+        for _ in 0..samples {
+            for (j, (start, before)) in self.starts.iter().zip(&mut before).enumerate() {
+                let own = along(&now, start);
+                let mut outputs: [f64; OUTPUTS] = core::array::from_fn(|o| own[o]);
+                for o in CHANGES {
+                    outputs[o] -= before[o];
+                }
+                *before = own;
+                visit(j, &outputs);
+            }
+            for (next, column) in next.iter_mut().zip(&self.columns) {
+                *next = along(&now, column);
+            }
+            core::mem::swap(&mut now, &mut next);
+        }
+    }
+
     /// Shows joint `i`'s outputs after a unit of each input, for so many samples, at least those of the
     /// horizon; gives what the sums leave out, per input:
     /// `Σ_{k≥N} |c A^k b| ≤ Σ_{k<N} ‖c A^k‖₁ ‖A^N b‖_∞/(1 − ‖A^N‖_∞)`; for changes with `c (A − I)` for `c`,
     /// and the one change that leads to sample `N`.
-    pub(super) fn walk(
+    pub(crate) fn walk(
         &self,
         i: usize,
         (samples, horizon): (usize, &Horizon),
@@ -218,6 +255,14 @@ impl Linear {
         });
         tails.collect()
     }
+}
+
+/// State of a law from positions after a start from rest with a reading 1 rad off: `ê`, and the `φ̂/M̄` with which
+/// the torque stays that of before.
+fn started(record: &JointRecord, period: f64) -> Option<[f64; 2]> {
+    let ahead = period * f64::from(record.observer.as_ref()?.delay_samples);
+    let share = ahead * (record.kd_per_s + 0.5 * ahead * record.kp_per_s2);
+    Some([1.0, record.kp_per_s2 / (1.0 + share)])
 }
 
 /// Adds one sample's outputs to the sums.

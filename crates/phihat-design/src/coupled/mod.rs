@@ -4,7 +4,7 @@
 
 mod at_posture;
 mod find;
-mod linear;
+pub(crate) mod linear;
 mod of_study;
 mod postures;
 mod search;

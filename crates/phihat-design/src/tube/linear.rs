@@ -5,12 +5,10 @@ use phihat_model::{Lanes, Model, Scalar as _, Workspace};
 
 use super::nominal::Nominal;
 use super::scene::Scene;
+use crate::square::{Square, product};
 
 /// Steps of the differences in position and velocity.
 const STEP: f64 = 1e-5;
-
-/// Row-major `n × n`.
-pub(super) type Square = Vec<f64>;
 
 /// Derivatives of inverse dynamics at one state: `M`, by velocity, by position.
 #[derive(Debug, Clone)]
@@ -143,20 +141,6 @@ impl Interval {
 fn inverse(m: &[f64], n: usize) -> Option<Square> {
     let inverse = DMatrix::from_row_slice(n, n, m).cholesky()?.inverse();
     Some(inverse.as_slice().to_vec())
-}
-
-/// `a b`, all `n × n`.
-fn product(a: &[f64], b: &[f64], n: usize) -> Square {
-    let mut out = vec![0.0; n * n];
-    for i in 0..n {
-        for k in 0..n {
-            let factor = a[i * n + k];
-            for j in 0..n {
-                out[i * n + j] += factor * b[k * n + j];
-            }
-        }
-    }
-    out
 }
 
 /// Exact step of `ε' = w, w' = M⁻¹(τ − D w − K ε)` over a sample, by its series to the sixth order.

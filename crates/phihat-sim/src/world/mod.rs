@@ -29,6 +29,7 @@ pub(crate) use build::{frictions, frictions_of_robot, loaded_model};
 pub(crate) use drive_lanes::DriveLanes;
 pub use firmware::{Abort, StopReason};
 pub use friction::{COULOMB_VELOCITY, Friction};
+pub(crate) use noise::Draws;
 pub(crate) use path_lanes::PathLanes;
 pub(crate) use payload::loaded;
 pub(crate) use plant_lanes::PlantLanes;

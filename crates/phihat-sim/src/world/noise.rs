@@ -11,6 +11,21 @@ pub(super) struct Noise {
     key: u64,
 }
 
+/// Uniform draws for the reference of a joint.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Draws(Noise);
+
+impl Draws {
+    pub(crate) fn of(seed: u64, joint: usize) -> Self {
+        Self(Noise::new(seed, Effect::Reference, joint))
+    }
+
+    /// Uniform in `(0, 1)`.
+    pub(crate) fn uniform(self, number: u64) -> f64 {
+        self.0.uniform(number)
+    }
+}
+
 /// Effect that a stream belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Effect {
@@ -24,6 +39,7 @@ pub(super) enum Effect {
     FaultNoise,
     FaultCommandLoss,
     FaultSampleLoss,
+    Reference,
 }
 
 impl Noise {

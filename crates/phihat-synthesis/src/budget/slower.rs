@@ -25,6 +25,14 @@ pub(super) fn slower(study: &Study, factor: f64) -> Study {
             *period *= factor;
             *fade_in *= factor;
         }
+        Reference::Any { class, .. } => {
+            let lists = [&mut class.speed, &mut class.acceleration, &mut class.jerk];
+            for (list, power) in lists.into_iter().zip(1..) {
+                for most in list {
+                    *most /= factor.powi(power);
+                }
+            }
+        }
     }
     slow
 }

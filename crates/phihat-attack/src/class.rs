@@ -1,0 +1,128 @@
+//! Runs that try to leave the bound for a class of motions.
+
+use phihat_certificate::ClassBound;
+use phihat_design::Gains;
+use phihat_session::Dice;
+use phihat_study::{Payload, Reference, Study};
+use serde::Serialize;
+
+use crate::run::{NoRun, run};
+
+/// Result of runs against a class bound.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct ClassRuns {
+    /// Runs that were made.
+    pub runs: u64,
+    /// Runs that left a bound of error, velocity error or torque step.
+    pub outside: u64,
+    /// Largest `|e|` of each joint over its bound.
+    pub errors: Vec<f64>,
+    /// Largest `|ė|` of each joint over its bound.
+    pub velocities: Vec<f64>,
+    /// Largest change of torque per sample of each joint over its bound.
+    pub steps: Vec<f64>,
+    /// Seeds of the runs that left a bound.
+    pub broken: Vec<u64>,
+}
+
+impl ClassRuns {
+    /// The least of bound over measured, over joints: errors, velocity errors, torque steps.
+    pub fn least(&self) -> [f64; 3] {
+        [&self.errors, &self.velocities, &self.steps]
+            .map(|list| 1.0 / list.iter().copied().fold(f64::MIN_POSITIVE, f64::max))
+    }
+
+    /// Both together.
+    pub fn and(&mut self, other: &Self) {
+        let lists = [
+            (&mut self.errors, &other.errors),
+            (&mut self.velocities, &other.velocities),
+            (&mut self.steps, &other.steps),
+        ];
+        for (own, other) in lists {
+            own.resize(other.len().max(own.len()), 0.0);
+            for (own, other) in own.iter_mut().zip(other) {
+                *own = own.max(*other);
+            }
+        }
+        self.runs += other.runs;
+        self.outside += other.outside;
+        self.broken.extend(&other.broken);
+    }
+}
+
+/// Runs one motion of a study's class, drawn with payload, friction and encoder phases by a seed, and holds it against
+/// the bound.
+///
+/// # Errors
+///
+/// [`NoRun`]: the gains are none of this study, or it cannot be simulated.
+pub fn class_run(
+    study: &Study,
+    gains: &Gains,
+    bound: &ClassBound,
+    seed: u64,
+) -> Result<ClassRuns, NoRun> {
+    let mut dice = Dice::new(seed, 45);
+    let mut own = study.clone();
+    if let Reference::Any { seed: drawn, .. } = &mut own.reference {
+        *drawn = seed;
+    }
+    own.world.payload = payload(study, &mut dice);
+    // Dry friction at either end of its interval, or between.
+    for (i, level) in own.world.extra_coulomb.iter_mut().enumerate() {
+        let most = study.design.coulomb.1[i];
+        *level = match dice.below(4) {
+            0 => study.design.coulomb.0[i].min(most),
+            1 => dice.between(0.0, most),
+            _ => most,
+        };
+    }
+    phihat_sim::derive_substeps(&mut own);
+    let fed = study.feedforward.is_some();
+    let phase: Vec<f64> = bound.error_rad.iter().map(|_| dice.between(-0.5, 0.5)).collect();
+    // What is fed forward is added by the study's own loop, which has no displaced encoders.
+    let outcome = run(&own, gains, if fed { &[] } else { &phase })?;
+    let lost = outcome.divergence.is_some() || outcome.abort.is_some();
+    let trace = &outcome.trace;
+    let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let mut found = ClassRuns { runs: 1, ..ClassRuns::default() };
+    for (i, joint) in trace.joints.iter().enumerate() {
+        let (error, velocity) = (largest(&joint.e), largest(&joint.de));
+        found.errors.push(error / bound.error_rad[i]);
+        found.velocities.push(velocity / bound.velocity_error_rad_s[i]);
+        let step = outcome.told_step_max.get(i).copied().unwrap_or(0.0);
+        found.steps.push(step / bound.torque_step_nm[i]);
+    }
+    let beyond = [&found.errors, &found.velocities, &found.steps]
+        .iter()
+        .any(|list| list.iter().any(|share| share.is_nan() || *share > 1.0));
+    if lost || beyond {
+        found.outside = 1;
+        found.broken.push(seed);
+    }
+    Ok(found)
+}
+
+/// A payload of the set: an end, or anything between; at a corner of the box of centres, or inside.
+fn payload(study: &Study, dice: &mut Dice) -> Option<Payload> {
+    let set = &study.design.payload;
+    let mass = match dice.below(3) {
+        0 => set.mass.0,
+        1 => set.mass.1,
+        _ => dice.between(set.mass.0, set.mass.1),
+    };
+    if mass <= 0.0 {
+        return None;
+    }
+    let corner = dice.chance(0.5);
+    let com = set.com.map(
+        |(low, high)| {
+            if corner { dice.pick(&[low, high]) } else { dice.between(low, high) }
+        },
+    );
+    let most = mass * set.gyration * set.gyration;
+    let inertia = [most, 0.0, 0.0, most, 0.0, most];
+    let frame = set.frame.clone();
+    Some(Payload { frame, mass, com, inertia, start: 0.0, end: f64::INFINITY })
+}

@@ -1,0 +1,136 @@
+//! The bound for a class of motions: found, derived a second time, refused where it is forged, and attacked.
+
+use std::path::Path;
+use std::sync::OnceLock;
+
+use phihat_attack::{ClassRuns, class_run};
+use phihat_certificate::{Certificate, ClassBound};
+use phihat_design::{ClassRefusal, Gains, Outcome, class_bound};
+use phihat_session::designed;
+use phihat_study::{Reference, Study};
+
+/// Three joints in a plane, under gravity, with a payload of up to 0.2 kg.
+const TEXT: &str = r#"
+    duration_s = 3.0
+    [robot]
+    name = "planar3r"
+    [spec]
+    settle_s = 1.0
+    error_max_rad = 2e-3
+    [design]
+    payload_max_kg = 0.2
+    window_margin = 1.1
+    [loop]
+    delay_samples = 1
+    form = "positions"
+    [sensor]
+    encoder_bits = 19
+    [world]
+    coulomb_extra_nm = 0.05
+    [start]
+    torque_nm = "balance"
+    [reference]
+    kind = "any"
+    center = "ready"
+    box_rad = 0.4
+    speed_max_rad_s = 0.4
+    acceleration_max_rad_s2 = 1.0
+    jerk_max_rad_s3 = 10.0
+"#;
+
+fn study() -> Study {
+    Study::from_text(TEXT, "any.toml", "".as_ref()).unwrap()
+}
+
+/// Gains for the class, searched for once.
+fn gains() -> &'static Gains {
+    static GAINS: OnceLock<Gains> = OnceLock::new();
+    GAINS.get_or_init(|| match designed(&study(), Path::new("any.toml")).unwrap() {
+        Outcome::Designed(gains) => *gains,
+        Outcome::Infeasible(no) => panic!("{no}"),
+    })
+}
+
+fn certificate() -> &'static Certificate {
+    gains().certificate.as_ref().unwrap()
+}
+
+fn bound() -> &'static ClassBound {
+    let certificate = certificate();
+    certificate.class.as_deref().unwrap_or_else(|| panic!("{:?}", certificate.class_refused))
+}
+
+#[test]
+fn a_bound_is_found_for_the_class_and_derived_a_second_time() {
+    let (class, certificate) = (bound(), certificate());
+    assert!(certificate.unproved.is_empty(), "{:?}", certificate.unproved);
+    certificate.verify(gains()).unwrap();
+    let again = certificate.derive_class(gains(), &study()).unwrap().unwrap();
+    let ratio = again.least_ratio();
+    println!(
+        "{:?} mrad, claimed over derived {ratio}, radius {}",
+        class.worst(),
+        class.spectral_radius
+    );
+    // The second derivation leaves out what only adds.
+    assert!((1.0..1.25).contains(&ratio), "{again:?}");
+    for (moving, frozen) in class.error_rad.iter().zip(&class.frozen_error_rad) {
+        assert!(moving > frozen && moving < &(3.0 * frozen), "{moving} {frozen}");
+    }
+}
+
+#[test]
+fn a_forged_bound_is_refuted() {
+    let forged = |change: fn(&mut ClassBound)| {
+        let mut gains = gains().clone();
+        let class = gains.certificate.as_mut().and_then(|all| all.class.as_deref_mut()).unwrap();
+        change(class);
+        let certificate = gains.certificate.clone().unwrap();
+        certificate.verify(&gains).is_ok() && certificate.derive_class(&gains, &study()).is_ok()
+    };
+    assert!(forged(|_| ()));
+    for change in [
+        (|class| class.error_rad[0] *= 0.75) as fn(&mut ClassBound),
+        |class| class.error_rad[2] *= 0.75,
+        |class| class.velocity_error_rad_s[1] *= 0.75,
+        |class| class.torque_step_nm[1] *= 0.75,
+        |class| class.speed_max_rad_s[0] *= 1.5,
+        |class| class.jerk_max_rad_s3[2] *= 1.5,
+        |class| class.box_rad.1[1] += 0.2,
+        |class| class.force_nm[1] = 0.2,
+        |class| class.payload.mass_kg.1 = 1.0,
+        |class| class.spectral_radius = 1.1,
+        |class| class.reading_rad[0] *= 0.5,
+        |class| class.witnesses.clear(),
+    ] {
+        assert!(!forged(change));
+    }
+}
+
+#[test]
+fn no_motion_of_the_class_leaves_its_bound() {
+    let study = study();
+    let mut found = ClassRuns::default();
+    for seed in 0..16 {
+        found.and(&class_run(&study, gains(), bound(), seed).unwrap());
+    }
+    println!("bound over measured at least {:?}", found.least());
+    assert_eq!(found.outside, 0, "{found:?}");
+    // A bound that is never come near to would not be attacked here.
+    assert!(found.least().iter().all(|ratio| *ratio < 20.0), "{:?}", found.least());
+}
+
+#[test]
+fn a_class_that_is_too_fast_does_not_close() {
+    let mut study = study();
+    let Reference::Any { class, .. } = &mut study.reference else { panic!("no class") };
+    for list in [&mut class.speed, &mut class.acceleration, &mut class.jerk] {
+        for most in list.iter_mut() {
+            *most *= 30.0;
+        }
+    }
+    match class_bound(&study, gains()) {
+        Err(ClassRefusal::Open { radius }) => assert!(radius > 0.8, "{radius}"),
+        other => panic!("{other:?}"),
+    }
+}

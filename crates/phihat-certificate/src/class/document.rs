@@ -1,0 +1,101 @@
+//! The bound for a class of motions as data.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{FrozenPayload, PayloadSet};
+
+/// Bounds on the error of every motion of a class, for all time.
+///
+/// # Claim
+///
+/// Let `q_d` stay in the box, with `|q̇_d|`, `|q̈_d|`, `|q⃛_d|` at most the class's, joint by joint; it need not be
+/// known in advance. Let the arm start at rest on it, held by the torque that balances it, with position and first
+/// reading off by at most `reading_rad`. For every payload of the set, forces of any course in time with
+/// `|f_i| ≤ force_nm_i`, and reading errors of any sequence with `|n_i| ≤ reading_rad_i`, at all times
+///
+/// ```text
+/// |e_i| ≤ error_rad_i,   |ė_i| ≤ velocity_error_rad_s_i,   |τ_i,k − τ_i,k−1| ≤ torque_step_nm_i,   |τ_i| ≤ torque_nm_i
+/// ```
+///
+/// as long as no limit acts, and none can where `torque_step_nm` and `torque_nm` are within the limits.
+///
+/// # Not claimed
+///
+/// The maxima over box and payloads are the largest of a search, not proved. What the certificate lists as not counted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClassBound {
+    /// Box of the reference \[rad\]: low and high ends per joint.
+    pub box_rad: (Vec<f64>, Vec<f64>),
+    /// Largest `|q̇_d|` \[rad/s\] per joint.
+    pub speed_max_rad_s: Vec<f64>,
+    /// Largest `|q̈_d|` \[rad/s²\] per joint.
+    pub acceleration_max_rad_s2: Vec<f64>,
+    /// Largest `|q⃛_d|` \[rad/s³\] per joint.
+    pub jerk_max_rad_s3: Vec<f64>,
+    /// The payloads.
+    pub payload: PayloadSet,
+    /// Level of forces of any course in time \[N·m\] per joint: dry friction, pushes.
+    pub force_nm: Vec<f64>,
+    /// Largest error of a reading \[rad\] per joint.
+    pub reading_rad: Vec<f64>,
+    /// Bound on `|e|` \[rad\] per joint.
+    pub error_rad: Vec<f64>,
+    /// Bound on `|ė|` \[rad/s\] per joint.
+    pub velocity_error_rad_s: Vec<f64>,
+    /// Bound on the change of the commanded torque per sample \[N·m\], per joint.
+    pub torque_step_nm: Vec<f64>,
+    /// Bound on the torque \[N·m\] per joint.
+    pub torque_nm: Vec<f64>,
+    /// Bound on `|e|` of an arm whose posture were frozen \[rad\] per joint: informs.
+    pub frozen_error_rad: Vec<f64>,
+    /// Spectral radius of the matrix by which an error adds to itself: the class closes where it is below 1.
+    pub spectral_radius: f64,
+    /// Postures at which the loop was summed up.
+    pub postures: u32,
+    /// Points of class and payloads at which torque rates were looked at.
+    pub points: u32,
+    /// Search by which the postures were found, in words.
+    pub source: String,
+    /// Postures that set the error of a joint.
+    pub witnesses: Vec<ClassWitness>,
+    /// The same laws at other paces; informs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub paces: Vec<ClassPace>,
+}
+
+/// A posture that sets the error of a joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClassWitness {
+    /// Joint positions \[rad\].
+    pub q_rad: Vec<f64>,
+    /// Payload of the arm there; `None`: no payload.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub payload: Option<FrozenPayload>,
+    /// Names of the joints whose error it sets.
+    pub joints: Vec<String>,
+}
+
+/// Bounds for the class run at another pace: speed times the factor, acceleration times its square, jerk times its
+/// cube.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClassPace {
+    /// Factor on the speed.
+    pub factor: f64,
+    /// Largest bound on `|e|` of a joint \[rad\]; `None`: the class does not close.
+    pub error_rad: Option<f64>,
+    /// Largest bound on the change of torque per sample \[N·m\]; `None`: the class does not close.
+    pub torque_step_nm: Option<f64>,
+    /// Spectral radius of the matrix by which an error adds to itself.
+    pub spectral_radius: f64,
+}
+
+impl ClassBound {
+    /// The largest bound on `|e|` of a joint \[rad\], and the joint's index.
+    pub fn worst(&self) -> Option<(usize, f64)> {
+        let all = self.error_rad.iter().copied().enumerate();
+        all.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}

@@ -1,0 +1,92 @@
+//! The bound for every motion of a class, and the same laws at other paces.
+
+use phihat_design::{ClassBound, Gains};
+
+use super::{MILLI, align, figure, plain_table, unit_of};
+
+/// Tables of a class bound; `None`: the gains have none.
+pub(crate) fn class(gains: &Gains) -> Option<String> {
+    let class = gains.certificate.as_ref()?.class.as_deref()?;
+    let mut table = plain_table([
+        "any motion",
+        "box\nrad",
+        "speed, acceleration, jerk at most\nrad/s, rad/s², rad/s³",
+        "bound |e|\nmrad",
+        "frozen arm\nmrad",
+        "bound |ė|\nmrad/s",
+        "bound |Δτ|\nN·m",
+        "bound |τ|\nN·m",
+    ]);
+    let joints = gains.joints.iter().enumerate();
+    for (i, joint) in joints.filter(|(i, _)| *i < class.error_rad.len()) {
+        let (low, high) = &class.box_rad;
+        table.add_row([
+            joint.name.clone(),
+            format!("{:.3} … {:.3}", low[i], high[i]),
+            format!(
+                "{}, {}, {}",
+                class.speed_max_rad_s[i],
+                class.acceleration_max_rad_s2[i],
+                class.jerk_max_rad_s3[i]
+            ),
+            figure(class.error_rad[i] * MILLI, 3),
+            figure(class.frozen_error_rad[i] * MILLI, 3),
+            figure(class.velocity_error_rad_s[i] * MILLI, 1),
+            figure(class.torque_step_nm[i], 3),
+            figure(class.torque_nm[i], 1),
+        ]);
+    }
+    align(&mut table);
+    let mut lines = vec![
+        table.to_string(),
+        format!(
+            "any motion of the class, for as long as it lasts, from a start in balance: payload {} … {} kg on {}, \
+             no limit acts; spectral radius {:.3} (closes below 1); {} postures, {}",
+            class.payload.mass_kg.0,
+            class.payload.mass_kg.1,
+            class.payload.frame,
+            class.spectral_radius,
+            class.postures,
+            class.source
+        ),
+    ];
+    lines.extend(paces(class, gains));
+    Some(lines.join("\n"))
+}
+
+/// How fast one may go for an error.
+fn paces(class: &ClassBound, gains: &Gains) -> Option<String> {
+    if class.paces.is_empty() {
+        return None;
+    }
+    let slides = gains.joints.iter().any(|joint| gains.slides(&joint.name));
+    let mut table = plain_table([
+        "speed × f, acceleration × f², jerk × f³".to_owned(),
+        format!("largest bound |e|\n{}", unit_of("mrad", slides)),
+        "largest bound |Δτ|\nN·m".to_owned(),
+        "spectral radius".to_owned(),
+    ]);
+    let own = phihat_design::ClassPace {
+        factor: 1.0,
+        error_rad: class.worst().map(|(_, error)| error),
+        torque_step_nm: class.torque_step_nm.iter().copied().reduce(f64::max),
+        spectral_radius: class.spectral_radius,
+    };
+    let mut all: Vec<_> = class.paces.iter().chain([&own]).collect();
+    all.sort_by(|a, b| a.factor.total_cmp(&b.factor));
+    for pace in all {
+        let shown = |value: Option<f64>, scale: f64, decimals: usize| {
+            value.map_or_else(|| "does not close".to_owned(), |v| figure(v * scale, decimals))
+        };
+        table.add_row([
+            format!("f = {}", pace.factor),
+            shown(pace.error_rad, MILLI, 3),
+            shown(pace.torque_step_nm, 1.0, 3),
+            figure(pace.spectral_radius, 3),
+        ]);
+    }
+    align(&mut table);
+    Some(format!(
+        "{table}\nthe same gains at other paces; `phihat verify` checks the class itself only"
+    ))
+}

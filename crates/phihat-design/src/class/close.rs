@@ -1,0 +1,403 @@
+//! The least solution of (CM5): error and velocity bounds of the class from the sums at all postures.
+
+use phihat_certificate::extremes::{Extremes as _, larger};
+
+use super::extent::{Bent, Pace, Rates};
+use super::scene::Scene;
+use super::sums::{E, FREE, KINDS, STEP, Sums, V};
+use crate::square::product;
+
+/// Iterations at most.
+const ROUNDS: u32 = 2000;
+
+/// Relative change at which the iteration has come to rest.
+const STILL: f64 = 1e-10;
+
+/// Errors beyond which the iteration is given up \[rad\].
+const LOST: f64 = 2.0;
+
+/// Factor on the solution, which is then checked once.
+pub(super) const INFLATED: f64 = 1.01;
+
+/// Bounds for a class.
+#[derive(Debug, Clone)]
+pub(super) struct Closed {
+    pub(super) error: Vec<f64>,
+    pub(super) velocity: Vec<f64>,
+    /// Largest change of the commanded torque per sample \[N·m\].
+    pub(super) step: Vec<f64>,
+    /// Largest torque \[N·m\].
+    pub(super) torque: Vec<f64>,
+    /// Error under the same forces if inertia and Coriolis torque stayed those of the posture.
+    pub(super) frozen: Vec<f64>,
+    /// Spectral radius of `max Θ`.
+    pub(super) radius: f64,
+    /// Index of the posture that sets the error of each joint.
+    pub(super) at: Vec<usize>,
+}
+
+/// The class at one pace, with its maxima.
+pub(super) struct Problem<'a> {
+    pub(super) scene: &'a Scene<'a>,
+    pub(super) pace: &'a Pace,
+    pub(super) rates: &'a Rates,
+    pub(super) bent: &'a Bent,
+    over: Over,
+}
+
+/// Maxima over box and payloads, entry by entry: the part of the matrices that no posture changes.
+struct Over {
+    /// `|M − its first order|`, `|2M' − D − its value|`, `|M' − D − its value|` per age² /2 or age.
+    mass: Vec<f64>,
+    twice: Vec<f64>,
+    once: Vec<f64>,
+    /// `|M'' − D'|`.
+    force: Vec<f64>,
+    /// Rate of gravity's gradient, and the gradient of all else.
+    gravity: Vec<f64>,
+    gradient: Vec<f64>,
+    /// `Σ_c |∂_j D_c| v_c`, for each `j`, and `Σ_c |∂_b ∂_c M| v_c`, for each `b`.
+    coriolis: Vec<Vec<f64>>,
+    masses: Vec<Vec<f64>>,
+}
+
+impl Over {
+    fn of(bent: &Bent, pace: &Pace) -> Self {
+        let n = bent.n;
+        let sum = |of: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
+            let each = |k: usize| (0..n).map(|c| of(c, k)).sum();
+            (0..n * n).map(each).collect()
+        };
+        let pairs = |which: usize| {
+            sum(&|c, k| {
+                let all = (0..n).map(|b| bent.second[which][c * n + b][k] * pace.v[b]);
+                pace.v[c] * all.sum::<f64>()
+            })
+        };
+        let along =
+            |which: usize, b: usize| sum(&|c, k| bent.second[which][c * n + b][k] * pace.v[c]);
+        let coriolis: Vec<Vec<f64>> = (0..n).map(|j| along(3, j)).collect();
+        let row =
+            |m: &[f64], i: usize, x: &[f64]| -> f64 { (0..n).map(|k| m[i * n + k] * x[k]).sum() };
+        let gradient = |k: usize| {
+            let (i, j) = (k / n, k % n);
+            row(&bent.mass[j], i, &pace.a) + 0.5 * row(&coriolis[j], i, &pace.v)
+        };
+        let once = pairs(2);
+        let push = sum(&|c, k| bent.less[c][k] * pace.a[c]);
+        Self {
+            mass: pairs(0),
+            twice: pairs(1),
+            force: push.iter().zip(&once).map(|(a, b)| a + b).collect(),
+            once,
+            gravity: sum(&|c, k| bent.gravity[c][k] * pace.v[c]),
+            gradient: (0..n * n).map(gradient).collect(),
+            masses: (0..n).map(|b| along(0, b)).collect(),
+            coriolis,
+        }
+    }
+}
+
+/// `out += a x`.
+fn add(out: &mut [f64], a: &[f64], x: &[f64]) {
+    let n = x.len();
+    for (out, row) in out.iter_mut().zip(a.chunks_exact(n)) {
+        *out += row.iter().zip(x).map(|(a, x)| a * x).sum::<f64>();
+    }
+}
+
+fn plus(a: &mut [f64], b: &[f64]) {
+    for (a, b) in a.iter_mut().zip(b) {
+        *a += b;
+    }
+}
+
+/// Matrices of one posture on errors and velocities, for each output.
+struct Maps {
+    on_error: [Vec<f64>; KINDS],
+    on_velocity: [Vec<f64>; KINDS],
+}
+
+/// Inputs at bounds on error and velocity.
+struct Inputs {
+    torque: Vec<f64>,
+    ramp: Vec<f64>,
+    /// `|N| V`, `N` the change of inertia by the error.
+    shift: Vec<f64>,
+}
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(
+        scene: &'a Scene<'a>,
+        (pace, rates): (&'a Pace, &'a Rates),
+        bent: &'a Bent,
+    ) -> Self {
+        Self { scene, pace, rates, bent, over: Over::of(bent, pace) }
+    }
+
+    /// Matrices of a posture at this pace.
+    fn maps(&self, sums: &Sums) -> Maps {
+        let n = self.scene.n;
+        let scaled = |lists: &[Vec<f64>]| -> Vec<f64> {
+            let each = |k: usize| lists.iter().zip(&self.pace.v).map(|(m, v)| m[k] * v).sum();
+            (0..n * n).map(each).collect()
+        };
+        let on_error = |o: usize| {
+            let mut all = self.stiff(sums, o);
+            if o == E {
+                plus(&mut all, &scaled(&sums.twice));
+                plus(&mut all, &product(&sums.bent[E], &self.over.mass, n));
+                plus(&mut all, &product(&sums.turned, &self.over.twice, n));
+                plus(&mut all, &product(&sums.torque[E], &self.over.force, n));
+            }
+            all
+        };
+        let on_velocity = |o: usize| {
+            if o == E {
+                return vec![0.0; n * n];
+            }
+            let mut all = scaled(&sums.once[o]);
+            plus(&mut all, &product(&sums.bent[o], &self.over.mass, n));
+            plus(&mut all, &product(&sums.aged[o], &self.over.once, n));
+            all
+        };
+        Maps {
+            on_error: core::array::from_fn(on_error),
+            on_velocity: core::array::from_fn(on_velocity),
+        }
+    }
+
+    /// Stiffness of gravity and of the motion: what an error of position does where nothing moves.
+    fn stiff(&self, sums: &Sums, o: usize) -> Vec<f64> {
+        let n = self.scene.n;
+        let mut all = sums.gravity[o].clone();
+        plus(&mut all, &product(&sums.aged[o], &self.over.gravity, n));
+        plus(&mut all, &product(&sums.torque[o], &self.over.gradient, n));
+        all
+    }
+
+    /// The maps of an arm whose matrices stay those of the posture.
+    fn resting(&self, sums: &Sums) -> Maps {
+        Maps {
+            on_error: core::array::from_fn(|o| self.stiff(sums, o)),
+            on_velocity: core::array::from_fn(|_| vec![0.0; self.scene.n * self.scene.n]),
+        }
+    }
+
+    /// Half a sample's change of what is fed forward: it is held over the sample.
+    fn held(&self, i: usize) -> f64 {
+        0.5 * self.scene.period * self.rates.fed[i]
+    }
+
+    /// Joints whose inertia term is a force of any course, in place of one with a rate: where that costs less.
+    fn boxed(&self, sums: &Sums) -> Vec<bool> {
+        let n = self.scene.n;
+        let costs = |i: usize| {
+            let (ramp, force) = (sums.ramp[E][i * n + i], sums.torque[E][i * n + i]);
+            let rates = self.rates;
+            ramp * rates.slow[i] + force * rates.size[i] < ramp * (rates.whole[i] + rates.jerk[i])
+        };
+        (0..n).map(costs).collect()
+    }
+
+    fn inputs(&self, boxed: &[bool], error: &[f64], velocity: &[f64]) -> Inputs {
+        let (scene, rates, bent, n) = (self.scene, self.rates, self.bent, self.scene.n);
+        let row =
+            |m: &[f64], i: usize, x: &[f64]| -> f64 { (0..n).map(|k| m[i * n + k] * x[k]).sum() };
+        // Σ_c |list_c| y_c x.
+        let bilinear = |list: &[Vec<f64>], i: usize, y: &[f64], x: &[f64]| -> f64 {
+            list.iter().zip(y).map(|(m, y)| y * row(m, i, x)).sum()
+        };
+        let torque = |i: usize| {
+            let second = 0.5 * bilinear(&bent.gravity, i, error, error)
+                + bilinear(&self.over.coriolis, i, error, velocity)
+                + 0.5 * bilinear(&bent.coriolis, i, velocity, velocity);
+            let turning = bilinear(&bent.mass, i, velocity, velocity)
+                + bilinear(&self.over.masses, i, error, velocity);
+            let size = if boxed[i] { rates.size[i] } else { 0.0 };
+            scene.dry[i] + size + self.held(i) + scene.slope[i] * velocity[i] + second + turning
+        };
+        let ramp = |i: usize| {
+            let own = if boxed[i] { rates.slow[i] } else { rates.whole[i] + rates.jerk[i] };
+            own + scene.slope[i] * self.pace.a[i]
+        };
+        Inputs {
+            torque: (0..n).map(torque).collect(),
+            ramp: (0..n).map(ramp).collect(),
+            shift: (0..n).map(|i| bilinear(&bent.mass, i, error, velocity)).collect(),
+        }
+    }
+
+    /// An output's bound in a frozen arm.
+    fn forced(&self, sums: &Sums, o: usize, inputs: &Inputs) -> Vec<f64> {
+        let n = self.scene.n;
+        let mut out = vec![0.0; n];
+        add(&mut out, &sums.torque[o], &inputs.torque);
+        add(&mut out, &sums.ramp[o], &inputs.ramp);
+        add(&mut out, &sums.reading[o], &self.scene.reading);
+        add(&mut out, &sums.start[o], &self.scene.reading);
+        add(&mut out, &sums.slope[o], &inputs.shift);
+        if o == E {
+            // The start's error, at the other end of the two integrations by parts.
+            let over = |list: &[Vec<f64>]| {
+                let mut all = vec![0.0; n];
+                for (m, v) in list.iter().zip(&self.pace.v) {
+                    let mut own = vec![0.0; n];
+                    add(&mut own, m, &self.scene.reading);
+                    for (all, own) in all.iter_mut().zip(own) {
+                        *all += v * own;
+                    }
+                }
+                all
+            };
+            add(&mut out, &sums.start_moves[0], &over(&self.bent.mass));
+            add(&mut out, &sums.start_moves[1], &over(&self.bent.less));
+        }
+        if o == V {
+            let light: Vec<f64> = sums.inverse.iter().map(|x| x.abs()).collect();
+            add(&mut out, &light, &inputs.shift);
+        }
+        out
+    }
+
+    /// An output's bound at one posture, from bounds on error and velocity.
+    fn output(
+        &self,
+        (sums, maps): (&Sums, &Maps),
+        o: usize,
+        (inputs, error, velocity): (&Inputs, &[f64], &[f64]),
+    ) -> Vec<f64> {
+        let mut out = self.forced(sums, o, inputs);
+        add(&mut out, &maps.on_error[o], error);
+        add(&mut out, &maps.on_velocity[o], velocity);
+        out
+    }
+
+    /// The spectral radius of the largest matrices on errors, posture by posture.
+    fn radius(maps: &[Maps], n: usize) -> f64 {
+        let mut x = vec![1.0; n];
+        let mut radius = 0.0;
+        for _ in 0..100 {
+            let mut next = vec![0.0_f64; n];
+            for maps in maps {
+                let mut own = vec![0.0; n];
+                add(&mut own, &maps.on_error[E], &x);
+                for (next, own) in next.iter_mut().zip(own) {
+                    *next = larger(*next, own);
+                }
+            }
+            radius = next.iter().copied().largest();
+            if radius <= 0.0 {
+                return 0.0;
+            }
+            x = next.iter().map(|value| value / radius).collect();
+        }
+        radius
+    }
+
+    /// The least solution of (CM5) over some postures, by iteration from 0; `None`: there is none.
+    fn least(&self, (all, maps): (&[Sums], &[Maps]), boxed: &[bool]) -> Option<[Vec<f64>; 2]> {
+        let n = self.scene.n;
+        let sizes =
+            |list: Vec<(f64, usize)>| list.into_iter().map(|(x, _)| x).collect::<Vec<f64>>();
+        let moved = |a: &[f64], b: &[f64]| {
+            a.iter().zip(b).map(|(a, b)| (a - b).abs() / b.max(f64::MIN_POSITIVE)).largest()
+        };
+        let (mut error, mut velocity) = (vec![0.0; n], vec![0.0; n]);
+        for _ in 0..ROUNDS {
+            let next = [E, V].map(|o| sizes(self.most((all, maps), boxed, o, (&error, &velocity))));
+            let change = larger(moved(&error, &next[0]), moved(&velocity, &next[1]));
+            [error, velocity] = next;
+            let lost = error.iter().copied().largest();
+            if lost.is_nan() || lost > LOST {
+                return None;
+            }
+            if change < STILL {
+                return Some([error, velocity]);
+            }
+        }
+        None
+    }
+
+    /// The largest value of an output over postures, joint by joint, and the posture's index.
+    fn most(
+        &self,
+        (all, maps): (&[Sums], &[Maps]),
+        boxed: &[bool],
+        o: usize,
+        (error, velocity): (&[f64], &[f64]),
+    ) -> Vec<(f64, usize)> {
+        let inputs = self.inputs(boxed, error, velocity);
+        let mut most = vec![(0.0_f64, 0_usize); self.scene.n];
+        for (at, pair) in all.iter().zip(maps).enumerate() {
+            let out = self.output(pair, o, (&inputs, error, velocity));
+            for (most, out) in most.iter_mut().zip(out) {
+                if out.is_nan() || out > most.0 {
+                    *most = (out, at);
+                }
+            }
+        }
+        most
+    }
+
+    /// Solves (CM5) over some postures; the spectral radius where there is no solution.
+    pub(super) fn solve(&self, all: &[Sums]) -> Result<Closed, f64> {
+        let n = self.scene.n;
+        let maps: Vec<Maps> = all.iter().map(|sums| self.maps(sums)).collect();
+        let radius = Self::radius(&maps, n);
+        let Some(first) = all.first() else { return Err(radius) };
+        let boxed = self.boxed(first);
+        let resting: Vec<Maps> = all.iter().map(|sums| self.resting(sums)).collect();
+        let [frozen, _] = self.least((all, &resting), &boxed).ok_or(radius)?;
+        let [mut error, mut velocity] = self.least((all, &maps), &boxed).ok_or(radius)?;
+        let most = |o: usize, error: &[f64], velocity: &[f64]| {
+            self.most((all, &maps), &boxed, o, (error, velocity))
+        };
+        error.iter_mut().chain(&mut velocity).for_each(|x| *x *= INFLATED);
+        let (errors, velocities) = (most(E, &error, &velocity), most(V, &error, &velocity));
+        let below = |list: &[(f64, usize)], x: &[f64]| list.iter().zip(x).all(|((a, _), x)| a < x);
+        if !below(&errors, &error) || !below(&velocities, &velocity) {
+            return Err(radius);
+        }
+        let steps = most(STEP, &error, &velocity);
+        let inputs = self.inputs(&boxed, &error, &velocity);
+        let torque = self.torques((all, &maps), (&inputs, &error, &velocity));
+        Ok(Closed {
+            step: steps.iter().enumerate().map(|(i, (x, _))| x + 2.0 * self.held(i)).collect(),
+            torque,
+            at: errors.iter().map(|(_, at)| *at).collect(),
+            error,
+            velocity,
+            frozen,
+            radius,
+        })
+    }
+
+    /// The largest torque of each joint: of the motion, of friction, and of the error.
+    fn torques(&self, (all, maps): (&[Sums], &[Maps]), at: (&Inputs, &[f64], &[f64])) -> Vec<f64> {
+        let (scene, n) = (self.scene, self.scene.n);
+        let mut most = vec![0.0_f64; n];
+        for (sums, maps) in all.iter().zip(maps) {
+            let free = self.output((sums, maps), FREE, at);
+            let mut own = vec![0.0; n];
+            let mass: Vec<f64> = sums.mass.iter().map(|x| x.abs()).collect();
+            add(&mut own, &mass, &free);
+            for (most, own) in most.iter_mut().zip(own) {
+                *most = larger(*most, own);
+            }
+        }
+        for (i, most) in most.iter_mut().enumerate() {
+            let friction = scene.dry[i] + scene.slope[i] * self.pace.v[i];
+            *most += self.rates.torque[i] + friction + 2.0 * self.held(i);
+        }
+        most
+    }
+
+    /// Error of each joint at one more posture, as a share of a solution.
+    pub(super) fn compared(&self, closed: &Closed, first: &Sums, sums: &Sums) -> Vec<f64> {
+        let maps = self.maps(sums);
+        let inputs = self.inputs(&self.boxed(first), &closed.error, &closed.velocity);
+        let own = self.output((sums, &maps), E, (&inputs, &closed.error, &closed.velocity));
+        own.iter().zip(&closed.error).map(|(own, e)| own / e).collect()
+    }
+}

@@ -1,0 +1,228 @@
+//! Scope of a class bound: class, arm with each payload, friction, encoder, feed-forward, read from a study once.
+
+use phihat::Form;
+use phihat_certificate::{FrozenPayload, Gains, JointRecord, LoopModel};
+use phihat_model::{Body, Model, Rotor, Workspace};
+use phihat_study::{Held, Known, MotionClass, Reference, Study};
+
+use super::refusal::ClassRefusal;
+use crate::tube::{TubeRefusal, modelled};
+
+/// The arm with one payload.
+#[derive(Debug, Clone)]
+pub(super) struct Case {
+    pub(super) payload: Option<FrozenPayload>,
+    pub(super) model: Model,
+}
+
+/// Torque that is fed forward in place of `M̄ q̈_d`, or on top of it.
+#[derive(Debug, Clone)]
+pub(super) struct FedForward {
+    pub(super) model: Model,
+    /// True if only the torque that holds the arm is fed forward.
+    pub(super) gravity_alone: bool,
+}
+
+/// Everything that does not depend on a posture.
+#[derive(Debug)]
+pub(super) struct Scene<'a> {
+    pub(super) n: usize,
+    pub(super) period: f64,
+    pub(super) class: &'a MotionClass,
+    pub(super) records: &'a [JointRecord],
+    pub(super) models: Vec<LoopModel>,
+    pub(super) cases: Vec<Case>,
+    /// `M̄` \[kg·m²\] per joint.
+    pub(super) nominal: Vec<f64>,
+    /// Level of forces that may do anything in time \[N·m\]: dry friction, pushes, dry friction fed forward.
+    pub(super) dry: Vec<f64>,
+    /// Largest slope of smooth friction \[N·m·s/rad\].
+    pub(super) slope: Vec<f64>,
+    /// Largest error of a reading \[rad\].
+    pub(super) reading: Vec<f64>,
+    pub(super) fed: Option<FedForward>,
+}
+
+impl<'a> Scene<'a> {
+    /// Reads a study.
+    pub(super) fn new(study: &'a Study, gains: &'a Gains) -> Result<Self, ClassRefusal> {
+        let Reference::Any { class, .. } = &study.reference else {
+            return Err(ClassRefusal::NoClass);
+        };
+        let n = study.robot.joints.len();
+        if gains.joints.len() != n {
+            return Err(ClassRefusal::Gains(format!("gains of {} joints", gains.joints.len())));
+        }
+        let models: Vec<LoopModel> =
+            (0..n).map(|i| LoopModel::from_study(study, i).with_choices_of(gains, study)).collect();
+        covered(study, &models)?;
+        let mut dry = study.design.coulomb.1.clone();
+        for push in &study.world.pushes {
+            dry[push.joint] += push.torque.abs();
+        }
+        let fed = fed_forward(study, &mut dry)?;
+        let slope = |i: usize| {
+            let own = study.robot.joints[i].friction;
+            let acts =
+                if study.world.robot_friction { own } else { phihat_model::Friction::default() };
+            let bend =
+                acts.sigmoid.map_or(0.0, |s| 0.25 * (s.amplitude_nm * s.steepness_s_rad).abs());
+            acts.viscous.abs() + study.world.extra_viscous[i].abs() + bend
+        };
+        let bits = study.sensor.encoder_bits.as_deref();
+        let quantum =
+            |i: usize| bits.map_or(0.0, |bits| crate::sampled::TorqueNoise::quantum(bits[i]));
+        let reading = |i: usize| 0.5 * quantum(i) + study.sensor.position_bias[i].abs();
+        Ok(Self {
+            n,
+            period: study.control.period_ns as f64 * 1e-9,
+            class,
+            records: &gains.joints,
+            cases: cases(study)?,
+            nominal: gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect(),
+            slope: (0..n).map(slope).collect(),
+            reading: (0..n).map(reading).collect(),
+            models,
+            dry,
+            fed,
+        })
+    }
+
+    /// Laws with their loops.
+    pub(super) fn loops(&self) -> Vec<(&JointRecord, &LoopModel)> {
+        self.records.iter().zip(&self.models).collect()
+    }
+
+    /// Torque without friction that motion asks for beyond what is fed forward, `M̄ q̈_d` among that \[N·m\].
+    pub(super) fn unknown(
+        &self,
+        case: &Case,
+        room: &mut Room,
+        (q, dq, ddq): (&[f64], &[f64], &[f64]),
+        tau: &mut [f64],
+    ) {
+        case.model.inverse_dynamics(&mut room.arm, q, dq, ddq, tau);
+        let Some(fed) = &self.fed else {
+            for ((tau, m), ddq) in tau.iter_mut().zip(&self.nominal).zip(ddq) {
+                *tau -= m * ddq;
+            }
+            return;
+        };
+        if fed.gravity_alone {
+            room.rest.fill(0.0);
+            fed.model.bias(&mut room.fed, q, &room.rest, &mut room.torque);
+            for ((torque, m), ddq) in room.torque.iter_mut().zip(&self.nominal).zip(ddq) {
+                *torque += m * ddq;
+            }
+        } else {
+            fed.model.inverse_dynamics(&mut room.fed, q, dq, ddq, &mut room.torque);
+        }
+        for (tau, fed) in tau.iter_mut().zip(&room.torque) {
+            *tau -= fed;
+        }
+    }
+
+    /// Scratch memory of the arm with a payload.
+    pub(super) fn room(&self, case: &Case) -> Room {
+        let fed = self.fed.as_ref().map_or(&case.model, |fed| &fed.model);
+        Room {
+            arm: Workspace::new(&case.model),
+            fed: Workspace::new(fed),
+            rest: vec![0.0; self.n],
+            torque: vec![0.0; self.n],
+        }
+    }
+}
+
+/// Scratch memory.
+#[derive(Debug)]
+pub(super) struct Room {
+    pub(super) arm: Workspace<f64>,
+    fed: Workspace<f64>,
+    rest: Vec<f64>,
+    torque: Vec<f64>,
+}
+
+/// Refuses studies that docs/theory/class.md does not cover.
+fn covered(study: &Study, models: &[LoopModel]) -> Result<(), ClassRefusal> {
+    let unsupported = |key: &str| ClassRefusal::Unsupported(key.to_owned());
+    modelled(study).map_err(|why| match why {
+        TubeRefusal::Unsupported(key) => unsupported(&format!("`{key}`")),
+        other => unsupported(&other.to_string()),
+    })?;
+    let profile = &study.interface.profile;
+    let refused = [
+        (models.iter().any(|m| m.form != Form::Positions), "a form other than \"positions\""),
+        (models.iter().any(|m| m.drive_bandwidth_hz.is_some()), "world.drive_bandwidth_hz"),
+        (models.iter().any(|m| m.sample_delay_samples > 0), "sensor.delay_samples"),
+        (!study.control.preview, "loop.preview = false"),
+        (profile.adds_gravity, "a robot that adds gravity"),
+        (profile.adds_friction > 0.0, "a robot that compensates friction"),
+        (study.interface.kept && profile.first_torque_max.is_some(), "the robot's start rule"),
+        (study.world.start.is_some(), "a start away from the reference"),
+        (study.world.held != Some(Held::InBalance), "start.torque_nm other than \"balance\""),
+    ];
+    refused.iter().find(|(is, _)| *is).map_or(Ok(()), |(_, key)| Err(unsupported(key)))
+}
+
+/// Model of the torque that is fed forward; its dry friction goes to the forces of any course.
+fn fed_forward(study: &Study, dry: &mut [f64]) -> Result<Option<FedForward>, ClassRefusal> {
+    let Some(own) = &study.feedforward else { return Ok(None) };
+    for (dry, fed) in dry.iter_mut().zip(&own.coulomb) {
+        *dry += fed.abs();
+    }
+    if own.known == Known::Nothing {
+        return Ok(None);
+    }
+    let model = study.robot.plant_model().with_gravity(study.world.gravity);
+    let model = model.with_masses_times(own.mass_scale);
+    let model = model.map_err(|why| ClassRefusal::Unsupported(why.to_string()))?;
+    Ok(Some(FedForward { model, gravity_alone: own.known == Known::Gravity }))
+}
+
+/// The arm with the lightest payload, the study's own, and the heaviest at the corners of the box of their centres of
+/// mass; with rotors at both ends of their intervals.
+fn cases(study: &Study) -> Result<Vec<Case>, ClassRefusal> {
+    let set = &study.design.payload;
+    let mut bodies = vec![(set.frame.clone(), set.lightest())];
+    bodies.extend(set.heaviest().into_iter().map(|body| (set.frame.clone(), body)));
+    bodies.extend(study.world.payload.as_ref().map(|own| (own.frame.clone(), own.body())));
+    let rotors: &[Rotor] = if study.robot.has_rotor_interval() {
+        &[Rotor::Least, Rotor::Most]
+    } else {
+        &[Rotor::Stated]
+    };
+    let mut cases: Vec<Case> = Vec::new();
+    for rotor in rotors {
+        let bare = study.robot.plant_model_at(*rotor).with_gravity(study.world.gravity);
+        let mut before: Vec<Option<FrozenPayload>> = Vec::new();
+        for (frame, body) in &bodies {
+            let (payload, model) = loaded(&bare, frame, body)?;
+            if before.contains(&payload) {
+                continue;
+            }
+            before.push(payload.clone());
+            cases.push(Case { payload, model });
+        }
+    }
+    Ok(cases)
+}
+
+fn loaded(
+    bare: &Model,
+    frame: &str,
+    body: &Body,
+) -> Result<(Option<FrozenPayload>, Model), ClassRefusal> {
+    if body.mass <= 0.0 {
+        return Ok((None, bare.clone()));
+    }
+    let model = bare.clone().with_payload_on(frame, body);
+    let model = model.map_err(|why| ClassRefusal::Payload(why.to_string()))?;
+    let payload = FrozenPayload {
+        frame: frame.to_owned(),
+        mass_kg: body.mass,
+        com_m: body.com,
+        inertia_kg_m2: body.inertia,
+    };
+    Ok((Some(payload), model))
+}

@@ -1,0 +1,271 @@
+//! Gains for every motion of a class: searched by estimates, joint by joint, and judged by the class bound.
+
+use phihat::Form;
+use phihat_certificate::extremes::Extremes as _;
+use phihat_design::{
+    Arm, ClassBound, ClassDemand, ClassRefusal, Clause, Gains, Infeasible, Outcome, Phi,
+    PositionSearch, class_bound, quick_class_bound, requested_gains,
+};
+use phihat_study::{Reference, Study};
+
+use crate::error::SynthesisError;
+use crate::judged::ERROR_KEY;
+
+/// Rounds of the search, at most.
+const ROUNDS: u32 = 7;
+
+/// The encoder's share of the torque step that is allowed, first; and its ends.
+const FIRST: f64 = 0.6;
+const SHARES: (f64, f64) = (0.01, 1.0);
+
+/// The error of a law falls by about this power of its noise, the torque step of a class by that.
+const POWER: f64 = 0.4;
+const STEP_POWER: f64 = 0.9;
+
+/// Share of the allowed torque step that a search aims at.
+const ROOM: f64 = 0.97;
+
+/// Times that laws are made less noisy because the whole bound says more than the quick one.
+const MENDED: u32 = 3;
+
+/// A bound that uses less of the specification leaves room for less noise.
+const ENOUGH: f64 = 0.9;
+
+/// Largest relative change of a share at which the search has come to rest.
+const STILL: f64 = 0.02;
+
+/// Returns true if a study's reference is a class of motions.
+pub(crate) fn is_class(study: &Study) -> bool {
+    matches!(study.reference, Reference::Any { .. })
+}
+
+/// Shares of what is allowed: error and torque step of each joint.
+struct Shares {
+    errors: Vec<f64>,
+    steps: Vec<f64>,
+}
+
+impl Shares {
+    fn of(study: &Study, class: &ClassBound) -> Self {
+        let allowed = |i: usize| study.spec.error_bound.as_ref().map(|all| all[i]);
+        let over = |(i, error): (usize, &f64)| allowed(i).map_or(0.0, |allowed| error / allowed);
+        let period = study.control.period_ns as f64 * 1e-9;
+        let step = |(i, step): (usize, &f64)| {
+            let own = study.design.torque_step_max.as_ref().map(|most| most[i]);
+            let rate = study.limits(i).1.map(|rate| rate * period);
+            own.into_iter().chain(rate).map(|most| step / most).largest()
+        };
+        Self {
+            errors: class.error_rad.iter().enumerate().map(over).collect(),
+            steps: class.torque_step_nm.iter().enumerate().map(step).collect(),
+        }
+    }
+
+    /// The largest share of an error, and of a torque step.
+    fn most(&self) -> (f64, f64) {
+        (self.errors.iter().copied().largest(), self.steps.iter().copied().largest())
+    }
+
+    /// Rank, the smaller the better: torque steps within their limits, then errors, then less noise.
+    fn rank(&self) -> (u8, f64) {
+        match self.most() {
+            (error, step) if error <= 1.0 && step <= 1.0 => (0, step),
+            (error, step) if step <= 1.0 => (1, error),
+            (_, step) => (2, step),
+        }
+    }
+
+    /// Shares of the noise to try next.
+    fn next(&self, shares: &[f64]) -> Vec<f64> {
+        let (error, step) = self.most();
+        let stiffer = (1.03 * error).powf(1.0 / POWER);
+        let factor = |i: usize| {
+            let room = (ROOM / self.steps[i].max(1e-3)).powf(1.0 / STEP_POWER);
+            if room < 1.0 {
+                room
+            } else if error > 1.0 {
+                stiffer.min(room)
+            } else if step <= 1.0 && error < ENOUGH {
+                (error / ENOUGH.sqrt()).powf(1.0 / POWER).max(0.3)
+            } else {
+                1.0
+            }
+        };
+        let moved = shares.iter().enumerate();
+        moved.map(|(i, share)| (share * factor(i)).clamp(SHARES.0, SHARES.1)).collect()
+    }
+}
+
+/// The best laws so far.
+struct Best {
+    rank: (u8, f64),
+    shares: Vec<f64>,
+    gains: Box<Gains>,
+}
+
+/// Gains for a study's class: those that it states, else those that are searched for; with the class bound in their
+/// certificate.
+///
+/// # Errors
+///
+/// [`SynthesisError`] of the search.
+pub(crate) fn for_class(study: &Study, arm: &Arm) -> Result<Outcome, SynthesisError> {
+    let mut own = Box::new(study.clone());
+    if own.control.form_designed {
+        own.control.form_designed = false;
+        own.control.takes(Form::Positions);
+    }
+    let study = &*own;
+    let demand = ClassDemand::of(study)?;
+    let phi = |joint: usize, _: f64| -> Phi { demand.phi(joint) };
+    let mut search = PositionSearch::new(study, arm, &phi)?;
+    let certified = |mut gains: Box<Gains>, search: &PositionSearch<'_>, bound| {
+        search.certify(&mut gains)?;
+        judge(study, &mut gains, bound);
+        Ok(Outcome::Designed(gains))
+    };
+    if let Some(stated) = requested_gains(study) {
+        return certified(Box::new(stated), &search, None);
+    }
+    let mut shares = vec![FIRST; study.robot.joints.len()];
+    let mut best: Option<Best> = None;
+    let mut radius = None;
+    for _ in 0..ROUNDS {
+        let Some((gains, _)) = search.laws(&shares) else { break };
+        let next: Vec<f64> = match quick_class_bound(study, &gains) {
+            Ok(class) => {
+                let found = Shares::of(study, &class);
+                let rank = found.rank();
+                let gained = best.as_ref().is_none_or(|before| rank < before.rank);
+                let done = best.as_ref().is_some_and(|before| before.rank.0 == 0) && !gained;
+                if gained {
+                    best = Some(Best { rank, shares: shares.clone(), gains: Box::new(gains) });
+                }
+                if done {
+                    break;
+                }
+                found.next(&shares)
+            }
+            // Stiffer laws close a class sooner.
+            Err(ClassRefusal::Open { radius: own }) => {
+                radius = Some(own);
+                shares.iter().map(|share| (1.4 * share).min(SHARES.1)).collect()
+            }
+            Err(ClassRefusal::Unstable(_)) => {
+                shares.iter().map(|share| (0.7 * share).max(SHARES.0)).collect()
+            }
+            Err(why) => return Err(why.into()),
+        };
+        let moved = next.iter().zip(&shares).any(|(a, b)| (a / b - 1.0).abs() > STILL);
+        if !moved {
+            break;
+        }
+        shares = next;
+    }
+    match best {
+        Some(best) => {
+            let (gains, bound) = within_step(study, &mut search, best);
+            certified(gains, &search, bound)
+        }
+        None => Ok(Outcome::Infeasible(radius.map_or_else(|| search.refused(), open))),
+    }
+}
+
+/// Laws whose torque steps keep their limits by the whole bound, which looks at more postures than the search did; and
+/// that bound, where it was computed for these laws.
+fn within_step(
+    study: &Study,
+    search: &mut PositionSearch<'_>,
+    Best { mut shares, mut gains, .. }: Best,
+) -> (Box<Gains>, Option<ClassBound>) {
+    for _ in 0..MENDED {
+        let Ok(class) = class_bound(study, &gains) else { break };
+        let found = Shares::of(study, &class);
+        if found.most().1 <= 1.0 {
+            return (gains, Some(class));
+        }
+        for (share, step) in shares.iter_mut().zip(&found.steps) {
+            *share *= (ROOM / step.max(ROOM)).powf(1.0 / STEP_POWER);
+        }
+        let Some((quieter, _)) = search.laws(&shares) else { break };
+        gains = Box::new(quieter);
+    }
+    (gains, None)
+}
+
+/// No law that was tried closes the class.
+fn open(radius: f64) -> Infeasible {
+    let clause = Clause {
+        key: "spectral radius of the class".to_owned(),
+        joint: None,
+        wanted: 1.0,
+        possible: Some(radius),
+    };
+    let words = vec!["the class is too fast: an error adds more to itself than it is".to_owned()];
+    Infeasible { clauses: vec![clause], words, ..Infeasible::default() }
+}
+
+/// Puts the class bound, computed unless it is given, and the clauses that it does not keep into a certificate.
+fn judge(study: &Study, gains: &mut Gains, bound: Option<ClassBound>) {
+    let refused = gains.certificate.as_ref().and_then(phihat_design::Certificate::refused);
+    let found = match refused {
+        Some(why) => Err(format!("a claim does not hold: {why}")),
+        None => bound.map_or_else(|| class_bound(study, gains), Ok).map_err(|why| why.to_string()),
+    };
+    let Some(certificate) = &mut gains.certificate else { return };
+    for joint in &mut certificate.joints {
+        // Of the search alone.
+        joint.phi = None;
+    }
+    certificate.unproved.clear();
+    let class = match found {
+        Ok(class) => class,
+        Err(why) => {
+            certificate.unproved.push(format!("the specification: no class bound, {why}"));
+            certificate.class_refused = Some(why);
+            return;
+        }
+    };
+    let acts = limit_that_acts(study, &class);
+    let shares = Shares::of(study, &class);
+    for (i, joint) in study.robot.joints.iter().enumerate() {
+        let allowed = study.spec.error_bound.as_ref().map(|all| all[i]);
+        if let Some(allowed) = allowed.filter(|_| shares.errors[i] > 1.0) {
+            let bound = class.error_rad[i];
+            let line = format!(
+                "{ERROR_KEY} = {allowed} on {}: the class bound says {bound:.4e}",
+                joint.name
+            );
+            certificate.unproved.push(line);
+        }
+        let most = study.design.torque_step_max.as_ref().map(|most| most[i]);
+        if let Some(most) = most.filter(|most| class.torque_step_nm[i] > *most) {
+            let (key, step) = ("design.torque_step_max_nm", class.torque_step_nm[i]);
+            let line = format!("{key} = {most} on {}: the class bound says {step:.4e}", joint.name);
+            certificate.unproved.push(line);
+        }
+    }
+    if let Some(why) = acts {
+        certificate.unproved.push(format!("the specification: no class bound, {why}"));
+        certificate.class_refused = Some(why);
+        return;
+    }
+    certificate.class = Some(Box::new(class));
+}
+
+/// The limit that could act somewhere in the class: the bound holds where none does.
+fn limit_that_acts(study: &Study, class: &ClassBound) -> Option<String> {
+    let period = study.control.period_ns as f64 * 1e-9;
+    study.robot.joints.iter().enumerate().find_map(|(i, joint)| {
+        let (torque, rate) = study.limits(i);
+        let (own, step) = (class.torque_nm[i], class.torque_step_nm[i]);
+        let beyond = |what: &str, own: f64, limit: f64| {
+            format!("{what} of {} may reach its limit: {own:.4} N·m of {limit:.4}", joint.name)
+        };
+        let torque = torque.filter(|limit| own > *limit);
+        let rate = rate.map(|rate| rate * period).filter(|limit| step > *limit);
+        torque
+            .map(|limit| beyond("the torque", own, limit))
+            .or_else(|| rate.map(|limit| beyond("the torque step", step, limit)))
+    })
+}
