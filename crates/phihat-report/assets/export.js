@@ -48,8 +48,8 @@ phihat.files = (() => {
     out.push(`<text x="${(left + width - right) / 2}" y="${height - 10}" text-anchor="middle">${escape(panel.x_label)}</text>`);
     out.push(`<text transform="translate(16 ${(top + height - bottom) / 2}) rotate(-90)" text-anchor="middle">${escape(panel.y_label)}</text>`);
     out.push(`<clipPath id="in"><rect x="${left}" y="${top}" width="${width - left - right}" height="${height - top - bottom}"/></clipPath><g clip-path="url(#in)" fill="none">`);
-    if (panel.tube) {
-      const [at, low, high] = panel.tube;
+    if (panel.band) {
+      const [at, low, high] = panel.band;
       const there = high.map((v, k) => `${x(at[k])} ${y(v)}L${x(at[k + 1])} ${y(v)}`).join("L");
       const back = low.map((v, k) => `${x(at[k + 1])} ${y(v)}L${x(at[k])} ${y(v)}`).reverse().join("L");
       out.push(`<path d="M${there}L${back}Z" fill="#009e73" fill-opacity="0.22"/>`);

@@ -66,10 +66,10 @@
     c.restore();
   }
 
-  // The tube around the first curve: steps, shaded.
-  function drawTube(u, c, panel) {
-    if (!panel.tube) return;
-    const [t, low, high] = panel.tube;
+  // The envelope around the first curve: steps, shaded.
+  function drawBand(u, c, panel) {
+    if (!panel.band) return;
+    const [t, low, high] = panel.band;
     c.fillStyle = ink("--tube");
     c.beginPath();
     const to = (k, y) => c.lineTo(u.valToPos(t[k], "x", true), u.valToPos(y, "y", true));
@@ -78,9 +78,9 @@
     c.fill();
   }
 
-  // Least and largest of the tube within what is seen.
-  function tubeSpan(u, panel) {
-    const [t, low, high] = panel.tube ?? [[], [], []];
+  // Least and largest of the envelope within what is seen.
+  function bandSpan(u, panel) {
+    const [t, low, high] = panel.band ?? [[], [], []];
     const { min, max } = u.scales.x;
     const seen = (_, k) => min == null || (t[k + 1] > min && t[k] < max);
     return [...low.filter(seen), ...high.filter(seen)];
@@ -91,7 +91,7 @@
     const { min: y0, max: y1 } = u.scales.y;
     if (x0 == null || y0 == null) return;
     clipped(u, (c) => {
-      drawTube(u, c, panel);
+      drawBand(u, c, panel);
       if (panel.bound != null) {
         const from = chart.bound_after_settle ? Math.max(x0, data.settle_s) : x0;
         if (from < x1) {
@@ -196,7 +196,7 @@
       let ends = low == null ? [] : [low, high];
       const visible = !chart.bound_after_settle || u.scales.x.max == null || u.scales.x.max > data.settle_s;
       if (inView(chart) && panel.bound != null && visible) ends = [...ends, panel.bound, -panel.bound];
-      if (boundsBox.checked) ends = [...ends, ...tubeSpan(u, panel)];
+      if (boundsBox.checked) ends = [...ends, ...bandSpan(u, panel)];
       return widened(span(ends));
     };
     const curves = chart.curves.map((curve, i) => ({
@@ -316,11 +316,11 @@
 
   function subtitle(chart, panel) {
     const span = chart.phase ? `from the start to ${show(data.settle_s)} s; ` : "";
-    const tube = panel.tube ? "shaded: its tube; " : "";
-    if (panel.bound == null) return chart.bound_label ? `${span}${tube}no ${chart.bound_label} stated` : "";
+    const band = panel.band ? `shaded: ${panel.band_label}; ` : "";
+    if (panel.bound == null) return chart.bound_label ? `${span}${band}no ${chart.bound_label} stated` : "";
     const when = chart.bound_after_settle && !chart.phase ? ` from ${show(data.settle_s)} s on` : "";
     const [unit] = panel.units;
-    return `${span}${tube}dashed: ${chart.bound_label} ±${show(panel.bound)} ${unit}${when}`;
+    return `${span}${band}dashed: ${chart.bound_label} ±${show(panel.bound)} ${unit}${when}`;
   }
 
   function card(chart, joint, title, grid) {

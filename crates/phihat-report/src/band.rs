@@ -1,15 +1,62 @@
-//! The tube as a picture: a band of steps around the error.
+//! Bounds around a run as a picture: a band of steps around a curve.
 
-use phihat_design::{Tube, TubeJoint};
+use phihat_design::{ClassBound, Tube, TubeJoint};
 
 use crate::kit::number::rounded;
+
+/// Bounds around a run, stated before it.
+#[derive(Debug, Clone, Copy)]
+pub enum Envelope<'a> {
+    /// Those of its own motion.
+    Tube(&'a Tube),
+    /// Those of every motion of its class.
+    Class(&'a ClassBound),
+}
+
+/// Parts of an envelope around one curve.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct EnvelopeParts {
+    /// Ends of a tube, per bin.
+    pub tube: Option<BandEnds>,
+    /// Level of a class bound, per joint.
+    pub class: Option<fn(&ClassBound) -> &[f64]>,
+}
+
+impl Envelope<'_> {
+    /// Name in a key.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Tube(_) => "tube",
+            Self::Class(_) => "class bound",
+        }
+    }
+
+    /// Band of a joint, up to the end of the run \[s\], in the units of its chart.
+    pub(crate) fn band(
+        self,
+        parts: &EnvelopeParts,
+        joint: usize,
+        (end_s, scale): (f64, f64),
+    ) -> Option<CurveBand> {
+        match self {
+            Self::Tube(tube) => {
+                Some(CurveBand::of_tube(tube, tube.joints.get(joint)?, parts.tube?, scale))
+            }
+            Self::Class(class) => {
+                let level = rounded(scale * parts.class?(class).get(joint)?);
+                let (low, high) = (vec![-level], vec![level]);
+                Some(CurveBand { t: vec![0.0, end_s], low, high }).filter(|_| level.is_finite())
+            }
+        }
+    }
+}
 
 /// Steps kept of a tube: what is drawn is never narrower than the tube.
 const STEPS_MAX: usize = 400;
 
 /// A band, in the units of its chart: step `k` reaches from `t[k]` to `t[k + 1]` \[s\].
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct TubeBand {
+pub(crate) struct CurveBand {
     /// One entry more than there are steps.
     pub t: Vec<f64>,
     pub low: Vec<f64>,
@@ -19,9 +66,9 @@ pub(crate) struct TubeBand {
 /// Least and largest value of one quantity of a tube, per bin.
 pub(crate) type BandEnds = fn(&TubeJoint) -> (&[f64], &[f64]);
 
-impl TubeBand {
-    /// One joint's band; neighbouring bins are put together where there are many, by the widest of them.
-    pub(crate) fn of(tube: &Tube, joint: &TubeJoint, ends: BandEnds, scale: f64) -> Self {
+impl CurveBand {
+    /// A joint's band in a tube; neighbouring bins are put together where there are many, by the widest of them.
+    fn of_tube(tube: &Tube, joint: &TubeJoint, ends: BandEnds, scale: f64) -> Self {
         let (low, high) = ends(joint);
         let bins = tube.bins();
         let each = bins.div_ceil(STEPS_MAX).max(1);

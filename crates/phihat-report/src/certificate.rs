@@ -1,5 +1,6 @@
 //! Proved properties of the gains, alongside the measurements of the run.
 
+use crate::class_section::class;
 use crate::coarser::coarser;
 use crate::coupled::coupled;
 use crate::figure::claim_figures;
@@ -45,7 +46,8 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
             } }
         }
         (tube(record))
-        (bounds(certificate, &record.metrics.joints))
+        (class(record))
+        @if certificate.class.is_none() { (bounds(certificate, &record.metrics.joints)) }
         (stability(certificate))
         (moving(certificate))
         (coupled(gains))
@@ -68,6 +70,10 @@ fn reading(figure: &str) -> &'static str {
         "bode" => {
             "The sampled loop of the joint with the smallest modulus margin, cut where the torque meets the inertia, at the \
              lightest, a middle and the heaviest inertia of the arm; and what a torque φ on the joint does to its error."
+        }
+        "pace" => {
+            "The largest bound of a joint, were speed f times, acceleration f² times and jerk f³ times those of the class: the same gains, \
+             the same derivation. Informs; only the class itself is in the certificate."
         }
         _ => {
             "Other laws of the search that no other beats in both: less error costs torque noise, here the worst change of \

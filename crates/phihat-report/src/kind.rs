@@ -1,6 +1,6 @@
 //! The quantities that are drawn of a run: which curves, in which unit, against which bound.
 
-use crate::band::{self, BandEnds};
+use crate::band::{self, EnvelopeParts};
 use phihat_sim::{JointMetrics, JointTrace, Metrics};
 
 /// Beyond this a sample is drawn as a gap: the run has diverged, and no axis helps.
@@ -43,11 +43,11 @@ pub(crate) struct KindBound {
 pub(crate) struct ChartKind {
     /// File stem.
     pub stem: &'static str,
-    /// Title; the second where there is a tube around the first curve.
-    pub title: [&'static str; 2],
+    /// Title; the second with a tube around the first curve, the third with a class bound.
+    pub title: [&'static str; 3],
     /// File stem and titles of a figure of the steady part alone, where there is one. On paper nobody can
     /// zoom: the start-up would hide how the error sits in its bound.
-    pub steady: Option<(&'static str, [&'static str; 2])>,
+    pub steady: Option<(&'static str, [&'static str; 3])>,
     pub x_label: &'static str,
     pub y_label: &'static str,
     pub plane: PlotPlane,
@@ -55,16 +55,19 @@ pub(crate) struct ChartKind {
     pub scale: f64,
     pub curves: &'static [KindCurve],
     pub bound: KindBound,
-    /// The tube around the first curve.
-    pub tube: Option<BandEnds>,
-    /// Returns true if it is shown of a run with these figures, and with a tube or without.
+    /// Parts of an envelope that are around the first curve.
+    pub envelope: EnvelopeParts,
+    /// Returns true if it is shown of a run with these figures, and with an envelope or without.
     pub shown: fn(&Metrics, bool) -> bool,
 }
+
+/// No envelope.
+const NO_PARTS: EnvelopeParts = EnvelopeParts { tube: None, class: None };
 
 /// A quantity over time, with nothing to hold it against.
 const PLAIN: ChartKind = ChartKind {
     stem: "",
-    title: [""; 2],
+    title: [""; 3],
     steady: None,
     x_label: "time t [s]",
     y_label: "",
@@ -72,7 +75,7 @@ const PLAIN: ChartKind = ChartKind {
     scale: 1.0,
     curves: &[],
     bound: KindBound { label: "", after_settle: false, of: |_| None },
-    tube: None,
+    envelope: NO_PARTS,
     shown: |_, _| true,
 };
 
@@ -115,7 +118,7 @@ const DE: KindCurve = curve("ė", "mrad/s", |j, k, _| at(&j.de, k));
 pub(crate) static CHARTS: [ChartKind; 8] = [
     ChartKind {
         stem: "tracking",
-        title: ["Tracking: position q and desired position q_d"; 2],
+        title: ["Tracking: position q and desired position q_d"; 3],
         y_label: "position [rad]",
         curves: &[
             curve("q", "rad", |j, k, _| at(&j.q, k)),
@@ -128,24 +131,29 @@ pub(crate) static CHARTS: [ChartKind; 8] = [
         title: [
             "Error e = q − q_d against its bound",
             "Error e = q − q_d in its tube (shaded), against its bound",
+            "Error e = q − q_d in the class bound (shaded), against its bound",
         ],
         steady: Some((
             "error-steady",
             [
                 "Error e in the steady part against its bound",
                 "Error e in the steady part, in its tube (shaded), against its bound",
+                "Error e in the steady part, in the class bound (shaded), against its bound",
             ],
         )),
         y_label: "error e [mrad]",
         scale: 1e3,
         curves: &[E],
         bound: spec(|m| m.error_spec_rad),
-        tube: Some(band::error),
+        envelope: EnvelopeParts {
+            tube: Some(band::error),
+            class: Some(|class| &class.error_rad),
+        },
         ..PLAIN
     },
     ChartKind {
         stem: "error-integral",
-        title: ["Integral of the error ∫e against its bound"; 2],
+        title: ["Integral of the error ∫e against its bound"; 3],
         y_label: "∫e [mrad·s]",
         scale: 1e3,
         curves: &[curve("∫e", "mrad·s", |j, k, _| at(&j.e_integral, k))],
@@ -158,31 +166,40 @@ pub(crate) static CHARTS: [ChartKind; 8] = [
         title: [
             "Velocity error ė against its bound",
             "Velocity error ė in its tube (shaded), against its bound",
+            "Velocity error ė in the class bound (shaded), against its bound",
         ],
         y_label: "ė [mrad/s]",
         scale: 1e3,
         curves: &[DE],
         bound: spec(|m| m.velocity_error_spec_rad_s),
-        tube: Some(band::velocity),
-        shown: |metrics, tubed| {
-            tubed || metrics.joints.iter().any(|j| j.velocity_error_spec_rad_s.is_some())
+        envelope: EnvelopeParts {
+            tube: Some(band::velocity),
+            class: Some(|class| &class.velocity_error_rad_s),
+        },
+        shown: |metrics, enveloped| {
+            enveloped || metrics.joints.iter().any(|j| j.velocity_error_spec_rad_s.is_some())
         },
         ..PLAIN
     },
     ChartKind {
         stem: "torque",
-        title: ["Torque applied and commanded against the limit"; 2],
+        title: [
+            "Torque applied and commanded against the limit",
+            "Torque applied and commanded against the limit",
+            "Torque applied and commanded in the class bound (shaded), against the limit",
+        ],
         y_label: "torque τ [N·m]",
         curves: &[
             held("τ applied", "N·m", false, |j, k, _| at(&j.tau_applied, k)),
             held("τ commanded", "N·m", true, |j, k, _| at(&j.tau_command, k)),
         ],
         bound: limit(|m| m.tau_limit_nm),
+        envelope: EnvelopeParts { class: Some(|class| &class.torque_nm), ..NO_PARTS },
         ..PLAIN
     },
     ChartKind {
         stem: "unknown-dynamics",
-        title: ["Unknown dynamics φ and its estimate φ̂"; 2],
+        title: ["Unknown dynamics φ and its estimate φ̂"; 3],
         y_label: "φ, φ̂ [N·m]",
         curves: &[
             curve("φ", "N·m", |j, k, _| at(&j.phi, k)),
@@ -192,7 +209,7 @@ pub(crate) static CHARTS: [ChartKind; 8] = [
     },
     ChartKind {
         stem: "phase",
-        title: ["Start-up in the phase plane, ė over e"; 2],
+        title: ["Start-up in the phase plane, ė over e"; 3],
         x_label: "error e [mrad]",
         y_label: "ė [mrad/s]",
         plane: PlotPlane::Phase,
@@ -203,10 +220,15 @@ pub(crate) static CHARTS: [ChartKind; 8] = [
     },
     ChartKind {
         stem: "torque-step",
-        title: ["Torque change per sample against the rate limit"; 2],
+        title: [
+            "Torque change per sample against the rate limit",
+            "Torque change per sample against the rate limit",
+            "Torque change per sample in the class bound (shaded), against the rate limit",
+        ],
         y_label: "Δτ [N·m/sample]",
         curves: &[held("Δτ", "N·m/sample", false, step)],
         bound: limit(|m| m.tau_step_limit_nm),
+        envelope: EnvelopeParts { class: Some(|class| &class.torque_step_nm), ..NO_PARTS },
         ..PLAIN
     },
 ];

@@ -18,6 +18,8 @@ mod band;
 mod budget;
 mod certificate;
 mod chart;
+mod class;
+mod class_section;
 mod coarser;
 mod coupled;
 mod drawing;
@@ -44,6 +46,7 @@ mod verdict;
 
 pub use arm::{Arm, ArmLink, Carried, JointTorque, Plane, PointForce, Surface};
 pub use budget::budget_page;
+pub use band::Envelope;
 pub use drawing::Drawing;
 pub use figure::{FIGURES, figures, run_figures};
 pub use kit::draw::Picture;

@@ -1,6 +1,7 @@
 //! The page: verdict, figures per joint, plots, and everything needed to doubt them.
 
 use crate::certificate::certificate;
+use crate::class::class_verdict;
 use crate::figure::run_figures;
 use crate::kind::DRAWABLE_MAX;
 use crate::kit::number::{number, stated};
@@ -112,6 +113,7 @@ fn heading(record: &Record<'_>) -> Markup {
             }
             @if let Some(stopped) = &record.metrics.stopped { p.verdict.outside { strong { (line(&stopped.sentence())) } "." } }
             (verdict_box(&verdict(record.metrics, record.tube)))
+            (class_verdict(record))
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::arm::Arm;
 use crate::chart::{Chart, JointChart, charts};
 use crate::kind::{KindCurve, PlotPlane};
-use crate::kit::number::rounded;
+use crate::kit::number::{number, rounded};
 use crate::kit::unit_of;
 use crate::record::Record;
 use crate::signal::{CodedSignal, sources};
@@ -57,9 +57,12 @@ struct PanelData {
     /// One per curve.
     units: Vec<String>,
     bound: Option<f64>,
-    /// Steps of the tube: times (one more), least, largest.
+    /// Steps of the envelope: times (one more), least, largest.
     #[serde(skip_serializing_if = "Option::is_none")]
-    tube: Option<[Vec<f64>; 3]>,
+    band: Option<[Vec<f64>; 3]>,
+    /// Name of the envelope, with its level where that is constant.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    band_label: String,
 }
 
 /// The JSON text, fit to stand inside `<script type="application/json">`.
@@ -100,7 +103,8 @@ fn chart_data(chart: &Chart) -> ChartData {
             y_label: own(kind.y_label),
             units: kind.curves.iter().map(|curve| own(curve.unit)).collect(),
             bound: panel.bound.map(rounded),
-            tube: panel.tube.clone().map(|band| [band.t, band.low, band.high]),
+            band_label: band_label(chart, panel),
+            band: panel.band.clone().map(|band| [band.t, band.low, band.high]),
         }
     };
     let curve = |c: &KindCurve| CurveData { label: c.label, dashed: c.dashed, held: c.held };
@@ -112,6 +116,17 @@ fn chart_data(chart: &Chart) -> ChartData {
         bound_after_settle: kind.bound.after_settle,
         curves: kind.curves.iter().map(curve).collect(),
         panels: chart.panels.iter().map(panel).collect(),
+    }
+}
+
+fn band_label(chart: &Chart, panel: &JointChart) -> String {
+    match panel.band.as_ref().map(|band| &band.high[..]) {
+        None => String::new(),
+        Some([level]) => {
+            let unit = chart.kind.curves.first().map_or("", |curve| curve.unit);
+            format!("{} ±{} {}", chart.envelope, number(*level), unit_of(unit, panel.slides))
+        }
+        Some(_) => chart.envelope.to_owned(),
     }
 }
 

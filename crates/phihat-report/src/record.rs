@@ -1,9 +1,10 @@
 //! Data that a page is made from.
 
-use phihat_design::{Gains, Tube};
+use phihat_design::Gains;
 use phihat_sim::Metrics;
 use serde::{Deserialize, Serialize};
 
+use crate::band::Envelope;
 use crate::drawing::Drawing;
 use crate::tube::TubeRun;
 
@@ -31,15 +32,17 @@ pub struct RunMeasurements<'a> {
     pub drawing: &'a Drawing,
     /// Its figures.
     pub metrics: &'a Metrics,
-    /// The tube that was promised for it.
-    pub tube: Option<&'a Tube>,
+    /// Bounds that were stated before it.
+    pub envelope: Option<Envelope<'a>>,
 }
 
 impl<'a> Record<'a> {
     pub(crate) fn measured(&self) -> RunMeasurements<'a> {
         let own = self.gains.filter(|gains| gains.study_sha256 == self.run.study_sha256);
-        let tube = own.and_then(|gains| gains.certificate.as_ref()?.tube.as_ref());
-        RunMeasurements { drawing: self.drawing, metrics: self.metrics, tube }
+        let certificate = own.and_then(|gains| gains.certificate.as_ref());
+        let tube = certificate.and_then(|all| all.tube.as_ref()).map(Envelope::Tube);
+        let class = certificate.and_then(|all| all.class.as_deref()).map(Envelope::Class);
+        RunMeasurements { drawing: self.drawing, metrics: self.metrics, envelope: tube.or(class) }
     }
 }
 

@@ -1,9 +1,10 @@
 //! The run beside the tube that was promised for it.
 
-use phihat_design::{Certificate, Gains, JointRun, Left, Tube, TubeKept, TubeWatch};
+use phihat_design::{Gains, JointRun, Left, Tube, TubeKept, TubeWatch};
 use phihat_sim::{JointTrace, Trace};
 use serde::Serialize;
 
+use crate::class::no_promise;
 use crate::kit::number::{number, stated};
 use crate::kit::text::line;
 use crate::kit::unit_of;
@@ -56,19 +57,7 @@ impl<'a> TubeSeen<'a> {
     /// The run against its tube, after its last block, in a run of a study with this SHA-256.
     #[must_use]
     pub fn run(self, study_sha256: &str) -> TubeRun {
-        let left_out = |certificate: &Certificate| {
-            let left_out = certificate.not_counted.iter().filter(|one| !one.in_tube());
-            let keys: Vec<&str> = left_out.map(|one| one.key.as_str()).collect();
-            (!keys.is_empty()).then(|| format!("it does not count {}", keys.join(", ")))
-        };
-        let why = |certificate: &Certificate| match certificate.refused() {
-            _ if self.gains.study_sha256 != study_sha256 => {
-                Some("it was made for another study".to_owned())
-            }
-            Some(why) => Some(format!("the gains do not arm: {why}")),
-            None => left_out(certificate),
-        };
-        let no_promise = self.gains.certificate.as_ref().and_then(why);
+        let no_promise = no_promise(self.gains, study_sha256);
         let kept = self.watch.kept(self.tube);
         let slides = kept.left.as_ref().is_some_and(|left| self.gains.slides(&left.joint));
         TubeRun { kept, no_promise, slides }

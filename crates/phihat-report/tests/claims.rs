@@ -15,7 +15,7 @@ use scraper::{ElementRef, Html, Selector};
 use crate::support::{Fixture, fixture};
 
 /// Designed once: it takes a second.
-fn certified() -> Gains {
+pub(crate) fn certified() -> Gains {
     static GAINS: OnceLock<Gains> = OnceLock::new();
     GAINS.get_or_init(designed).clone()
 }
@@ -198,7 +198,7 @@ fn nonsense_in_the_file_leaves_its_figure_out() {
 fn the_name_of_every_figure_is_listed() {
     let mut drawn: Vec<_> =
         figures(&with(certified()).record()).into_iter().map(|figure| figure.name).collect();
-    drawn.extend(["velocity-error", "error-integral", "torque-step"].map(String::from));
+    drawn.extend(["velocity-error", "error-integral", "torque-step", "pace"].map(String::from));
     let listed = |name: &String| FIGURES.contains(&name.as_str());
     assert!(drawn.iter().all(listed), "{drawn:?}");
     let missing: Vec<_> = FIGURES.iter().filter(|name| !drawn.iter().any(|d| d == *name)).collect();

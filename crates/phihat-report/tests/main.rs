@@ -4,6 +4,7 @@
 mod support;
 
 mod claims;
+mod class;
 mod drawer;
 mod escaping;
 mod self_contained;

@@ -42,7 +42,7 @@ pub fn trial_page(trial: &Trial<'_>) -> String {
                 (tracking(trial.metrics))
                 (torque(trial.metrics))
                 h2 { "Figures" }
-                div { @for figure in run_figures(&RunMeasurements { drawing: trial.drawing, metrics: trial.metrics, tube: None }) {
+                div { @for figure in run_figures(&RunMeasurements { drawing: trial.drawing, metrics: trial.metrics, envelope: None }) {
                     @if figure.name != "unknown-dynamics" { figure.claim { (PreEscaped(&figure.svg)) } }
                 } }
                 (gains(trial))

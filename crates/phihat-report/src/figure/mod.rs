@@ -15,7 +15,7 @@ mod claims;
 pub(crate) use claims::{claim_figures, front};
 
 /// The name of every figure that a record may have.
-pub const FIGURES: [&str; 13] = [
+pub const FIGURES: [&str; 14] = [
     "arm",
     "tracking",
     "error",
@@ -29,6 +29,7 @@ pub const FIGURES: [&str; 13] = [
     "inertia-window",
     "bode",
     "trade-off",
+    "pace",
 ];
 
 /// Every figure of a record: those of the run, and those of what was proved about its gains. The example of
@@ -100,13 +101,13 @@ fn bound(own: &JointChart, kind: &KindBound) -> Option<Bound> {
     Some(Bound { both: true, in_view: kind.after_settle, ..Bound::at(kind.label, value) })
 }
 
-/// Every curve over time, in its tube and its bound.
+/// Every curve over time, in its envelope and its bound.
 fn over_time(chart: &Chart, own: &JointChart, rows: &[ChartSample], settle_s: f64) -> Panel {
     let kind = chart.kind;
     let bound = bound(own, &kind.bound);
     let bound = bound.map(|b| Bound { from: kind.bound.after_settle.then_some(settle_s), ..b });
     let ends = extent(rows.iter().map(|row| row.t), 0.0);
-    let steps = own.tube.as_ref().map_or(Vec::new(), |tube| tube.within((ends.start, ends.end)));
+    let steps = own.band.as_ref().map_or(Vec::new(), |band| band.within((ends.start, ends.end)));
     let steps: Vec<_> =
         steps.into_iter().map(|(from, to, low, high)| [from, to, low, high]).collect();
     // A curve alone in its panel is named by the axis.
@@ -116,8 +117,8 @@ fn over_time(chart: &Chart, own: &JointChart, rows: &[ChartSample], settle_s: f6
         Series::curve(if named { curve.label } else { "" }, points)
     };
     let series = kind.curves.iter().enumerate().map(curve).collect();
-    let tube = Band { label: "tube".to_owned(), steps, ..Band::default() };
-    let bands = if tube.steps.is_empty() { Vec::new() } else { vec![tube] };
+    let envelope = Band { label: chart.envelope.to_owned(), steps, ..Band::default() };
+    let bands = if envelope.steps.is_empty() { Vec::new() } else { vec![envelope] };
     let title = short(&own.joint, 40);
     Panel { bands, ..Panel::lines(title, axes(chart, own), series, bound.into_iter().collect()) }
 }

@@ -1,10 +1,11 @@
-//! Figures of what was proved, from the certificate: frequency responses, inertia windows, the price of the bound.
+//! Figures of what was proved, from the certificate: frequency responses, inertia windows, the price of the bound and of speed.
 
 use crate::kit::draw::Picture;
 use crate::record::Record;
 
 mod bode;
 mod ends;
+mod pace;
 mod trade_off;
 mod window;
 
@@ -15,7 +16,9 @@ pub(crate) fn claim_figures(record: &Record<'_>) -> Vec<Picture> {
     let Some(gains) = record.gains else { return Vec::new() };
     let certified = gains.certificate.as_ref().map(|certificate| {
         let (window, bode) = (window::figure(gains, certificate), bode::figure(gains, certificate));
-        window.into_iter().chain(bode)
+        let pace = certificate.class.as_deref();
+        let pace = pace.and_then(|class| pace::figure(class, gains, record.metrics));
+        pace.into_iter().chain(window).chain(bode)
     });
     certified
         .into_iter()

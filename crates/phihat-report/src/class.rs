@@ -1,0 +1,219 @@
+//! A run against the bound for every motion of its class.
+
+use maud::{Markup, html};
+use phihat_design::{Certificate, ClassBound, Gains};
+use phihat_sim::{JointMetrics, Metrics};
+
+use crate::kit::number::{number, percent, stated};
+use crate::kit::text::line;
+use crate::kit::{MILLI, unit_of};
+use crate::record::Record;
+use crate::verdict::share;
+
+/// One bound of a class.
+pub(crate) struct ClassClause {
+    pub symbol: &'static str,
+    pub unit: &'static str,
+    /// From SI units.
+    pub scale: f64,
+    pub bound: fn(&ClassBound) -> &[f64],
+    pub measured: fn(&JointMetrics) -> f64,
+}
+
+/// The bounds of a class, and what they are compared with: whole runs, but for the velocity error.
+pub(crate) const CLASS_CLAUSES: [ClassClause; 4] = [
+    ClassClause {
+        symbol: "|e|",
+        unit: "mrad",
+        scale: MILLI,
+        bound: |class| &class.error_rad,
+        measured: |joint| joint.error_max_rad,
+    },
+    ClassClause {
+        symbol: "|ė|",
+        unit: "mrad/s",
+        scale: MILLI,
+        bound: |class| &class.velocity_error_rad_s,
+        measured: |joint| joint.velocity_error_steady_max_rad_s,
+    },
+    ClassClause {
+        symbol: "|Δτ|",
+        unit: "N·m",
+        scale: 1.0,
+        bound: |class| &class.torque_step_nm,
+        measured: |joint| joint.tau_step_max_nm,
+    },
+    ClassClause {
+        symbol: "|τ|",
+        unit: "N·m",
+        scale: 1.0,
+        bound: |class| &class.torque_nm,
+        measured: |joint| joint.tau_max_nm,
+    },
+];
+
+/// A run whose gains carry a bound for every motion of a class.
+#[derive(Debug)]
+pub(crate) struct ClassRun<'a> {
+    pub class: &'a ClassBound,
+    metrics: &'a Metrics,
+    /// Reason why the bound is no promise for this run; `None`: it is one.
+    no_promise: Option<String>,
+}
+
+impl<'a> ClassRun<'a> {
+    /// `None`: the gains carry no such bound.
+    pub(crate) fn of(record: &Record<'a>) -> Option<Self> {
+        let gains = record.gains?;
+        let class = gains.certificate.as_ref()?.class.as_deref()?;
+        let limited = |joint: &JointMetrics| joint.saturated_samples + joint.rate_limited_samples;
+        let limits = record.metrics.joints.iter().any(|joint| limited(joint) > 0);
+        let no_promise = no_promise(gains, &record.run.study_sha256)
+            .or_else(|| limits.then(|| "a limit acted".to_owned()));
+        Some(Self { class, metrics: record.metrics, no_promise })
+    }
+
+    /// A clause on every joint: the joint, its bound, its measurement.
+    fn joints(&self, clause: &ClassClause) -> impl Iterator<Item = (&'a JointMetrics, f64, f64)> {
+        let measured = clause.measured;
+        let joints = self.metrics.joints.iter().zip((clause.bound)(self.class));
+        joints.map(move |(joint, bound)| (joint, *bound, measured(joint)))
+    }
+
+    /// Largest bound of a clause, and its joint.
+    fn largest(&self, clause: &ClassClause) -> Option<(&'a JointMetrics, f64, f64)> {
+        self.joints(clause).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Measurements beyond their bound.
+    fn outside(&self) -> Vec<String> {
+        let each = CLASS_CLAUSES.iter().flat_map(|clause| {
+            let beyond = self.joints(clause).filter(|(_, bound, value)| share(*value, *bound) > 1.0);
+            beyond.map(move |(joint, bound, value)| {
+                let shown = |value: f64| number(clause.scale * value);
+                let unit = unit_of(clause.unit, joint.slides);
+                let (value, bound) = (shown(value), shown(bound));
+                format!("{}: {} {value} {unit}, bound {bound}", line(&joint.name), clause.symbol)
+            })
+        });
+        each.collect()
+    }
+
+    /// The measurement nearest to its bound.
+    fn nearest(&self) -> Option<String> {
+        let each = CLASS_CLAUSES.iter().flat_map(|clause| {
+            let shares = self.joints(clause).map(|(joint, bound, value)| (joint, share(value, bound)));
+            shares.map(move |(joint, share)| (clause.symbol, joint, share))
+        });
+        let (symbol, joint, share) = each.max_by(|a, b| a.2.total_cmp(&b.2))?;
+        Some(format!("{symbol} of {}, {} of its bound", line(&joint.name), percent(share, 1.0)))
+    }
+
+    /// Result of the run against the bounds, in one sentence.
+    pub(crate) fn sentence(&self) -> String {
+        let outside = self.outside();
+        match (outside.is_empty(), &self.no_promise) {
+            (true, None) => {
+                let nearest = self.nearest().map_or_else(String::new, |near| format!("; nearest: {near}"));
+                format!("this run, one such motion, is inside on every joint{nearest}")
+            }
+            (true, Some(why)) => format!("this run is inside, but no such motion: {}", line(why)),
+            (false, None) => {
+                format!("the certificate is broken: please report. {}", outside.join("; "))
+            }
+            (false, Some(why)) => {
+                format!("this run is no such motion: {}. {}", line(why), outside.join("; "))
+            }
+        }
+    }
+
+    /// Returns true if the run left what every motion of the class is inside.
+    fn broken(&self) -> bool {
+        self.no_promise.is_none() && !self.outside().is_empty()
+    }
+
+    /// Limits of the class in words: `±0.3 rad, 0.2 rad/s, 0.2 rad/s², 1 rad/s³`.
+    fn limits(&self) -> String {
+        let class = self.class;
+        let half = |(low, high): (&f64, &f64)| 0.5 * (high - low);
+        let ends = class.box_rad.0.iter().zip(&class.box_rad.1);
+        let lists = [
+            ("±", "rad", &ends.map(half).collect()),
+            ("", "rad/s", &class.speed_max_rad_s),
+            ("", "rad/s²", &class.acceleration_max_rad_s2),
+            ("", "rad/s³", &class.jerk_max_rad_s3),
+        ];
+        let slides: Vec<bool> = self.metrics.joints.iter().map(|joint| joint.slides).collect();
+        let words = lists.map(|(sign, unit, values)| {
+            // Joints that turn, then those that slide.
+            let kinds = [false, true].map(|sliding| {
+                let of = values.iter().zip(&slides).filter(|(_, slides)| **slides == sliding);
+                let own: Vec<f64> = of.map(|(value, _)| *value).collect();
+                span(&own).map(|span| format!("{sign}{span} {}", unit_of(unit, sliding)))
+            });
+            kinds.into_iter().flatten().collect::<Vec<_>>().join(" and ")
+        });
+        words.join(", ")
+    }
+}
+
+/// `0.2`, or `0.1 … 0.2` where values differ.
+fn span(values: &[f64]) -> Option<String> {
+    let low = values.iter().copied().reduce(f64::min)?;
+    let high = values.iter().copied().reduce(f64::max)?;
+    // What is left of a difference of two ends.
+    let [low, high] = [low, high].map(|value| stated((1e9 * value).round() / 1e9));
+    Some(if low == high { low } else { format!("{low} … {high}") })
+}
+
+/// Reason why bounds that gains carry are no promise for a run of a study with this SHA-256.
+pub(crate) fn no_promise(gains: &Gains, study_sha256: &str) -> Option<String> {
+    let left_out = |certificate: &Certificate| {
+        let left_out = certificate.not_counted.iter().filter(|one| !one.in_tube());
+        let keys: Vec<&str> = left_out.map(|one| one.key.as_str()).collect();
+        (!keys.is_empty()).then(|| format!("it does not count {}", keys.join(", ")))
+    };
+    let certificate = gains.certificate.as_ref()?;
+    match certificate.refused() {
+        _ if gains.study_sha256 != study_sha256 => Some("it was made for another study".to_owned()),
+        Some(why) => Some(format!("the gains do not arm: {why}")),
+        None => left_out(certificate),
+    }
+}
+
+/// Verdict on the class at the head of the page, or nothing where the gains say nothing of a class.
+pub(crate) fn class_verdict(record: &Record<'_>) -> Markup {
+    let refused = record.gains.and_then(|gains| gains.certificate.as_ref()?.class_refused.as_ref());
+    if let Some(why) = refused {
+        return html! { p.verdict.unknown {
+            strong { "No bound for every motion of the class: " } (line(why)) "."
+        } };
+    }
+    let Some(run) = ClassRun::of(record) else { return html! {} };
+    if run.broken() {
+        return html! { p.verdict.outside { strong { "Outside its class bound:" } " " (run.sentence()) "." } };
+    }
+    let [error, _, step, _] = &CLASS_CLAUSES;
+    let mass = run.class.payload.mass_kg;
+    html! { div.verdict.within {
+        p {
+            strong { "Any motion within " (run.limits()) ":" }
+            @if let Some((joint, bound, measured)) = run.largest(error) {
+                @let unit = unit_of(error.unit, joint.slides);
+                " |e| ≤ " (number(error.scale * bound)) " " (unit) " (the largest bound, of " (line(&joint.name))
+                "; measured " (number(error.scale * measured)) ")"
+            }
+            @if let Some((joint, bound, measured)) = run.largest(step) {
+                ", torque step ≤ " (number(bound)) " " (unit_of(step.unit, joint.slides))
+                @if let Some(limit) = joint.tau_step_limit_nm { " of " (stated(limit)) }
+                " (" (line(&joint.name)) "; measured " (number(measured)) ")"
+            }
+            "."
+        }
+        p {
+            "Derived, not proved: it rests on maxima that a search found; " code { "phihat verify --study" }
+            " derives it a second time. For as long as the motion lasts, payload " (stated(mass.0)) " … " (stated(mass.1)) " kg on "
+            (line(&run.class.payload.frame)) ", from a start at rest in balance. Here " (run.sentence()) "."
+        }
+    } }
+}

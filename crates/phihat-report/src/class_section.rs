@@ -1,0 +1,70 @@
+//! The bound for every motion of a class on the page, joint by joint.
+
+use maud::{Markup, html};
+use phihat_design::ClassBound;
+use phihat_sim::JointMetrics;
+
+use crate::class::{CLASS_CLAUSES, ClassClause, ClassRun};
+use crate::kit::number::{number, stated};
+use crate::kit::own_unit;
+use crate::kit::text::line;
+use crate::record::Record;
+use crate::verdict::share;
+
+/// The class bound's part of the certificate's section.
+pub(crate) fn class(record: &Record<'_>) -> Markup {
+    let Some(run) = ClassRun::of(record) else { return html! {} };
+    let class = run.class;
+    html! {
+        p {
+            "The class bound: every motion inside of the box and the limits below keeps it, whether it is known beforehand or not, with forces of any "
+            "course in time as large as dry friction and pushes, as long as no limit acts. It is derived, from maxima that a search found, which are "
+            "not proved: " (class.postures) " postures, " (class.points) " points of torque rates (" (line(&class.source))
+            "). An error adds to itself by a factor of " (number(class.spectral_radius)) " (spectral radius; below 1 the class closes). Here "
+            (run.sentence()) "."
+        }
+        (bounds(class, &record.metrics.joints))
+    }
+}
+
+/// Bounds and measurements, joint by joint.
+fn bounds(class: &ClassBound, joints: &[JointMetrics]) -> Markup {
+    html! {
+        div.scroll tabindex="0" role="region" aria-label="Table: class bound and measurements" {
+            table {
+                caption { span { "Class bound and measurement, whole run; |ė| in the steady part" } }
+                thead { tr {
+                    th scope="col" { "joint" }
+                    th scope="col" { "box " span.unit { "[rad]" } }
+                    th scope="col" { "speed " span.unit { "[rad/s]" } }
+                    th scope="col" { "acceleration " span.unit { "[rad/s²]" } }
+                    th scope="col" { "jerk " span.unit { "[rad/s³]" } }
+                    th scope="col" { "|e| of a frozen posture " span.unit { "[mrad]" } }
+                    @for clause in &CLASS_CLAUSES {
+                        th scope="col" { (clause.symbol) " bound " span.unit { "[" (clause.unit) "]" } }
+                        th scope="col" { (clause.symbol) " measured " span.unit { "[" (clause.unit) "]" } }
+                    }
+                } }
+                tbody { @for (i, joint) in joints.iter().enumerate() { tr {
+                    @let at = |list: &[f64]| list.get(i).copied().unwrap_or(f64::NAN);
+                    @let figure = |list: &[f64], unit: &str| format!("{}{}", stated(at(list)), own_unit(unit, joint.slides));
+                    th scope="row" { (line(&joint.name)) }
+                    td.whole { (stated(at(&class.box_rad.0))) " … " (figure(&class.box_rad.1, "rad")) }
+                    td { (figure(&class.speed_max_rad_s, "rad/s")) }
+                    td { (figure(&class.acceleration_max_rad_s2, "rad/s²")) }
+                    td { (figure(&class.jerk_max_rad_s3, "rad/s³")) }
+                    td { (number(CLASS_CLAUSES[0].scale * at(&class.frozen_error_rad))) (own_unit("mrad", joint.slides)) }
+                    @for clause in &CLASS_CLAUSES { (cells(clause, at((clause.bound)(class)), joint)) }
+                } } }
+            }
+        }
+    }
+}
+
+fn cells(clause: &ClassClause, bound: f64, joint: &JointMetrics) -> Markup {
+    let (measured, unit) = ((clause.measured)(joint), own_unit(clause.unit, joint.slides));
+    html! {
+        td { (number(clause.scale * bound)) (unit) }
+        td.outside[share(measured, bound) > 1.0] { (number(clause.scale * measured)) (unit) }
+    }
+}

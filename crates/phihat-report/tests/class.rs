@@ -1,0 +1,171 @@
+//! A bound for every motion of a class on the page. Wrong if its verdict, its band or its table said another number than
+//! the document, if a run beyond it were not called so, or if a run that it says nothing of were held against it.
+#![allow(clippy::float_cmp, reason = "in a test a panic is the report")]
+
+use phihat_design::{ClassBound, ClassPace, PayloadSet};
+use phihat_report::{figures, page};
+use roxmltree::Document;
+use scraper::{Html, Selector};
+
+use crate::claims::certified;
+use crate::support::{Fixture, fixture};
+
+/// Bounds a quarter above the measurements of a run in which no limit acts.
+fn of_class() -> Fixture {
+    let mut fixture = fixture(3, 2_400);
+    fixture.gains = certified();
+    fixture.run.study_sha256.clone_from(&fixture.gains.study_sha256);
+    for joint in &mut fixture.metrics.joints {
+        (joint.saturated_samples, joint.saturated_steady_samples) = (0, 0);
+        joint.tau_step_limit_nm = Some(50.0);
+    }
+    let joints = &fixture.metrics.joints;
+    let above = |of: fn(&phihat_sim::JointMetrics) -> f64| joints.iter().map(|j| 1.25 * of(j)).collect();
+    let class = ClassBound {
+        box_rad: (vec![-0.3, 0.7, -1.3], vec![0.3, 1.3, -0.7]),
+        speed_max_rad_s: vec![0.2; 3],
+        acceleration_max_rad_s2: vec![0.4, 0.4, 0.6],
+        jerk_max_rad_s3: vec![1.0; 3],
+        payload: PayloadSet { frame: "tool".into(), mass_kg: (0.0, 1.5), com_m: [(0.0, 0.0); 3], gyration_m: 0.0 },
+        force_nm: vec![0.3; 3],
+        reading_rad: vec![1e-5; 3],
+        error_rad: above(|j| j.error_max_rad),
+        velocity_error_rad_s: above(|j| j.velocity_error_steady_max_rad_s),
+        torque_step_nm: above(|j| j.tau_step_max_nm),
+        torque_nm: above(|j| j.tau_max_nm),
+        frozen_error_rad: above(|j| 0.5 * j.error_max_rad),
+        spectral_radius: 0.149,
+        postures: 101,
+        points: 4385,
+        source: "searched: corners".into(),
+        witnesses: Vec::new(),
+        paces: vec![pace(0.5, Some(0.01)), pace(2.0, Some(0.2)), pace(3.0, None)],
+    };
+    fixture.gains.certificate.as_mut().unwrap().class = Some(Box::new(class));
+    fixture
+}
+
+fn pace(factor: f64, error_rad: Option<f64>) -> ClassPace {
+    ClassPace { factor, error_rad, torque_step_nm: error_rad, spectral_radius: factor / 6.0 }
+}
+
+fn class(fixture: &mut Fixture) -> &mut ClassBound {
+    fixture.gains.certificate.as_mut().unwrap().class.as_deref_mut().unwrap()
+}
+
+/// Texts of the verdicts at the head of a page, with their classes.
+fn verdicts(fixture: &Fixture) -> Vec<(String, String)> {
+    let page = Html::parse_document(&page(&fixture.record()));
+    let all = Selector::parse("header .verdict").unwrap();
+    let of = |node: scraper::ElementRef<'_>| {
+        let text = node.text().collect::<String>();
+        (node.attr("class").unwrap().to_owned(), text.split_whitespace().collect::<Vec<_>>().join(" "))
+    };
+    page.select(&all).map(of).collect()
+}
+
+#[test]
+fn the_verdict_says_bound_measurement_and_status() {
+    let fixture = of_class();
+    let [_, (class, text)] = &verdicts(&fixture)[..] else { panic!("two verdicts") };
+    assert_eq!(class, "verdict within");
+    // The third joint starts farthest away: 70 mrad.
+    let worst = &fixture.metrics.joints[2];
+    assert!((worst.error_max_rad - 0.07).abs() < 1e-3);
+    let bound = format!("|e| ≤ {:.2} mrad (the largest bound, of joint3; measured {:.2})", 1250.0 * worst.error_max_rad, 1e3 * worst.error_max_rad);
+    for part in [
+        "Any motion within ±0.3 rad, 0.2 rad/s, 0.4 … 0.6 rad/s², 1 rad/s³:",
+        &bound,
+        "of 50 (",
+        "Derived, not proved",
+        "payload 0 … 1.5 kg on tool",
+        "inside on every joint",
+        "80\u{a0}% of its bound",
+    ] {
+        let part = part.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(text.contains(&part), "{part}: {text}");
+    }
+    assert!(!text.contains("proved ≤") && !text.contains("please report"));
+}
+
+#[test]
+fn a_run_beyond_the_bound_is_called_so_where_the_bound_is_a_promise() {
+    let mut broken = of_class();
+    class(&mut broken).error_rad[1] *= 0.5;
+    let said = verdicts(&broken);
+    assert_eq!(said[1].0, "verdict outside");
+    assert!(said[1].1.contains("please report") && said[1].1.contains("joint2: |e|"), "{said:?}");
+    // Not where a limit acted, nor for another study.
+    let mut limited = broken.clone();
+    limited.metrics.joints[0].rate_limited_samples = 1;
+    let mut other = broken;
+    other.run.study_sha256 = "fedcba9876543210".repeat(4);
+    for (fixture, why) in [(limited, "a limit acted"), (other, "another study")] {
+        let said = verdicts(&fixture);
+        assert!(said[1].1.contains(why) && !said[1].1.contains("please report"), "{said:?}");
+    }
+    let mut refused = of_class();
+    let certificate = refused.gains.certificate.as_mut().unwrap();
+    (certificate.class, certificate.class_refused) = (None, Some("too <fast>".to_owned()));
+    assert_eq!(verdicts(&refused)[1], ("verdict unknown".into(), "No bound for every motion of the class: too <fast>.".into()));
+}
+
+/// Numbers of a path, whatever its letters.
+fn numbers(path: &str) -> Vec<f64> {
+    let split = |c: char| c.is_ascii_alphabetic() || c == ' ' || c == ',';
+    path.split(split).filter(|part| !part.is_empty()).map(|part| part.parse().unwrap()).collect()
+}
+
+#[test]
+fn the_error_of_every_joint_is_drawn_in_its_band() {
+    let mut fixture = of_class();
+    // Twice as far as the axis is high for the curve alone.
+    class(&mut fixture).error_rad = vec![0.1, 0.1, 0.2];
+    let drawn = figures(&fixture.record());
+    let svg = &drawn.iter().find(|figure| figure.name == "error").unwrap().svg;
+    let document = Document::parse(svg).unwrap();
+    let bands = document.descendants().filter(|n| n.attribute("class") == Some("f2"));
+    let bands: Vec<Vec<f64>> = bands.filter_map(|n| n.attribute("d")).map(numbers).collect();
+    assert_eq!(bands.len(), 3, "one for each joint");
+    let ticks: Vec<(f64, f64)> = document
+        .descendants()
+        .filter(|n| n.attribute("class") == Some("tick") && n.attribute("text-anchor") == Some("end"))
+        .map(|n| (n.text().unwrap().parse().unwrap(), n.attribute("y").unwrap().parse().unwrap()))
+        .collect();
+    // Ticks of the first panel: until values begin again.
+    let count = 1 + ticks.windows(2).take_while(|pair| pair[1].0 > pair[0].0).count();
+    let (low, high) = (ticks[0], ticks[count - 1]);
+    let per_mrad = (low.1 - high.1) / (high.0 - low.0);
+    let [_, top, _, bottom, _] = bands[0][..] else { panic!("{:?}", bands[0]) };
+    assert!((bottom - top - 200.0 * per_mrad).abs() < 0.5, "{} {per_mrad}", bottom - top);
+    let page = page(&fixture.record());
+    assert!(page.contains("\"band_label\":\"class bound ±100.0 mrad\""));
+    assert!(page.contains("in the class bound (shaded)"));
+}
+
+#[test]
+fn other_paces_are_drawn_and_those_without_a_bound_are_named() {
+    let fixture = of_class();
+    let drawn = figures(&fixture.record());
+    let svg = &drawn.iter().find(|figure| figure.name == "pace").unwrap().svg;
+    assert!(svg.contains("f = 3: no bound"), "{svg}");
+    // Two paces and the class itself, in two panels; a ring around the class.
+    let document = Document::parse(svg).unwrap();
+    let marks = document.descendants().filter(|n| n.attribute("class") == Some("f0") && n.attribute("fill-opacity").is_none());
+    let marks: usize = marks.filter_map(|n| n.attribute("d")).map(|d| d.matches('M').count()).sum();
+    assert_eq!((marks, svg.matches("<circle").count()), (2 * 4, 2));
+}
+
+#[test]
+fn lists_of_another_length_break_no_page() {
+    let mut fixture = of_class();
+    let class = class(&mut fixture);
+    class.error_rad.truncate(1);
+    class.box_rad.0.clear();
+    class.speed_max_rad_s = vec![f64::NAN; 9];
+    class.paces[0].factor = f64::NAN;
+    assert!(page(&fixture.record()).contains("Any motion within"));
+    for figure in figures(&fixture.record()) {
+        Document::parse(&figure.svg).unwrap_or_else(|e| panic!("{}: {e}", figure.name));
+    }
+}
