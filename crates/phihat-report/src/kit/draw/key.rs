@@ -134,6 +134,8 @@ fn sign(sign: &KeySign, [x, y]: [f64; 2], look: &FigureSize, figure: &str) -> Ma
             fill=(colour) fill-opacity=(opacity) {} }
         }
         KeySign::Class(class) => html! {
+            // A little higher than its letter.
+            @let half = 0.72 * look.text;
             rect x=(px(x)) y=(px(y - half)) width=(px(long)) height=(px(2.0 * half)) fill=(map::pattern(figure,
                 *class)) stroke="#1b1f24" stroke-width="0.8" {}
             (map::letter(*class, [x + 0.5 * long, y], look.text))

@@ -7,6 +7,9 @@ use super::scale::Scale;
 use crate::kit::figure::{Content, Figure, Panel};
 use crate::kit::text::{line, short};
 
+/// Ticks of an axis at most.
+const TICKS_MAX: usize = 9;
+
 /// Panels of a figure at most; what is more is not drawn.
 const PANELS_MAX: usize = 64;
 
@@ -63,7 +66,8 @@ impl<'a> FigureLayout<'a> {
         let head = head as f64 * line + 0.5 * look.text;
         let room = Room::of(panels, columns, look);
         let axes = room.height;
-        let header = key_top + key.len() as f64 * line;
+        let gap = if key.is_empty() { 0.0 } else { 0.3 * line };
+        let header = key_top + key.len() as f64 * line + gap;
         for (place, panel) in placed.iter_mut().enumerate() {
             let (row, column) = (place / columns, place % columns);
             let (left, top) = (cell * column as f64, header + row as f64 * (head + axes));
@@ -95,7 +99,7 @@ impl Room {
             (1, false) => (560.0, 375.0),
             (2, true) => (420.0, 345.0),
             (2, false) => (420.0, 255.0),
-            (3, _) => (270.0, 217.0),
+            (3, _) => (270.0, 232.0),
             _ => (220.0, 180.0),
         };
         let plain = look.height.unwrap_or(plain);
@@ -153,20 +157,17 @@ impl<'a> PanelLayout<'a> {
         let x0 = x0 + 0.5 * (free.0 - width);
         self.frame = [x0, y0, x0 + width, y0 + height];
         let [left, top, right, bottom] = self.frame;
-        let across = ticks(width, look.wide(7), 9);
-        self.x = self.x.clone().placed(&self.panel.x, (left, right), across);
+        let across = |most: usize| self.x.clone().placed(&self.panel.x, (left, right), most);
+        let fits = |x: &Scale| (x.widest(look) + look.text) * x.ticks.len() as f64 <= width;
+        self.x = (2..=TICKS_MAX).rev().map(across).find(fits).unwrap_or_else(|| across(2));
         self.y = self.y.clone().placed(&self.panel.y, (bottom, top), ticks_up(height, look));
     }
 }
 
 /// Ticks that a height has room for.
 fn ticks_up(height: f64, look: &FigureSize) -> usize {
-    ticks(height, 1.4 * look.line(), 9)
-}
-
-/// Labels of a size that a length has room for.
-fn ticks(length: f64, size: f64, most: usize) -> usize {
-    (2..=most).take_while(|count| *count as f64 * size <= length).last().unwrap_or(2)
+    let size = 1.15 * look.line();
+    (2..=TICKS_MAX).take_while(|count| *count as f64 * size <= height).last().unwrap_or(2)
 }
 
 /// The largest size of an aspect inside a room.

@@ -98,19 +98,33 @@ pub(super) fn draw(
         [left, top, right - left, bottom - top]
     };
     let blocks = blocks(shape, &cell);
-    // The letter of a class stands in its most square block, if there is room.
-    let side = |b: &&Block| {
+    // The letter of a class stands in its largest block or square, if there is room.
+    let side = |b: &Block| {
         let [_, _, width, height] = sides(b);
         width.min(height)
     };
-    let of = |class: usize| blocks.iter().filter(move |block| block.class == class);
-    let letters =
-        (0..count).filter_map(|class| of(class).max_by(|a, b| side(a).total_cmp(&side(b))));
-    let letters = letters.filter(|block| side(block) >= 1.7 * text).map(|block| {
-        let [left, top, width, height] = sides(block);
+    let of = |class: usize| blocks.iter().copied().filter(move |block| block.class == class);
+    let square = |class: usize| largest(shape, class, &cell);
+    let letters = (0..count).filter_map(|class| {
+        square(class).into_iter().chain(of(class)).max_by(|a, b| side(a).total_cmp(&side(b)))
+    });
+    let letters = letters.filter(|block| side(block) >= 1.5 * text).map(|block| {
+        let [left, top, width, height] = sides(&block);
         letter(block.class, [left + 0.5 * width, top + 0.5 * height], text)
     });
+    let base = |class: usize| -> String {
+        let path = |block: Block| {
+            let [left, top, width, height] = sides(&block).map(px);
+            format!("M{left} {top}h{width}v{height}h-{width}z")
+        };
+        of(class).map(path).collect()
+    };
     html! {
+        // Below the hatching: between its tiles a renderer may leave seams.
+        @for (class, (colour, _)) in INKS.iter().enumerate().take(count) {
+            @let path = base(class);
+            @if !path.is_empty() { path d=(path) fill=(colour) shape-rendering="crispEdges" {} }
+        }
         @for block in &blocks {
             @let [left, top, width, height] = sides(block);
             rect x=(px(left)) y=(px(top)) width=(px(width)) height=(px(height)) fill=(pattern(figure,
@@ -143,9 +157,32 @@ fn blocks(shape: (usize, usize), cell: &dyn Fn(usize, usize) -> Option<usize>) -
     blocks
 }
 
+/// The largest square of cells of a class.
+fn largest(
+    shape: (usize, usize),
+    class: usize,
+    cell: &dyn Fn(usize, usize) -> Option<usize>,
+) -> Option<Block> {
+    // Side of the largest square that ends at a cell, in the row before and in this one.
+    let mut above = vec![0_usize; shape.1 + 1];
+    let mut best = (0, 0, 0);
+    for row in 0..shape.0 {
+        let mut here = vec![0_usize; shape.1 + 1];
+        for column in (0..shape.1).filter(|column| cell(row, *column) == Some(class)) {
+            let side = 1 + above[column].min(above[column + 1]).min(here[column]);
+            here[column + 1] = side;
+            best = best.max((side, row + 1, column + 1));
+        }
+        above = here;
+    }
+    let (side, row, column) = best;
+    let (columns, rows) = ((column.saturating_sub(side), column), (row.saturating_sub(side), row));
+    (side > 0).then_some(Block { class, columns, rows })
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Block, blocks, edges};
+    use super::{Block, blocks, edges, largest};
     use proptest::prelude::*;
 
     proptest! {
@@ -161,6 +198,15 @@ mod tests {
                 prop_assert_eq!(classes, vec![cells[row][column]]);
             }
         }
+    }
+
+    /// A staircase, whose rows are all of another length: no block of it is as large as a square.
+    #[test]
+    fn the_largest_square_of_a_staircase_is_found() {
+        let cell = |row: usize, column: usize| Some(usize::from(column <= row));
+        let square = Block { class: 1, columns: (0, 4), rows: (3, 7) };
+        assert_eq!(largest((7, 7), 1, &cell), Some(square));
+        assert_eq!(largest((7, 7), 2, &cell), None);
     }
 
     #[test]

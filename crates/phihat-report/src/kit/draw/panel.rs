@@ -147,12 +147,15 @@ impl PanelArea<'_> {
         for tick in self.y.ticks.iter().filter(|tick| tick.line) {
             let _ = write!(lines, "M{} {}h-4", px(left), px(self.y.px(tick.at)));
         }
-        let label =
-            |axis: &Axis, length: f64| short(&axis.label, self.look.letters(length + 7.0 * text));
+        let label = |axis: &Axis, length: f64| short(&axis.label, self.look.letters(1.15 * length));
+        let below = label(&self.panel.x, right - left + 6.0 * text);
+        let beside = label(&self.panel.y, bottom - top + 3.5 * text);
+        // One that is longer than its axis goes on below, where there is room, and not into the title.
+        let half = 0.25 * text * beside.chars().count() as f64;
         let turned = format!(
             "translate({} {}) rotate(-90)",
             px(left - self.y.widest(self.look) - 1.1 * text),
-            px(f64::midpoint(top, bottom))
+            px(f64::midpoint(top, bottom).max(top + half))
         );
         html! {
             path.axis d=(lines) fill="none" stroke="#1b1f24" stroke-width="0.8" {}
@@ -165,10 +168,8 @@ impl PanelArea<'_> {
                     (tick.label) }
             }
             text.axis-label x=(px(f64::midpoint(left, right))) y=(px(bottom + 2.8 * text)) text-anchor="middle" {
-                (label(&self.panel.x, right - left)) }
-            @if !self.panel.y.label.is_empty() {
-                text.axis-label transform=(turned) text-anchor="middle" { (label(&self.panel.y, bottom - top)) }
-            }
+                (below) }
+            @if !beside.is_empty() { text.axis-label transform=(turned) text-anchor="middle" { (beside) } }
         }
     }
 
