@@ -88,7 +88,8 @@ impl<'a> ClassRun<'a> {
     /// Measurements beyond their bound.
     fn outside(&self) -> Vec<String> {
         let each = CLASS_CLAUSES.iter().flat_map(|clause| {
-            let beyond = self.joints(clause).filter(|(_, bound, value)| share(*value, *bound) > 1.0);
+            let beyond =
+                self.joints(clause).filter(|(_, bound, value)| share(*value, *bound) > 1.0);
             beyond.map(move |(joint, bound, value)| {
                 let shown = |value: f64| number(clause.scale * value);
                 let unit = unit_of(clause.unit, joint.slides);
@@ -102,7 +103,8 @@ impl<'a> ClassRun<'a> {
     /// The measurement nearest to its bound.
     fn nearest(&self) -> Option<String> {
         let each = CLASS_CLAUSES.iter().flat_map(|clause| {
-            let shares = self.joints(clause).map(|(joint, bound, value)| (joint, share(value, bound)));
+            let shares =
+                self.joints(clause).map(|(joint, bound, value)| (joint, share(value, bound)));
             shares.map(move |(joint, share)| (clause.symbol, joint, share))
         });
         let (symbol, joint, share) = each.max_by(|a, b| a.2.total_cmp(&b.2))?;
@@ -114,7 +116,8 @@ impl<'a> ClassRun<'a> {
         let outside = self.outside();
         match (outside.is_empty(), &self.no_promise) {
             (true, None) => {
-                let nearest = self.nearest().map_or_else(String::new, |near| format!("; nearest: {near}"));
+                let nearest =
+                    self.nearest().map_or_else(String::new, |near| format!("; nearest: {near}"));
                 format!("this run, one such motion, is inside on every joint{nearest}")
             }
             (true, Some(why)) => format!("this run is inside, but no such motion: {}", line(why)),

@@ -145,10 +145,7 @@ pub(crate) static CHARTS: [ChartKind; 8] = [
         scale: 1e3,
         curves: &[E],
         bound: spec(|m| m.error_spec_rad),
-        envelope: EnvelopeParts {
-            tube: Some(band::error),
-            class: Some(|class| &class.error_rad),
-        },
+        envelope: EnvelopeParts { tube: Some(band::error), class: Some(|class| &class.error_rad) },
         ..PLAIN
     },
     ChartKind {

@@ -45,8 +45,8 @@ mod tube_section;
 mod verdict;
 
 pub use arm::{Arm, ArmLink, Carried, JointTorque, Plane, PointForce, Surface};
-pub use budget::budget_page;
 pub use band::Envelope;
+pub use budget::budget_page;
 pub use drawing::Drawing;
 pub use figure::{FIGURES, figures, run_figures};
 pub use kit::draw::Picture;

@@ -20,13 +20,19 @@ fn of_class() -> Fixture {
         joint.tau_step_limit_nm = Some(50.0);
     }
     let joints = &fixture.metrics.joints;
-    let above = |of: fn(&phihat_sim::JointMetrics) -> f64| joints.iter().map(|j| 1.25 * of(j)).collect();
+    let above =
+        |of: fn(&phihat_sim::JointMetrics) -> f64| joints.iter().map(|j| 1.25 * of(j)).collect();
     let class = ClassBound {
         box_rad: (vec![-0.3, 0.7, -1.3], vec![0.3, 1.3, -0.7]),
         speed_max_rad_s: vec![0.2; 3],
         acceleration_max_rad_s2: vec![0.4, 0.4, 0.6],
         jerk_max_rad_s3: vec![1.0; 3],
-        payload: PayloadSet { frame: "tool".into(), mass_kg: (0.0, 1.5), com_m: [(0.0, 0.0); 3], gyration_m: 0.0 },
+        payload: PayloadSet {
+            frame: "tool".into(),
+            mass_kg: (0.0, 1.5),
+            com_m: [(0.0, 0.0); 3],
+            gyration_m: 0.0,
+        },
         force_nm: vec![0.3; 3],
         reading_rad: vec![1e-5; 3],
         error_rad: above(|j| j.error_max_rad),
@@ -59,7 +65,10 @@ fn verdicts(fixture: &Fixture) -> Vec<(String, String)> {
     let all = Selector::parse("header .verdict").unwrap();
     let of = |node: scraper::ElementRef<'_>| {
         let text = node.text().collect::<String>();
-        (node.attr("class").unwrap().to_owned(), text.split_whitespace().collect::<Vec<_>>().join(" "))
+        (
+            node.attr("class").unwrap().to_owned(),
+            text.split_whitespace().collect::<Vec<_>>().join(" "),
+        )
     };
     page.select(&all).map(of).collect()
 }
@@ -72,7 +81,11 @@ fn the_verdict_says_bound_measurement_and_status() {
     // The third joint starts farthest away: 70 mrad.
     let worst = &fixture.metrics.joints[2];
     assert!((worst.error_max_rad - 0.07).abs() < 1e-3);
-    let bound = format!("|e| ≤ {:.2} mrad (the largest bound, of joint3; measured {:.2})", 1250.0 * worst.error_max_rad, 1e3 * worst.error_max_rad);
+    let bound = format!(
+        "|e| ≤ {:.2} mrad (the largest bound, of joint3; measured {:.2})",
+        1250.0 * worst.error_max_rad,
+        1e3 * worst.error_max_rad
+    );
     for part in [
         "Any motion within ±0.3 rad, 0.2 rad/s, 0.4 … 0.6 rad/s², 1 rad/s³:",
         &bound,
@@ -107,7 +120,10 @@ fn a_run_beyond_the_bound_is_called_so_where_the_bound_is_a_promise() {
     let mut refused = of_class();
     let certificate = refused.gains.certificate.as_mut().unwrap();
     (certificate.class, certificate.class_refused) = (None, Some("too <fast>".to_owned()));
-    assert_eq!(verdicts(&refused)[1], ("verdict unknown".into(), "No bound for every motion of the class: too <fast>.".into()));
+    assert_eq!(
+        verdicts(&refused)[1],
+        ("verdict unknown".into(), "No bound for every motion of the class: too <fast>.".into())
+    );
 }
 
 /// Numbers of a path, whatever its letters.
@@ -129,7 +145,9 @@ fn the_error_of_every_joint_is_drawn_in_its_band() {
     assert_eq!(bands.len(), 3, "one for each joint");
     let ticks: Vec<(f64, f64)> = document
         .descendants()
-        .filter(|n| n.attribute("class") == Some("tick") && n.attribute("text-anchor") == Some("end"))
+        .filter(|n| {
+            n.attribute("class") == Some("tick") && n.attribute("text-anchor") == Some("end")
+        })
         .map(|n| (n.text().unwrap().parse().unwrap(), n.attribute("y").unwrap().parse().unwrap()))
         .collect();
     // Ticks of the first panel: until values begin again.
@@ -151,7 +169,9 @@ fn other_paces_are_drawn_and_those_without_a_bound_are_named() {
     assert!(svg.contains("f = 3: no bound"), "{svg}");
     // Two paces and the class itself, in two panels; a ring around the class.
     let document = Document::parse(svg).unwrap();
-    let marks = document.descendants().filter(|n| n.attribute("class") == Some("f0") && n.attribute("fill-opacity").is_none());
+    let marks = document
+        .descendants()
+        .filter(|n| n.attribute("class") == Some("f0") && n.attribute("fill-opacity").is_none());
     let marks: usize = marks.filter_map(|n| n.attribute("d")).map(|d| d.matches('M').count()).sum();
     assert_eq!((marks, svg.matches("<circle").count()), (2 * 4, 2));
 }

@@ -34,7 +34,8 @@ pub(super) fn figure(class: &ClassBound, gains: &Gains, metrics: &Metrics) -> Op
             ink: Ink::Curve(0),
             ..Marker::default()
         });
-        let level = |bound: f64| Bound { in_view: true, ..Bound::at("bound asked for", scale * bound) };
+        let level =
+            |bound: f64| Bound { in_view: true, ..Bound::at("bound asked for", scale * bound) };
         let (x, y) = (Axis::new("speed × f").over(0.0, ends.end), Axis::new(unit_of(unit, slides)));
         let series = vec![
             Series::curve("", points.clone()).in_ink(Ink::Curve(0)),
@@ -43,9 +44,25 @@ pub(super) fn figure(class: &ClassBound, gains: &Gains, metrics: &Metrics) -> Op
         let bounds = same(metrics, bound).map(level).into_iter().collect();
         Panel { markers: this.into_iter().collect(), ..Panel::lines(title, (x, y), series, bounds) }
     };
-    let error = panel("Largest bound on |e|", "|e| [mrad]", MILLI, |pace| pace.error_rad, |joint| joint.error_spec_rad);
-    let step = panel("Largest bound on the torque step", "|Δτ| [N·m]", 1.0, |pace| pace.torque_step_nm, |joint| joint.tau_step_limit_nm);
-    let open = if open.is_empty() { String::new() } else { format!("; f = {}: no bound", open.join(", ")) };
+    let error = panel(
+        "Largest bound on |e|",
+        "|e| [mrad]",
+        MILLI,
+        |pace| pace.error_rad,
+        |joint| joint.error_spec_rad,
+    );
+    let step = panel(
+        "Largest bound on the torque step",
+        "|Δτ| [N·m]",
+        1.0,
+        |pace| pace.torque_step_nm,
+        |joint| joint.tau_step_limit_nm,
+    );
+    let open = if open.is_empty() {
+        String::new()
+    } else {
+        format!("; f = {}: no bound", open.join(", "))
+    };
     let title = format!("The price of speed: f times as fast, with the same gains{open}");
     let panels = vec![error, step];
     let figure = Figure { id: "pace".to_owned(), title, panels, ..Figure::default() };
@@ -55,6 +72,7 @@ pub(super) fn figure(class: &ClassBound, gains: &Gains, metrics: &Metrics) -> Op
 /// A level that all joints share.
 fn same(metrics: &Metrics, of: fn(&phihat_sim::JointMetrics) -> Option<f64>) -> Option<f64> {
     let first = metrics.joints.first().and_then(of)?;
-    let alike = |joint: &phihat_sim::JointMetrics| of(joint).map(f64::to_bits) == Some(first.to_bits());
+    let alike =
+        |joint: &phihat_sim::JointMetrics| of(joint).map(f64::to_bits) == Some(first.to_bits());
     metrics.joints.iter().all(alike).then_some(first)
 }
