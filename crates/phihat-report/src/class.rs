@@ -215,7 +215,8 @@ pub(crate) fn class_verdict(record: &Record<'_>) -> Markup {
         }
         p {
             "Derived, not proved: it rests on maxima that a search found; " code { "phihat verify --study" }
-            " derives it a second time. For as long as the motion lasts, payload " (stated(mass.0)) " … " (stated(mass.1)) " kg on "
+            " derives it a second time. For as long as the motion lasts, payload " (stated(mass.0)) " … " (stated(mass.1))
+            " kg on "
             (line(&run.class.payload.frame)) ", from a start at rest in balance. Here " (run.sentence()) "."
         }
     } }

@@ -6,8 +6,8 @@ use phihat_sim::JointMetrics;
 
 use crate::class::{CLASS_CLAUSES, ClassClause, ClassRun};
 use crate::kit::number::{number, stated};
-use crate::kit::own_unit;
 use crate::kit::text::line;
+use crate::kit::{MILLI, own_unit};
 use crate::record::Record;
 use crate::verdict::share;
 
@@ -17,11 +17,12 @@ pub(crate) fn class(record: &Record<'_>) -> Markup {
     let class = run.class;
     html! {
         p {
-            "The class bound: every motion inside of the box and the limits below keeps it, whether it is known beforehand or not, with forces of any "
-            "course in time as large as dry friction and pushes, as long as no limit acts. It is derived, from maxima that a search found, which are "
-            "not proved: " (class.postures) " postures, " (class.points) " points of torque rates (" (line(&class.source))
-            "). An error adds to itself by a factor of " (number(class.spectral_radius)) " (spectral radius; below 1 the class closes). Here "
-            (run.sentence()) "."
+            "The class bound: every motion inside of the box and the limits below keeps it, whether it is known "
+            "beforehand or not, with forces of any course in time as large as dry friction and pushes, as long as no "
+            "limit acts. It is derived, from maxima that a search found, which are not proved: " (class.postures)
+            " postures, " (class.points) " points of torque rates (" (line(&class.source))
+            "). An error adds to itself by a factor of " (number(class.spectral_radius))
+            " (spectral radius; below 1 the class closes). Here " (run.sentence()) "."
         }
         (bounds(class, &record.metrics.joints))
     }
@@ -47,13 +48,14 @@ fn bounds(class: &ClassBound, joints: &[JointMetrics]) -> Markup {
                 } }
                 tbody { @for (i, joint) in joints.iter().enumerate() { tr {
                     @let at = |list: &[f64]| list.get(i).copied().unwrap_or(f64::NAN);
-                    @let figure = |list: &[f64], unit: &str| format!("{}{}", stated(at(list)), own_unit(unit, joint.slides));
+                    @let own = |unit: &str| own_unit(unit, joint.slides);
+                    @let figure = |list: &[f64], unit: &str| format!("{}{}", stated(at(list)), own(unit));
                     th scope="row" { (line(&joint.name)) }
                     td.whole { (stated(at(&class.box_rad.0))) " … " (figure(&class.box_rad.1, "rad")) }
                     td { (figure(&class.speed_max_rad_s, "rad/s")) }
                     td { (figure(&class.acceleration_max_rad_s2, "rad/s²")) }
                     td { (figure(&class.jerk_max_rad_s3, "rad/s³")) }
-                    td { (number(CLASS_CLAUSES[0].scale * at(&class.frozen_error_rad))) (own_unit("mrad", joint.slides)) }
+                    td { (number(MILLI * at(&class.frozen_error_rad))) (own("mrad")) }
                     @for clause in &CLASS_CLAUSES { (cells(clause, at((clause.bound)(class)), joint)) }
                 } } }
             }

@@ -1,5 +1,5 @@
-//! A bound for every motion of a class on the page. Wrong if its verdict, its band or its table said another number than
-//! the document, if a run beyond it were not called so, or if a run that it says nothing of were held against it.
+//! A bound for every motion of a class on the page. Wrong if its verdict, its band or its table said another number
+//! than the document, if a run beyond it were not called so, or if a run that it says nothing of were held against it.
 #![allow(clippy::float_cmp, reason = "in a test a panic is the report")]
 
 use phihat_design::{ClassBound, ClassPace, PayloadSet};
