@@ -111,22 +111,26 @@ impl<'a> ClassRun<'a> {
         Some(format!("{symbol} of {}, {} of its bound", line(&joint.name), percent(share, 1.0)))
     }
 
-    /// Result of the run against the bounds, in one sentence.
+    /// Result of the run against the bounds, in a sentence of its own without its full stop.
     pub(crate) fn sentence(&self) -> String {
         let outside = self.outside();
         match (outside.is_empty(), &self.no_promise) {
             (true, None) => {
                 let nearest =
                     self.nearest().map_or_else(String::new, |near| format!("; nearest: {near}"));
-                format!("this run, one such motion, is inside on every joint{nearest}")
+                format!("This run, one such motion, is inside on every joint{nearest}")
             }
-            (true, Some(why)) => format!("this run is inside, but no such motion: {}", line(why)),
+            (true, Some(why)) => {
+                format!("This run is inside, but the bounds are no promise for it: {}", line(why))
+            }
             (false, None) => {
-                format!("the certificate is broken: please report. {}", outside.join("; "))
+                format!("The certificate is broken: please report. {}", outside.join("; "))
             }
-            (false, Some(why)) => {
-                format!("this run is no such motion: {}. {}", line(why), outside.join("; "))
-            }
+            (false, Some(why)) => format!(
+                "This run is outside, and the bounds are no promise for it: {}. {}",
+                line(why),
+                outside.join("; ")
+            ),
         }
     }
 
@@ -194,11 +198,14 @@ pub(crate) fn class_verdict(record: &Record<'_>) -> Markup {
     }
     let Some(run) = ClassRun::of(record) else { return html! {} };
     if run.broken() {
-        return html! { p.verdict.outside { strong { "Outside its class bound:" } " " (run.sentence()) "." } };
+        return html! { p.verdict.outside { strong { "Outside its class bound." } " " (run.sentence()) "." } };
     }
     let [error, _, step, _] = &CLASS_CLAUSES;
     let mass = run.class.payload.mass_kg;
-    html! { div.verdict.within {
+    let unproved =
+        record.gains.and_then(|gains| gains.certificate.as_ref()).map(|all| &all.unproved[..]);
+    let class = if run.no_promise.is_none() { "verdict within" } else { "verdict unknown" };
+    html! { div class=(class) {
         p {
             strong { "Any motion within " (run.limits()) ":" }
             @if let Some((joint, bound, measured)) = run.largest(error) {
@@ -217,7 +224,8 @@ pub(crate) fn class_verdict(record: &Record<'_>) -> Markup {
             "Derived, not proved: it rests on maxima that a search found; " code { "phihat verify --study" }
             " derives it a second time. For as long as the motion lasts, payload " (stated(mass.0)) " … " (stated(mass.1))
             " kg on "
-            (line(&run.class.payload.frame)) ", from a start at rest in balance. Here " (run.sentence()) "."
+            (line(&run.class.payload.frame)) ", from a start at rest in balance. " (run.sentence()) "."
         }
+        @for clause in unproved.unwrap_or_default() { p { "Not kept by every such motion: " (line(clause)) "." } }
     } }
 }

@@ -22,7 +22,7 @@ pub(crate) fn class(record: &Record<'_>) -> Markup {
             "limit acts. It is derived, from maxima that a search found, which are not proved: " (class.postures)
             " postures, " (class.points) " points of torque rates (" (line(&class.source))
             "). An error adds to itself by a factor of " (number(class.spectral_radius))
-            " (spectral radius; below 1 the class closes). Here " (run.sentence()) "."
+            " (spectral radius; below 1 the class closes). " (run.sentence()) "."
         }
         (bounds(class, &record.metrics.joints))
     }
@@ -51,7 +51,8 @@ fn bounds(class: &ClassBound, joints: &[JointMetrics]) -> Markup {
                     @let own = |unit: &str| own_unit(unit, joint.slides);
                     @let figure = |list: &[f64], unit: &str| format!("{}{}", stated(at(list)), own(unit));
                     th scope="row" { (line(&joint.name)) }
-                    td.whole { (stated(at(&class.box_rad.0))) " … " (figure(&class.box_rad.1, "rad")) }
+                    @let end = |list: &[f64]| stated((1e4 * at(list)).round() / 1e4);
+                    td.whole { (end(&class.box_rad.0)) " … " (end(&class.box_rad.1)) (own("rad")) }
                     td { (figure(&class.speed_max_rad_s, "rad/s")) }
                     td { (figure(&class.acceleration_max_rad_s2, "rad/s²")) }
                     td { (figure(&class.jerk_max_rad_s3, "rad/s³")) }

@@ -117,6 +117,11 @@ fn a_run_beyond_the_bound_is_called_so_where_the_bound_is_a_promise() {
         let said = verdicts(&fixture);
         assert!(said[1].1.contains(why) && !said[1].1.contains("please report"), "{said:?}");
     }
+    let mut much = of_class();
+    let clauses = &mut much.gains.certificate.as_mut().unwrap().unproved;
+    clauses.push("error_bound_rad = 1e-9 on joint1".to_owned());
+    let said = verdicts(&much);
+    assert!(said[1].1.contains("Not kept by every such motion: error_bound_rad = 1e-9 on joint1."));
     let mut refused = of_class();
     let certificate = refused.gains.certificate.as_mut().unwrap();
     (certificate.class, certificate.class_refused) = (None, Some("too <fast>".to_owned()));

@@ -166,7 +166,7 @@ impl<'a> PanelLayout<'a> {
 
 /// Ticks that a height has room for.
 fn ticks_up(height: f64, look: &FigureSize) -> usize {
-    let size = 1.15 * look.line();
+    let size = 1.05 * look.line();
     (2..=TICKS_MAX).take_while(|count| *count as f64 * size <= height).last().unwrap_or(2)
 }
 
