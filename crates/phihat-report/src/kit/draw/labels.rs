@@ -38,13 +38,14 @@ impl Label {
     }
 }
 
-/// A place for the label of every mark, inside a frame; one without text has none that matters.
+/// A place for the label of every mark, inside a frame and on none of the areas that are taken; one without text has
+/// none that matters.
 ///
 /// Those in the thickest crowd choose first. A label for which there is no free place has its nearest one.
 pub(super) fn places(
     marks: &[[f64; 2]],
     texts: &[&str],
-    frame: Rect,
+    (frame, mut taken): (Rect, Vec<Rect>),
     look: &FigureSize,
 ) -> Vec<Label> {
     let crowd = |&k: &usize| {
@@ -53,8 +54,7 @@ pub(super) fn places(
     };
     let mut order: Vec<usize> = (0..marks.len()).collect();
     order.sort_by_key(crowd);
-    let around = |[x, y]: [f64; 2]| [x - MARK, y - MARK, x + MARK, y + MARK];
-    let mut taken: Vec<Rect> = marks.iter().map(|mark| around(*mark)).collect();
+    taken.extend(marks.iter().map(|[x, y]| [x - MARK, y - MARK, x + MARK, y + MARK]));
     let mut labels: Vec<Label> =
         marks.iter().map(|mark| label_at(*mark, 0.0, 0.0, [0.0; 2])).collect();
     for k in order.into_iter().filter(|k| !texts[*k].is_empty()) {
@@ -122,7 +122,7 @@ mod tests {
         let text = |k: usize| &"computed-torque-inside-and-out"[..4 + k * 29 % 16];
         let texts: Vec<_> = (0..36).map(text).collect();
         let frame = [70.0, 16.0, 930.0, 580.0];
-        let all = places(&marks, &texts, frame, &FigureSize::WIDE);
+        let all = places(&marks, &texts, (frame, Vec::new()), &FigureSize::WIDE);
         assert_eq!(all.len(), 36);
         for (i, place) in all.iter().enumerate() {
             assert!(inside(place.sides(), frame), "{place:?}");
@@ -134,8 +134,13 @@ mod tests {
             }
         }
         // Alone, a label is to the right of its mark.
-        let alone = places(&[[200.0, 200.0]], &["label"], frame, &FigureSize::WIDE)[0];
+        let one =
+            |taken| places(&[[200.0, 200.0]], &["label"], (frame, taken), &FigureSize::WIDE)[0];
+        let alone = one(Vec::new());
         assert_eq!((alone.centre, alone.led), (200.0, false));
         assert!((208.0..=212.0).contains(&alone.left));
+        // Where a line goes through its mark, it is beside the line.
+        let beside = one(vec![[70.0, 199.0, 930.0, 201.0]]);
+        assert!(beside.sides()[1] >= 201.0 || beside.sides()[3] <= 199.0, "{beside:?}");
     }
 }

@@ -103,7 +103,7 @@ impl PanelArea<'_> {
                 Content::Lines { series, bounds } => {
                     @for (place, bound) in bounds.iter().enumerate() { (self.bound(bound, place)) }
                     @for (place, curve) in series.iter().enumerate() { (self.series(curve, place)) }
-                    (self.labelled(series))
+                    (self.labelled(series, bounds))
                 }
                 Content::Map { .. } => (map::draw(&self.panel.content, (self.x, self.y), (self.figure,
                     self.look.text)))
@@ -244,8 +244,29 @@ impl PanelArea<'_> {
         }
     }
 
+    /// Areas of marked points and of bounds.
+    fn taken(&self, series: &[Series], bounds: &[Bound]) -> Vec<Rect> {
+        let [left, top, right, bottom] = self.frame;
+        let size = 1.2 * self.look.mark();
+        let marked = series.iter().filter(|curve| curve.marks || curve.named);
+        let points = marked.flat_map(|curve| &curve.points).map(|point| self.at(*point));
+        let points = points.filter(|at| self.holds(*at));
+        let points = points.map(|[x, y]| [x - size, y - size, x + size, y + size]);
+        let levels =
+            bounds.iter().flat_map(|bound| both(bound).map(|level| (bound.upright, level)));
+        let lines = levels.map(|(upright, level)| {
+            let at = if upright { self.x.at(level) } else { self.y.at(level) };
+            if upright {
+                [at - 1.0, top, at + 1.0, bottom]
+            } else {
+                [left, at - 1.0, right, at + 1.0]
+            }
+        });
+        points.chain(lines).collect()
+    }
+
     /// Markers, and the names of curves at their last point, none on another.
-    fn labelled(&self, series: &[Series]) -> Markup {
+    fn labelled(&self, series: &[Series], bounds: &[Bound]) -> Markup {
         let inside = |at: &[f64; 2]| self.holds(*at);
         let named = series.iter().enumerate().filter(|(_, curve)| curve.named);
         let named: Vec<_> = named
@@ -260,7 +281,8 @@ impl PanelArea<'_> {
             named.iter().map(|(at, ..)| *at).chain(markers.iter().map(|m| m.0)).collect();
         let texts = named.iter().map(|(.., label)| label.as_str());
         let texts: Vec<_> = texts.chain(markers.iter().map(|(_, m)| m.label.as_str())).collect();
-        let labels = labels::places(&at, &texts, self.frame, self.look);
+        let labels =
+            labels::places(&at, &texts, (self.frame, self.taken(series, bounds)), self.look);
         html! {
             @for (at, label) in at.iter().zip(&labels).filter(|(_, label)| label.led) { @let [u, v] =
                 label.nearest(*at);
