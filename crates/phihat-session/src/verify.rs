@@ -107,7 +107,12 @@ pub fn verify(
 
 /// Says what is said of joints that slide in metres and newtons.
 fn in_own_units(verified: &mut Verified, gains: &Gains) {
-    let said = [&mut verified.proved, &mut verified.trusted, &mut verified.derived];
+    let said = [
+        &mut verified.proved,
+        &mut verified.derived_twice,
+        &mut verified.trusted,
+        &mut verified.derived,
+    ];
     for one in said.into_iter().flatten() {
         if one.joint.as_ref().is_some_and(|joint| gains.slides(joint)) {
             let pairs =
@@ -143,7 +148,7 @@ fn again(
         let share = |share| stage(Stage::Tube(share));
         verified.tube = derived_tube((gains, certificate), study, &share)?;
         verified.class = certificate.derive_class(gains, study)?;
-        Ok(verified)
+        Ok(certificate.concluded(verified, gains))
     });
     let verified = match checked {
         Ok(verified) => verified,
