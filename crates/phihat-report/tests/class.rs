@@ -90,7 +90,7 @@ fn the_verdict_says_bound_measurement_and_status() {
         "Any motion within ±0.3 rad, 0.2 rad/s, 0.4 … 0.6 rad/s², 1 rad/s³:",
         &bound,
         "of 50 (",
-        "Derived, not proved",
+        "Not proved: derived once",
         "payload 0 … 1.5 kg on tool",
         "inside on every joint",
         "80\u{a0}% of its bound",
