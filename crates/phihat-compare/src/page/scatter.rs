@@ -40,9 +40,7 @@ impl ModelUse {
     fn words(self) -> &'static str {
         match self {
             Self::Free => "no model of the arm",
-            Self::Partial => {
-                "a part of one: gravity, regressor, tip position, or a design for the arm"
-            }
+            Self::Partial => "a part of one",
             Self::Model => "the whole model",
         }
     }
@@ -184,7 +182,8 @@ fn plot(comparison: &Comparison, arm: &ArmRecord, world: &str, against: &Against
             @if points.is_empty() { p { "No arm followed in “" (line(world)) "”." } }
             @else { (drawing(&points, &name, against)) }
             figcaption {
-                (name) ", gains tuned: worst of all motions, after the settling time. Below and to the left is less of both. Labels are the ids of the cards; on a small screen, tap a mark. In a ring: the paper's law, and this project's."
+                (name) ", gains tuned: worst of all motions, after the settling time. Below and to the left is less of both. Labels are the ids of the cards; on a small screen, tap a mark. In a ring: the paper's law, and this project's. "
+                "A part of a model: gravity, regressor, tip position, or a design for the arm."
                 @if !absent.is_empty() { " Not drawn, because the arm did not follow: " (absent.join(", ")) "." }
             }
         }
