@@ -21,7 +21,7 @@ impl FigureSize {
     pub const WIDE: Self = Self { width: 960.0, text: 13.0, titled: false, height: Some(600.0) };
 
     /// The same for a narrow screen.
-    pub const NARROW: Self = Self { width: 400.0, text: 12.5, titled: false, height: Some(330.0) };
+    pub const NARROW: Self = Self { width: 400.0, text: 12.5, titled: false, height: Some(285.0) };
 
     /// A small figure, several beside each other.
     pub const SMALL: Self = Self { width: 560.0, text: 16.0, titled: false, height: Some(330.0) };
