@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use clap::Args;
 use comfy_table::CellAlignment;
 use phihat_campaign::Shard;
-use phihat_compare::fronts::{AtCap, Fronts, FrontsAnswer, FrontsOptions};
 use phihat_campaign::statistics::{Spread, Standing};
+use phihat_compare::fronts::{AtCap, Fronts, FrontsAnswer, FrontsOptions};
 use serde_json::json;
 
 use crate::failure::Failure;

@@ -1,12 +1,13 @@
 //! A run against the bound for every motion of its class.
 
 use maud::{Markup, html};
-use phihat_design::{Certificate, ClassBound, Gains};
+use phihat_design::ClassBound;
 use phihat_sim::{JointMetrics, Metrics};
 
 use crate::kit::number::{number, percent, stated};
 use crate::kit::text::line;
 use crate::kit::{MILLI, unit_of};
+use crate::promise::no_promise;
 use crate::record::Record;
 use crate::verdict::share;
 
@@ -171,21 +172,6 @@ fn span(values: &[f64]) -> Option<String> {
     // What is left of a difference of two ends.
     let [low, high] = [low, high].map(|value| stated((1e9 * value).round() / 1e9));
     Some(if low == high { low } else { format!("{low} … {high}") })
-}
-
-/// Reason why bounds that gains carry are no promise for a run of a study with this SHA-256.
-pub(crate) fn no_promise(gains: &Gains, study_sha256: &str) -> Option<String> {
-    let left_out = |certificate: &Certificate| {
-        let left_out = certificate.not_counted.iter().filter(|one| !one.in_tube());
-        let keys: Vec<&str> = left_out.map(|one| one.key.as_str()).collect();
-        (!keys.is_empty()).then(|| format!("it does not count {}", keys.join(", ")))
-    };
-    let certificate = gains.certificate.as_ref()?;
-    match certificate.refused() {
-        _ if gains.study_sha256 != study_sha256 => Some("it was made for another study".to_owned()),
-        Some(why) => Some(format!("the gains do not arm: {why}")),
-        None => left_out(certificate),
-    }
 }
 
 /// Verdict on the class at the head of the page, or nothing where the gains say nothing of a class.

@@ -33,6 +33,7 @@ pub mod parts;
 mod payload;
 mod poles;
 mod policy;
+mod promise;
 mod record;
 mod sections;
 mod signal;

@@ -4,10 +4,10 @@ use phihat_design::{Gains, JointRun, Left, Tube, TubeKept, TubeWatch};
 use phihat_sim::{JointTrace, Trace};
 use serde::Serialize;
 
-use crate::class::no_promise;
 use crate::kit::number::{number, stated};
 use crate::kit::text::line;
 use crate::kit::unit_of;
+use crate::promise::no_promise;
 
 /// A run against its tube.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -159,7 +159,7 @@ pub enum Fill {
     Bars,
     /// A window: light blue.
     Window,
-    /// What lies in a window: blue.
+    /// Contents of a window: blue.
     Inside,
     /// A stretch without difference: grey.
     Same,

@@ -1,4 +1,5 @@
-//! Figures of what was proved, from the certificate: frequency responses, inertia windows, the price of the bound and of speed.
+//! Figures of what was proved, from the certificate: frequency responses, inertia windows, the price of the bound and
+//! of speed.
 
 use crate::kit::draw::Picture;
 use crate::record::Record;

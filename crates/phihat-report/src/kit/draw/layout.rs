@@ -33,7 +33,7 @@ pub(super) struct PanelLayout<'a> {
     pub at: [f64; 2],
     pub title: Vec<String>,
     pub key: Vec<Vec<KeyEntry>>,
-    /// What its axes do not reach, in words.
+    /// Bounds that its axes do not reach, in words.
     pub words: Vec<String>,
     pub x: Scale,
     pub y: Scale,

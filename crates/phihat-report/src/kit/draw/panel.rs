@@ -1,4 +1,4 @@
-//! What is between the axes of a panel.
+//! Content between the axes of a panel.
 
 use core::fmt::Write as _;
 

@@ -1,0 +1,18 @@
+//! Reasons why bounds that gains carry say nothing of a run.
+
+use phihat_design::{Certificate, Gains};
+
+/// Reason why bounds that gains carry are no promise for a run of a study with this SHA-256.
+pub(crate) fn no_promise(gains: &Gains, study_sha256: &str) -> Option<String> {
+    let left_out = |certificate: &Certificate| {
+        let left_out = certificate.not_counted.iter().filter(|one| !one.in_tube());
+        let keys: Vec<&str> = left_out.map(|one| one.key.as_str()).collect();
+        (!keys.is_empty()).then(|| format!("it does not count {}", keys.join(", ")))
+    };
+    let certificate = gains.certificate.as_ref()?;
+    match certificate.refused() {
+        _ if gains.study_sha256 != study_sha256 => Some("it was made for another study".to_owned()),
+        Some(why) => Some(format!("the gains do not arm: {why}")),
+        None => left_out(certificate),
+    }
+}
