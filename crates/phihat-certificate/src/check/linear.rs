@@ -135,13 +135,3 @@ fn velocity(claim: &str, model: &LoopModel) -> Result<Velocity, Refutation> {
         }
     })
 }
-
-impl JointRecord {
-    /// The core's gains of this law.
-    fn core(&self, form: Form, period: f64) -> Result<JointGains<f64>, phihat::GainError> {
-        match &self.observer {
-            Some(own) => own.gains(self, period),
-            None => self.gains(form, period),
-        }
-    }
-}
