@@ -121,8 +121,15 @@ impl Plant {
 /// `N` and `Δ`.
 fn open(gains: &JointRecord, model: &LoopModel, plant: &Plant) -> (Polynomial, Polynomial) {
     let law = Law::or_none(gains, model.form, model.period_s);
-    // A law that predicts across a delay follows a ramp only where the loop has that delay.
-    let rejected = if law.sent() > 0 { 1 } else { model.servo_type(gains.order()) };
+    // A law that predicts across a delay follows a ramp only where the loop has that delay; one that is told the torque
+    // demanded does not see the drive.
+    let rejected = match model.torque {
+        _ if law.sent() > 0 => 1,
+        TorqueSource::Applied => model.servo_type(gains.order()),
+        TorqueSource::Demanded => {
+            LoopModel { drive_bandwidth_hz: None, ..*model }.servo_type(gains.order())
+        }
+    };
     law.open_loop(model, plant, rejected)
 }
 
