@@ -1,8 +1,8 @@
 //! A joint's law as numbers, by playing the core, and its loop as the kernel's polynomials.
 
 use phihat::{
-    Form, JointGains, JointState, Measurement, Reference, STATE_ENTRIES, TorqueSource,
-    VelocityFilter, VelocitySource, VelocityState,
+    JointGains, JointState, Measurement, Reference, STATE_ENTRIES, TorqueSource, VelocityFilter,
+    VelocitySource, VelocityState,
 };
 use phihat_kernel::{Drive, Joint, Law, Setting, Told, Velocity};
 
@@ -54,7 +54,7 @@ struct Answer {
 /// Entries that nothing reaches stay at zero, and those that do not reach the torque move nothing: both are left out.
 fn played(claim: &str, record: &JointRecord, model: &LoopModel) -> Result<Law, Refutation> {
     let gains = record
-        .core(model.form, model.period_s)
+        .core_gains(record.form_or(model.form), model.period_s)
         .map_err(|why| refuse(claim, &format!("gains that the core runs: {why}"), 0.0, 0.0))?;
     let unit = |at: usize| core::array::from_fn(|i| f64::from(u8::from(i == at)));
     let nothing = Measurement::default();
