@@ -234,29 +234,34 @@ impl Gains {
         let period = period_ns as f64 * 1e-9;
         let joint = |record: &JointRecord| {
             let refused = |error| GainsError::Joint { joint: record.name.clone(), error };
-            match (&record.observer, form) {
-                (Some(own), Form::Positions) => own.gains(record, period).map_err(refused),
-                (None, Form::Observer | Form::Literal) => {
-                    record.gains(form, period).map_err(refused)
-                }
-                _ => Err(GainsError::Form { joint: record.name.clone(), form: word(form) }),
+            if record.observer.is_some() != (form == Form::Positions) {
+                return Err(GainsError::Form { joint: record.name.clone(), form: word(form) });
             }
+            record.core_gains(form, period).map_err(refused)
         };
         self.joints.iter().map(joint).collect()
     }
 }
 
 impl JointRecord {
-    /// The core's gains of a law that is fed with velocity.
-    pub(crate) fn gains(&self, form: Form, period: f64) -> Result<JointGains<f64>, GainError> {
-        JointGains::new(&JointDesign {
-            inertia: self.inertia_kg_m2,
-            kp: self.kp_per_s2,
-            kd: self.kd_per_s,
-            a: &self.a,
-            period,
-            form,
-        })
+    /// The core's gains for these numbers, in a form, at a sample period \[s\], without limits.
+    ///
+    /// # Errors
+    ///
+    /// [`GainError`]: numbers that the core refuses, or those of another form.
+    pub fn core_gains(&self, form: Form, period: f64) -> Result<JointGains<f64>, GainError> {
+        match (&self.observer, form) {
+            (Some(own), Form::Positions) => own.gains(self, period),
+            (None, Form::Observer | Form::Literal) => JointGains::new(&JointDesign {
+                inertia: self.inertia_kg_m2,
+                kp: self.kp_per_s2,
+                kd: self.kd_per_s,
+                a: &self.a,
+                period,
+                form,
+            }),
+            _ => Err(GainError::Form),
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! A joint's law as numbers, by playing the core, and its loop as the kernel's polynomials.
 
 use phihat::{
-    Form, JointGains, JointState, Measurement, Reference, STATE_ENTRIES, TorqueSource,
-    VelocityFilter, VelocitySource, VelocityState,
+    JointGains, JointState, Measurement, Reference, STATE_ENTRIES, TorqueSource, VelocityFilter,
+    VelocitySource, VelocityState,
 };
 use phihat_kernel::{Joint, Law, Reported, Setting, Unproved, Velocity};
 
@@ -58,7 +58,7 @@ struct Answer {
 /// Entries that nothing reaches stay at zero, and those that do not reach the torque move nothing: both are left out.
 fn played(claim: &str, record: &JointRecord, model: &LoopModel) -> Result<Law, Refutation> {
     let gains = record
-        .core(model.form, model.period_s)
+        .core_gains(record.form_or(model.form), model.period_s)
         .map_err(|why| refuse(claim, &format!("gains that the core runs: {why}"), 0.0, 0.0))?;
     let unit = |at: usize| core::array::from_fn(|i| f64::from(u8::from(i == at)));
     let nothing = Measurement::default();
@@ -138,14 +138,4 @@ fn velocity(claim: &str, model: &LoopModel) -> Result<Velocity, Refutation> {
             Velocity { last, velocity: 0.0, position: of(0.0, 0.0, 1.0), before: of(1.0, 0.0, 0.0) }
         }
     })
-}
-
-impl JointRecord {
-    /// The core's gains of this law.
-    fn core(&self, form: Form, period: f64) -> Result<JointGains<f64>, phihat::GainError> {
-        match &self.observer {
-            Some(own) => own.gains(self, period),
-            None => self.gains(form, period),
-        }
-    }
 }

@@ -69,7 +69,7 @@ fn estimators(gains: &Gains, order: usize) -> String {
         order,
         &rows(&|j| j.a.clone()),
     );
-    let sampled = rows(&|j| estimator_coefficients(&j.a, period(gains)));
+    let sampled = rows(&|j| estimator_coefficients(j, period(gains)));
     text += &table("alpha", "Sampled alpha_0 .. alpha_(m-1), in [1/s^(m-i)].", order, &sampled);
     text
 }

@@ -5,8 +5,7 @@ use phihat_certificate::extremes::Extremes as _;
 
 use super::family::Family;
 use super::response::{Played, Response};
-use crate::sampled::positions::Positions;
-use crate::sampled::{LoopModel, OpenLoop, from_segment};
+use crate::sampled::{Law, LoopModel, OpenLoop, from_segment};
 use crate::{JointRecord, Phi};
 
 /// Frequencies at which the distance from −1 is looked at.
@@ -105,7 +104,7 @@ impl Task<'_> {
 
     /// Returns true if the response dies out at both ends of the range and its margin.
     fn holds(&self, record: &JointRecord) -> bool {
-        let Some(law) = Positions::of(record, self.model.period_s) else { return false };
+        let Ok(law) = Law::of(record, self.model.form, self.model.period_s) else { return false };
         let (low, high) = self.range;
         let ends = [low / self.margin, high * self.margin];
         Played::new(&law, &self.model, ends).forget()

@@ -1,0 +1,563 @@
+//! The law of one joint per unit of `M̄`, whatever its form, from the core's linear system: sample by sample for
+//! several runs at once, and its transfer functions.
+
+use phihat::{Form, GainError, LinearLaw};
+use phihat_certificate::JointRecord;
+
+use super::polynomial::Polynomial;
+use crate::lanes::Lane;
+
+/// Most main states of a law: see [`LinearLaw::main`].
+const MAIN: usize = 5;
+
+/// Most states behind them.
+const BEHIND: usize = phihat::LINEAR_STATES_MAX - MAIN;
+
+/// Places of the inputs of [`LinearLaw`]; a law depends on `q` and `q_d` by `e` alone, which stands at the first.
+const E: usize = 0;
+const DQ: usize = 1;
+const ACTED: usize = 2;
+const DQ_DESIRED: usize = 4;
+const DDQ_DESIRED: usize = 5;
+
+/// Law of one joint per unit of `M̄`.
+#[derive(Debug, Clone)]
+pub(crate) struct Law {
+    linear: LinearLaw<f64>,
+    /// `F_ξ + ℓ N_ξ` of the main states.
+    change: [[f64; MAIN]; MAIN],
+    /// `G_u + ℓ N_u` of the main states: of `e`, of the torque that acted, of `q̇`.
+    driven: [[f64; 3]; MAIN],
+    /// `F_ξ` of the states behind them, and `ℓ`.
+    change_behind: [[f64; BEHIND]; BEHIND],
+    correction_behind: [f64; BEHIND],
+    uses_velocity: bool,
+    /// True if `e` or `q̇` is in the torque of the same sample by itself.
+    direct: bool,
+    register: Option<usize>,
+}
+
+/// Transfer functions of a law over a common denominator, in `w = z − 1`.
+#[derive(Debug, Clone)]
+pub(crate) struct Transfer {
+    /// `A_o`.
+    pub(crate) whole: Polynomial,
+    /// `A_o` times what `e` does to the torque.
+    pub(crate) error: Polynomial,
+    /// `A_o` times what `q̇` does; `None`: nothing.
+    pub(crate) velocity: Option<Polynomial>,
+    /// `A_o/z` times what the torque that acted until this sample does.
+    pub(crate) acted: Polynomial,
+}
+
+impl Law {
+    /// The law of gains.
+    ///
+    /// # Errors
+    ///
+    /// Those of the core, where it does not run them.
+    pub(crate) fn of(record: &JointRecord, form: Form, period: f64) -> Result<Self, GainError> {
+        let unit = JointRecord { inertia_kg_m2: 1.0, ..record.clone() };
+        let gains = unit.core_gains(unit.form_or(form), period)?;
+        Ok(Self::from_linear(&gains.linear()))
+    }
+
+    /// The law of gains that the core runs; else one whose torque is no number, so that no claim about it holds.
+    pub(crate) fn or_none(record: &JointRecord, form: Form, period: f64) -> Self {
+        Self::of(record, form, period).unwrap_or_else(|_| {
+            let mut linear = LinearLaw::default();
+            linear.direct = [f64::NAN; phihat::LINEAR_INPUTS];
+            Self::from_linear(&linear)
+        })
+    }
+
+    fn from_linear(linear: &LinearLaw<f64>) -> Self {
+        let main = linear.main;
+        let mut law = Self {
+            change: [[0.0; MAIN]; MAIN],
+            driven: [[0.0; 3]; MAIN],
+            change_behind: [[0.0; BEHIND]; BEHIND],
+            correction_behind: [0.0; BEHIND],
+            uses_velocity: false,
+            direct: linear.direct[E] != 0.0 || linear.direct[DQ] != 0.0,
+            register: (0..main).find(|r| is_register(linear, *r)),
+            linear: *linear,
+        };
+        for i in 0..main {
+            let gain = law.linear.correction[i];
+            for j in 0..main {
+                law.change[i][j] = law.linear.change[i][j] + gain * law.linear.innovation[j];
+            }
+            law.driven[i] = [E, ACTED, DQ].map(|input| law.column(input, i));
+        }
+        for i in main..law.linear.states {
+            law.correction_behind[i - main] = law.linear.correction[i];
+            let row = &law.linear.change[i][main..law.linear.states];
+            law.change_behind[i - main][..row.len()].copy_from_slice(row);
+        }
+        let on_velocity = law.driven.iter().any(|row| row[2] != 0.0);
+        law.uses_velocity = on_velocity || law.linear.direct[DQ] != 0.0;
+        law
+    }
+
+    /// `G_u + ℓ N_u` of an input on a state.
+    fn column(&self, input: usize, state: usize) -> f64 {
+        self.linear.driven[state][input]
+            + self.linear.correction[state] * self.linear.innovation_input[input]
+    }
+
+    /// Number of states.
+    pub(crate) fn length(&self) -> usize {
+        self.linear.states
+    }
+
+    /// Number of torques of the last samples that it uses.
+    pub(crate) fn sent(&self) -> usize {
+        self.linear.sent
+    }
+
+    /// Samples until a feed-forward is subtracted from the torque that acted, where it is.
+    pub(crate) fn feed_forward(&self) -> Option<usize> {
+        self.linear.feed_forward
+    }
+
+    /// Units of the states: rad/s^k.
+    pub(crate) fn powers(&self) -> &[i8] {
+        &self.linear.powers[..self.linear.states]
+    }
+
+    /// True if the measured velocity is in its torque.
+    pub(crate) fn uses_velocity(&self) -> bool {
+        self.uses_velocity
+    }
+
+    /// True if the torque that acted is in its torque.
+    pub(crate) fn uses_torque(&self) -> bool {
+        self.driven.iter().any(|row| row[1] != 0.0)
+    }
+
+    /// State that is the velocity of the sample before.
+    pub(crate) fn register(&self) -> Option<usize> {
+        self.register
+    }
+
+    /// States one sample on, from `e`, the torque that acted, less its feed-forward, and `q̇`.
+    #[inline]
+    pub(crate) fn step<const W: usize>(&self, states: &mut [Lane<W>], inputs: &[Lane<W>; 3]) {
+        let (main, behind) = states.split_at_mut(self.linear.main);
+        if !behind.is_empty() {
+            let innovation = self.innovation(main, inputs);
+            if behind.len() == 2 {
+                self.step_behind::<W, 2>(behind, &innovation);
+            } else {
+                self.step_behind::<W, BEHIND>(behind, &innovation);
+            }
+        }
+        // Of a length that is known when compiled, all of it stays in registers.
+        match main.len() {
+            1 => self.step_main::<W, 1>(main, inputs),
+            2 => self.step_main::<W, 2>(main, inputs),
+            3 => self.step_main::<W, 3>(main, inputs),
+            4 => self.step_main::<W, 4>(main, inputs),
+            _ => self.step_main::<W, MAIN>(main, inputs),
+        }
+    }
+
+    #[inline]
+    fn step_main<const W: usize, const M: usize>(
+        &self,
+        states: &mut [Lane<W>],
+        inputs: &[Lane<W>; 3],
+    ) {
+        let Some(states) = states.first_chunk_mut::<M>() else { return };
+        let before = *states;
+        let [error, acted, velocity] = inputs;
+        for i in 0..M {
+            let mut sum = before[i];
+            for j in 0..M {
+                for c in 0..W {
+                    sum[c] += self.change[i][j] * before[j][c];
+                }
+            }
+            for c in 0..W {
+                sum[c] += self.driven[i][0] * error[c] + self.driven[i][1] * acted[c];
+            }
+            states[i] = sum;
+        }
+        if self.uses_velocity {
+            for i in 0..M {
+                for c in 0..W {
+                    states[i][c] += self.driven[i][2] * velocity[c];
+                }
+            }
+        }
+    }
+
+    /// `ν`, by what the main states are before the sample.
+    #[inline]
+    fn innovation<const W: usize>(&self, main: &[Lane<W>], inputs: &[Lane<W>; 3]) -> Lane<W> {
+        let mut sum = Lane::<W>::ZERO;
+        let by_input = [E, ACTED, DQ].map(|input| self.linear.innovation_input[input]);
+        let terms = self.linear.innovation.iter().zip(main).chain(by_input.iter().zip(inputs));
+        for (factor, x) in terms {
+            for c in 0..W {
+                sum[c] += factor * x[c];
+            }
+        }
+        sum
+    }
+
+    #[inline]
+    fn step_behind<const W: usize, const M: usize>(
+        &self,
+        states: &mut [Lane<W>],
+        innovation: &Lane<W>,
+    ) {
+        let Some(states) = states.first_chunk_mut::<M>() else { return };
+        let before = *states;
+        for i in 0..M {
+            let mut sum = before[i];
+            for j in 0..M {
+                for c in 0..W {
+                    sum[c] += self.change_behind[i][j] * before[j][c];
+                }
+            }
+            for c in 0..W {
+                states[i][c] = sum[c] + self.correction_behind[i] * innovation[c];
+            }
+        }
+    }
+
+    /// Torque command over `M̄` without [`Self::forward`], from the states after the sample, `e` and `q̇`; `sent`
+    /// are the torques of the last samples, less their feed-forward, the newest first.
+    #[inline]
+    pub(crate) fn torque<const W: usize>(
+        &self,
+        states: &[Lane<W>],
+        sent: &[Lane<W>],
+        (error, velocity): (&Lane<W>, &Lane<W>),
+    ) -> Lane<W> {
+        let mut torque = self.indirect(states, sent);
+        if self.direct {
+            let [on_error, on_velocity] = [self.linear.direct[E], self.linear.direct[DQ]];
+            for c in 0..W {
+                torque[c] += on_error * error[c] + on_velocity * velocity[c];
+            }
+        }
+        torque
+    }
+
+    /// `C_ξ ξ⁺ + Σ C_r,j r_{k−j}`.
+    #[inline]
+    fn indirect<const W: usize>(&self, states: &[Lane<W>], sent: &[Lane<W>]) -> Lane<W> {
+        let mut torque = weighed(&self.linear.output, states);
+        let sent = weighed(&self.linear.output_sent, sent);
+        for c in 0..W {
+            torque[c] += sent[c];
+        }
+        torque
+    }
+
+    /// Torque over `M̄` that the reference's velocity and acceleration add.
+    pub(crate) fn forward(&self, velocity: f64, acceleration: f64) -> f64 {
+        let direct = &self.linear.direct;
+        direct[DQ_DESIRED] * velocity + direct[DDQ_DESIRED] * acceleration
+    }
+
+    /// States after the first sample, from `e`, `q̇` and `q̇_d`.
+    pub(crate) fn begin<const W: usize>(
+        &self,
+        states: &mut [Lane<W>],
+        (error, velocity): (&Lane<W>, &Lane<W>),
+        velocity_desired: f64,
+    ) {
+        for (state, row) in states.iter_mut().zip(&self.linear.start) {
+            if row.iter().any(|factor| *factor != 0.0) {
+                let rest = row[DQ_DESIRED] * velocity_desired;
+                *state = Lane::of(|c| row[E] * error[c] + row[DQ] * velocity[c] + rest);
+            }
+        }
+    }
+
+    /// Changes the state that takes up a difference so that the torque is higher by `more`.
+    pub(crate) fn resume<const W: usize>(&self, states: &mut [Lane<W>], more: &Lane<W>) {
+        let at = self.linear.resumed;
+        for c in 0..W {
+            states[at][c] += more[c] / self.linear.output[at];
+        }
+    }
+
+    /// Torque that is wanted less the torque sent last, but for a factor.
+    pub(crate) fn lag<const W: usize>(&self, states: &[Lane<W>], sent: &[Lane<W>]) -> Lane<W> {
+        let torque = self.indirect(states, sent);
+        Lane::of(|c| torque[c] - sent[0][c])
+    }
+
+    /// Torque sent last, where the newest of `sent` is [`Self::lag`] in its place.
+    pub(crate) fn sent_last<const W: usize>(
+        &self,
+        states: &[Lane<W>],
+        sent: &[Lane<W>],
+    ) -> Lane<W> {
+        let weight = self.linear.output_sent[0];
+        let torque = self.indirect(states, sent);
+        Lane::of(|c| (torque[c] - (1.0 + weight) * sent[0][c]) / (1.0 - weight))
+    }
+
+    /// Adds a true motion, so many times, to the states that estimate it: those that the first sample sets, of a law
+    /// that stores its torques.
+    pub(crate) fn add_motion<const W: usize>(
+        &self,
+        states: &mut [Lane<W>],
+        (error, velocity): (&Lane<W>, &Lane<W>),
+        times: f64,
+    ) {
+        for (state, row) in states.iter_mut().zip(&self.linear.start) {
+            for c in 0..W {
+                state[c] += times * (row[E] * error[c] + row[DQ] * velocity[c]);
+            }
+        }
+    }
+
+    /// What the torques of the last samples weigh, with `z^d`, `d` at least their number: `z^d − Σ C_r,j z^{d−j}`.
+    pub(crate) fn on_sent(&self, d: usize) -> Polynomial {
+        let weights = self.linear.output_sent.iter().take(self.linear.sent).enumerate();
+        weights.fold(Polynomial::z_power(d), |sum, (j, weight)| {
+            sum.plus(&Polynomial::z_power(d - 1 - j).scaled(-weight))
+        })
+    }
+
+    /// The transfer functions.
+    ///
+    /// # Method
+    ///
+    /// Adjugate and determinant of `w − (F_ξ + ℓ N_ξ)` by Faddeev and LeVerrier in units of `T`, where no power of `T`
+    /// is added to 1. A state that is the velocity of the sample before is an input here, `q̇/z`.
+    pub(crate) fn transfer(&self, period: f64) -> Transfer {
+        let linear = &self.linear;
+        let rows: Vec<usize> = (0..linear.states).filter(|i| Some(*i) != self.register).collect();
+        let unit = |i: usize| {
+            let power = linear.powers[i];
+            let base = if power < 0 { period.recip() } else { period };
+            (0..power.unsigned_abs()).fold(1.0, |unit, _| unit * base)
+        };
+        let entry =
+            |i: usize, j: usize| linear.change[i][j] + linear.correction[i] * linear.innovation[j];
+        let own: Vec<Vec<f64>> = rows
+            .iter()
+            .map(|i| rows.iter().map(|j| entry(*i, *j) * (unit(*i) / unit(*j))).collect())
+            .collect();
+        let output: Vec<f64> = rows.iter().map(|i| linear.output[*i] / unit(*i)).collect();
+        let column = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            rows.iter().map(|i| of(*i) * unit(*i)).collect()
+        };
+        let columns = [
+            column(&|i| self.column(E, i)),
+            column(&|i| self.column(ACTED, i)),
+            column(&|i| self.column(DQ, i)),
+            column(&|i| self.register.map_or(0.0, |register| entry(i, register))),
+        ];
+        let (whole, [error, acted, velocity, before]) = faddeev(&own, &output, &columns);
+        // z p_v + p_before, of which p_v + p_before is small.
+        let velocity = velocity.raised(1).plus(&velocity.plus(&before));
+        let direct = |input: usize| whole.scaled(linear.direct[input]);
+        Transfer {
+            error: error.times(&Polynomial::z_power(1)).plus(&direct(E)),
+            velocity: self.uses_velocity.then(|| velocity.plus(&direct(DQ))),
+            acted,
+            whole,
+        }
+    }
+}
+
+/// Returns true if a state is the velocity of the sample before.
+fn is_register(linear: &LinearLaw<f64>, state: usize) -> bool {
+    let own = |j: usize| if j == state { -1.0 } else { 0.0 };
+    let velocity = |input: usize| if input == DQ { 1.0 } else { 0.0 };
+    let is = |a: f64, b: f64| (a - b).abs() <= 0.0;
+    (0..linear.states).all(|j| is(linear.change[state][j], own(j)))
+        && linear.driven[state].iter().enumerate().all(|(i, x)| is(*x, velocity(i)))
+        && is(linear.correction[state], 0.0)
+        && is(linear.output[state], 0.0)
+}
+
+/// `det(w − A)`, and `c adj(w − A) b` of each column `b`, by Faddeev and LeVerrier.
+fn faddeev<const K: usize>(
+    a: &[Vec<f64>],
+    c: &[f64],
+    columns: &[Vec<f64>; K],
+) -> (Polynomial, [Polynomial; K]) {
+    // N_{n−1} = 1, N_{k−1} = A N_k + c_k: adj = Σ N_k w^k, row by row from the left.
+    let n = a.len();
+    let mut left = c.to_vec();
+    let mut numerators = [(); K].map(|()| vec![0.0; n]);
+    let mut whole = vec![0.0; n + 1];
+    whole[n] = 1.0;
+    let mut matrix = identity(n);
+    for k in (0..n).rev() {
+        for (numerator, column) in numerators.iter_mut().zip(columns) {
+            numerator[k] = left.iter().zip(column).map(|(a, b)| a * b).sum();
+        }
+        let next = product(a, &matrix);
+        let trace: f64 = (0..n).map(|i| next[i][i]).sum();
+        whole[k] = -trace / (n - k) as f64;
+        matrix = next;
+        for (i, line) in matrix.iter_mut().enumerate() {
+            line[i] += whole[k];
+        }
+        left = (0..n).map(|j| (0..n).map(|i| c[i] * matrix[i][j]).sum()).collect();
+    }
+    (Polynomial::new(whole), numerators.map(Polynomial::new))
+}
+
+/// `Σ weight x`, run by run; of lengths that are known when compiled, without a loop.
+#[inline]
+fn weighed<const W: usize>(weights: &[f64], x: &[Lane<W>]) -> Lane<W> {
+    match x.len() {
+        0 => Lane::ZERO,
+        1 => weighed_all::<W, 1>(weights, x),
+        2 => weighed_all::<W, 2>(weights, x),
+        3 => weighed_all::<W, 3>(weights, x),
+        4 => weighed_all::<W, 4>(weights, x),
+        5 => weighed_all::<W, 5>(weights, x),
+        6 => weighed_all::<W, 6>(weights, x),
+        7 => weighed_all::<W, 7>(weights, x),
+        8 => weighed_all::<W, 8>(weights, x),
+        _ => weighed_all::<W, { phihat::LINEAR_STATES_MAX }>(weights, x),
+    }
+}
+
+#[inline]
+fn weighed_all<const W: usize, const M: usize>(weights: &[f64], x: &[Lane<W>]) -> Lane<W> {
+    let mut sum = Lane::<W>::ZERO;
+    let (Some(weights), Some(x)) = (weights.first_chunk::<M>(), x.first_chunk::<M>()) else {
+        return sum;
+    };
+    for i in 0..M {
+        for c in 0..W {
+            sum[c] += weights[i] * x[i][c];
+        }
+    }
+    sum
+}
+
+fn identity(n: usize) -> Vec<Vec<f64>> {
+    (0..n).map(|i| (0..n).map(|j| if i == j { 1.0 } else { 0.0 }).collect()).collect()
+}
+
+fn product(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let n = a.len();
+    let entry = |i: usize, j: usize| (0..n).map(|k| a[i][k] * b[k][j]).sum();
+    (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Complex;
+    use phihat::Form;
+    use phihat_certificate::{FilterSection, JointRecord, PositionObserver};
+
+    use super::Law;
+    use crate::lanes::Lane;
+
+    const T: f64 = 1e-3;
+
+    fn record(a: &[f64], observer: Option<PositionObserver>) -> JointRecord {
+        JointRecord {
+            name: String::new(),
+            inertia_kg_m2: 0.3,
+            kp_per_s2: 700.0,
+            kd_per_s: 60.0,
+            a: a.to_vec(),
+            observer,
+        }
+    }
+
+    /// A law from positions of an order that filters its innovation with so many sections.
+    fn positions(order: usize, sections: usize, delay_samples: u32) -> JointRecord {
+        // Sampled poles at 0.9; at 0.93, 0.94, 0.95, 0.96; at 0.9.
+        let correction = [
+            vec![0.271, 28.5, -1000.0],
+            vec![0.2028, 15.77, -543.0, -8.4e3],
+            vec![0.40951, 85.85625, -9267.5, -4.85e5, -1e7],
+        ];
+        let filter = [([0.02, 0.3], [3000.0, -500.0]), ([0.4, 1.1], [-800.0, 9000.0])];
+        let section = |(rates, weights_per_s2): &([f64; 2], [f64; 2])| FilterSection {
+            rates: *rates,
+            weights_per_s2: *weights_per_s2,
+        };
+        let correction = correction[order - 1].clone();
+        let innovation_filter = filter[..sections].iter().map(section).collect();
+        let observer =
+            PositionObserver { correction, share: 0.3, delay_samples, innovation_filter };
+        record(&[], Some(observer))
+    }
+
+    /// Laws of every form.
+    fn laws() -> Vec<Law> {
+        let a: [&[f64]; 4] =
+            [&[70.0], &[4900.0, 140.0], &[3.4e5, 1.5e4, 210.0], &[2.4e7, 1.4e6, 2.9e4, 280.0]];
+        let mut all = Vec::new();
+        for form in [Form::Observer, Form::Literal] {
+            all.extend(a.iter().map(|a| Law::of(&record(a, None), form, T).unwrap()));
+        }
+        for (order, sections, delay) in
+            [(1, 0, 1), (1, 1, 1), (1, 2, 1), (2, 2, 0), (3, 2, 3), (3, 1, 2)]
+        {
+            let record = positions(order, sections, delay);
+            all.push(Law::of(&record, Form::Positions, T).unwrap());
+        }
+        all
+    }
+
+    #[test]
+    fn transfer_functions_are_those_of_the_samples() {
+        for law in laws() {
+            let transfer = law.transfer(T);
+            let none = transfer.error.scaled(0.0);
+            let velocity = transfer.velocity.clone().unwrap_or(none);
+            for angle in [0.01, 0.3, 2.0] {
+                // Outside of the circle an impulse is summed up soon.
+                let z = Complex::from_polar(1.1, angle);
+                let w = z - 1.0;
+                let numerators = [transfer.error.at(w), z * transfer.acted.at(w), velocity.at(w)];
+                for (input, numerator) in numerators.into_iter().enumerate() {
+                    let zero = Lane([0.0]);
+                    let mut states = vec![zero; law.length()];
+                    let sent = vec![zero; law.sent()];
+                    let (mut sum, mut power) = (Complex::new(0.0, 0.0), Complex::new(1.0, 0.0));
+                    for k in 0..600 {
+                        let mut u = [zero; 3];
+                        u[input] = Lane([if k == 0 { 1.0 } else { 0.0 }]);
+                        law.step(&mut states, &u);
+                        sum += power * law.torque(&states, &sent, (&u[0], &u[2]))[0];
+                        power /= z;
+                    }
+                    let ratio = numerator / transfer.whole.at(w);
+                    let size = 1e-6 + ratio.norm();
+                    assert!((sum - ratio).norm() < 1e-8 * size, "{law:?} {angle}: {sum} {ratio}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn several_runs_are_each_run() {
+        for law in laws() {
+            let mut wide = vec![Lane::<3>::ZERO; law.length()];
+            let mut alone = [(); 3].map(|()| vec![Lane::<1>::ZERO; law.length()]);
+            for k in 0..20 {
+                let input = |run: usize, i: usize| ((7 * k + 3 * run + 5 * i) % 11) as f64 - 5.0;
+                let inputs = |i: usize| Lane::<3>::of(|run| input(run, i));
+                law.step(&mut wide, &[inputs(0), inputs(1), inputs(2)]);
+                for (run, alone) in alone.iter_mut().enumerate() {
+                    let one = |i: usize| Lane([input(run, i)]);
+                    law.step(alone, &[one(0), one(1), one(2)]);
+                    for (wide, alone) in wide.iter().zip(alone) {
+                        assert_eq!(wide[run].to_bits(), alone[0].to_bits());
+                    }
+                }
+            }
+        }
+    }
+}
