@@ -248,9 +248,11 @@ impl<const W: usize> ControlState<W> {
     }
 
     fn feed_forward(&mut self, acceleration: f64) {
-        if let Some((oldest, _)) = self.forward.split_last_mut() {
-            *oldest = acceleration;
-            self.forward.rotate_right(1);
+        for i in (1..self.forward.len()).rev() {
+            self.forward[i] = self.forward[i - 1];
+        }
+        if let Some(newest) = self.forward.first_mut() {
+            *newest = acceleration;
         }
     }
 
@@ -263,7 +265,9 @@ impl<const W: usize> ControlState<W> {
     /// curve adds to a unit inertia's way.
     pub(crate) fn act(&mut self, side: &ControlSide, command: &Lane<W>) -> (Lane<W>, Lane<W>) {
         if let Some(fed) = self.forward.first() {
-            self.sent.rotate_right(1);
+            for i in (1..self.sent.len()).rev() {
+                self.sent[i] = self.sent[i - 1];
+            }
             self.sent[0] = Lane(command.map(|torque| torque * side.per_inertia - fed));
         }
         let demand = if self.line.is_empty() { *command } else { passed(&mut self.line, *command) };

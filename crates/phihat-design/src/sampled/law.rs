@@ -31,10 +31,29 @@ pub(crate) struct Law {
     /// `F_ξ` of the states behind them, and `ℓ`.
     change_behind: [[f64; BEHIND]; BEHIND],
     correction_behind: [f64; BEHIND],
+    /// The non-zero entries of the main states, where they lie in an order that a shorter loop is written for.
+    pattern: Pattern,
+    /// `F_ξ` of the second state of each pair behind them, where these are pairs: [`step_pair`].
+    pairs: Option<[[f64; 2]; BEHIND / 2]>,
+    /// Number of leading states that are in the torque.
+    outputs: usize,
     uses_velocity: bool,
     /// True if `e` or `q̇` is in the torque of the same sample by itself.
     direct: bool,
     register: Option<usize>,
+}
+
+/// Non-zero entries of the main states' matrices. A pattern is read from the numbers; one that none of these has is run
+/// with whole matrices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Pattern {
+    /// `ν` is `e` less the first state one sample on; each state is driven by the next one, the first by the third too,
+    /// and the first two by the torque that acted.
+    Predicting,
+    /// `ν` by the first state, the register, the torque that acted and `q̇`; each state is driven by the next one and
+    /// `ν`. The register is the last one.
+    Driven,
+    Whole,
 }
 
 /// Transfer functions of a law over a common denominator, in `w = z − 1`.
@@ -78,6 +97,9 @@ impl Law {
             driven: [[0.0; 3]; MAIN],
             change_behind: [[0.0; BEHIND]; BEHIND],
             correction_behind: [0.0; BEHIND],
+            pattern: Pattern::of(linear),
+            pairs: pairs(linear),
+            outputs: linear.output.iter().rposition(|x| *x != 0.0).map_or(0, |last| last + 1),
             uses_velocity: false,
             direct: linear.direct[E] != 0.0 || linear.direct[DQ] != 0.0,
             register: (0..main).find(|r| is_register(linear, *r)),
@@ -145,26 +167,102 @@ impl Law {
     #[inline]
     pub(crate) fn step<const W: usize>(&self, states: &mut [Lane<W>], inputs: &[Lane<W>; 3]) {
         let (main, behind) = states.split_at_mut(self.linear.main);
-        if !behind.is_empty() {
-            let innovation = self.innovation(main, inputs);
-            if behind.len() == 2 {
-                self.step_behind::<W, 2>(behind, &innovation);
-            } else {
-                self.step_behind::<W, BEHIND>(behind, &innovation);
-            }
-        }
         // Of a length that is known when compiled, all of it stays in registers.
-        match main.len() {
-            1 => self.step_main::<W, 1>(main, inputs),
-            2 => self.step_main::<W, 2>(main, inputs),
-            3 => self.step_main::<W, 3>(main, inputs),
-            4 => self.step_main::<W, 4>(main, inputs),
-            _ => self.step_main::<W, MAIN>(main, inputs),
+        let innovation = match (self.pattern, main.len()) {
+            (Pattern::Predicting, 3) => self.step_predicting::<W, 3>(main, inputs),
+            (Pattern::Predicting, 4) => self.step_predicting::<W, 4>(main, inputs),
+            (Pattern::Predicting, _) => self.step_predicting::<W, MAIN>(main, inputs),
+            (Pattern::Driven, 2) => self.step_driven::<W, 1>(main, inputs),
+            (Pattern::Driven, 3) => self.step_driven::<W, 2>(main, inputs),
+            (Pattern::Driven, 4) => self.step_driven::<W, 3>(main, inputs),
+            (Pattern::Driven, _) => self.step_driven::<W, { MAIN - 1 }>(main, inputs),
+            (Pattern::Whole, length) => {
+                let innovation = self.innovation(main, inputs);
+                match length {
+                    1 => self.step_whole::<W, 1>(main, inputs),
+                    2 => self.step_whole::<W, 2>(main, inputs),
+                    3 => self.step_whole::<W, 3>(main, inputs),
+                    4 => self.step_whole::<W, 4>(main, inputs),
+                    _ => self.step_whole::<W, MAIN>(main, inputs),
+                }
+                innovation
+            }
+        };
+        match &self.pairs {
+            _ if behind.is_empty() => {}
+            Some(pairs) => {
+                for (pair, factors) in behind.chunks_exact_mut(2).zip(pairs) {
+                    step_pair(pair, factors, &innovation);
+                }
+            }
+            None => self.step_behind(behind, &innovation),
         }
     }
 
+    /// The main states and `ν` of [`Pattern::Predicting`], without the zeros.
     #[inline]
-    fn step_main<const W: usize, const M: usize>(
+    fn step_predicting<const W: usize, const M: usize>(
+        &self,
+        states: &mut [Lane<W>],
+        [error, acted, _]: &[Lane<W>; 3],
+    ) -> Lane<W> {
+        let Some(states) = states.first_chunk_mut::<M>() else { return Lane::ZERO };
+        let mut x = *states;
+        let LinearLaw { change, driven, correction, .. } = &self.linear;
+        for c in 0..W {
+            x[0][c] +=
+                change[0][1] * x[1][c] + change[0][2] * x[2][c] + driven[0][ACTED] * acted[c];
+            x[1][c] += change[1][2] * x[2][c] + driven[1][ACTED] * acted[c];
+        }
+        for i in 2..M - 1 {
+            for c in 0..W {
+                x[i][c] += change[i][i + 1] * x[i + 1][c];
+            }
+        }
+        let innovation = Lane::of(|c| error[c] - x[0][c]);
+        for i in 0..M {
+            for c in 0..W {
+                x[i][c] += correction[i] * innovation[c];
+            }
+        }
+        *states = x;
+        innovation
+    }
+
+    /// The main states and `ν` of [`Pattern::Driven`], without the zeros; `M` counts all but the register.
+    #[inline]
+    fn step_driven<const W: usize, const M: usize>(
+        &self,
+        states: &mut [Lane<W>],
+        [_, acted, velocity]: &[Lane<W>; 3],
+    ) -> Lane<W> {
+        let Some((states, [register, ..])) = states.split_first_chunk_mut::<M>() else {
+            return Lane::ZERO;
+        };
+        let mut x = *states;
+        let LinearLaw { change, correction, innovation: by, innovation_input, .. } = &self.linear;
+        let innovation = Lane::of(|c| {
+            (innovation_input[ACTED] * acted[c] + by[0] * x[0][c])
+                + (innovation_input[DQ] * velocity[c] + by[M] * register[c])
+        });
+        for i in 0..M - 1 {
+            for c in 0..W {
+                x[i][c] += change[i][i + 1] * x[i + 1][c];
+            }
+        }
+        for i in 0..M {
+            for c in 0..W {
+                x[i][c] += correction[i] * innovation[c];
+            }
+        }
+        *states = x;
+        *register = *velocity;
+        innovation
+    }
+
+    /// The main states of any pattern.
+    #[inline]
+    fn step_whole<const W: usize, const M: usize>(
         &self,
         states: &mut [Lane<W>],
         inputs: &[Lane<W>; 3],
@@ -207,23 +305,18 @@ impl Law {
         sum
     }
 
-    #[inline]
-    fn step_behind<const W: usize, const M: usize>(
-        &self,
-        states: &mut [Lane<W>],
-        innovation: &Lane<W>,
-    ) {
-        let Some(states) = states.first_chunk_mut::<M>() else { return };
-        let before = *states;
-        for i in 0..M {
-            let mut sum = before[i];
-            for j in 0..M {
+    /// The states behind the main ones, with whole matrices.
+    fn step_behind<const W: usize>(&self, states: &mut [Lane<W>], innovation: &Lane<W>) {
+        let mut before = [Lane::ZERO; BEHIND];
+        before[..states.len()].copy_from_slice(states);
+        for (i, state) in states.iter_mut().enumerate() {
+            for (factor, x) in self.change_behind[i].iter().zip(&before) {
                 for c in 0..W {
-                    sum[c] += self.change_behind[i][j] * before[j][c];
+                    state[c] += factor * x[c];
                 }
             }
             for c in 0..W {
-                states[i][c] = sum[c] + self.correction_behind[i] * innovation[c];
+                state[c] += self.correction_behind[i] * innovation[c];
             }
         }
     }
@@ -250,10 +343,12 @@ impl Law {
     /// `C_ξ ξ⁺ + Σ C_r,j r_{k−j}`.
     #[inline]
     fn indirect<const W: usize>(&self, states: &[Lane<W>], sent: &[Lane<W>]) -> Lane<W> {
-        let mut torque = weighed(&self.linear.output, states);
-        let sent = weighed(&self.linear.output_sent, sent);
-        for c in 0..W {
-            torque[c] += sent[c];
+        let mut torque = weighed(&self.linear.output, &states[..self.outputs]);
+        if !sent.is_empty() {
+            let sent = weighed(&self.linear.output_sent, sent);
+            for c in 0..W {
+                torque[c] += sent[c];
+            }
         }
         torque
     }
@@ -370,11 +465,98 @@ impl Law {
     }
 }
 
+impl Pattern {
+    fn of(linear: &LinearLaw<f64>) -> Self {
+        if Self::is_predicting(linear) {
+            Self::Predicting
+        } else if Self::is_driven(linear) {
+            Self::Driven
+        } else {
+            Self::Whole
+        }
+    }
+
+    fn is_predicting(linear: &LinearLaw<f64>) -> bool {
+        let main = linear.main;
+        let follows = |i: usize, j: usize| j == i + 1 || (i == 0 && j == 2);
+        (3..=MAIN).contains(&main)
+            && all_zero(main, linear, follows)
+            && (0..main).all(|i| {
+                // ν = e − ξ_0 − F_0 ξ − G_0 u.
+                let own = if i == 0 { 1.0 } else { 0.0 };
+                is(linear.innovation[i], -(own + linear.change[0][i]))
+                    && (0..ACTED).all(|input| is(linear.driven[i][input], 0.0))
+                    && (i < 2 || is(linear.driven[i][ACTED], 0.0))
+            })
+            && is(linear.innovation_input[E], 1.0)
+            && is(linear.innovation_input[DQ], 0.0)
+            && is(linear.innovation_input[ACTED], -linear.driven[0][ACTED])
+    }
+
+    fn is_driven(linear: &LinearLaw<f64>) -> bool {
+        let Some(last) = linear.main.checked_sub(1).filter(|last| (1..MAIN).contains(last)) else {
+            return false;
+        };
+        is_register(linear, last)
+            && all_zero(last, linear, |i, j| j == i + 1)
+            && (0..last).all(|i| {
+                is(linear.change[i][last], 0.0)
+                    && (i == 0 || is(linear.innovation[i], 0.0))
+                    && [E, DQ, ACTED].into_iter().all(|input| is(linear.driven[i][input], 0.0))
+            })
+            && is(linear.innovation_input[E], 0.0)
+    }
+}
+
+/// Returns true if `F_ξ` of so many leading states is zero but for these entries.
+fn all_zero(length: usize, linear: &LinearLaw<f64>, but: impl Fn(usize, usize) -> bool) -> bool {
+    (0..length).all(|i| (0..length).all(|j| but(i, j) || is(linear.change[i][j], 0.0)))
+}
+
+/// Factors of `x` and `δ` in `δ` of pairs behind the main states, where all of them are `x ← x + δ`,
+/// `δ ← δ + c_0 x + c_1 δ + ν`.
+fn pairs(linear: &LinearLaw<f64>) -> Option<[[f64; 2]; BEHIND / 2]> {
+    let mut pairs = [[0.0; 2]; BEHIND / 2];
+    for (first, pair) in (linear.main..linear.states).step_by(2).zip(&mut pairs) {
+        let second = first + 1;
+        let as_pair = |j: usize| {
+            let one = if j == second { 1.0 } else { 0.0 };
+            is(linear.change[first][j], one)
+                && (j == first || j == second || is(linear.change[second][j], 0.0))
+        };
+        let corrected = is(linear.correction[first], 0.0) && is(linear.correction[second], 1.0);
+        if second >= linear.states || !corrected || !(linear.main..linear.states).all(as_pair) {
+            return None;
+        }
+        *pair = [linear.change[second][first], linear.change[second][second]];
+    }
+    Some(pairs)
+}
+
+/// One sample of such a pair.
+#[inline]
+fn step_pair<const W: usize>(
+    pair: &mut [Lane<W>],
+    [by_x, by_change]: &[f64; 2],
+    innovation: &Lane<W>,
+) {
+    let [x, change] = pair else { return };
+    for c in 0..W {
+        let back = by_x * x[c] + by_change * change[c];
+        x[c] += change[c];
+        change[c] += innovation[c] + back;
+    }
+}
+
+/// Returns true if two numbers are the same, but for the sign of zero.
+fn is(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 0.0
+}
+
 /// Returns true if a state is the velocity of the sample before.
 fn is_register(linear: &LinearLaw<f64>, state: usize) -> bool {
     let own = |j: usize| if j == state { -1.0 } else { 0.0 };
     let velocity = |input: usize| if input == DQ { 1.0 } else { 0.0 };
-    let is = |a: f64, b: f64| (a - b).abs() <= 0.0;
     (0..linear.states).all(|j| is(linear.change[state][j], own(j)))
         && linear.driven[state].iter().enumerate().all(|(i, x)| is(*x, velocity(i)))
         && is(linear.correction[state], 0.0)
@@ -457,7 +639,7 @@ mod tests {
     use phihat::Form;
     use phihat_certificate::{FilterSection, JointRecord, PositionObserver};
 
-    use super::Law;
+    use super::{Law, Pattern};
     use crate::lanes::Lane;
 
     const T: f64 = 1e-3;
@@ -538,6 +720,32 @@ mod tests {
                     assert!((sum - ratio).norm() < 1e-8 * size, "{law:?} {angle}: {sum} {ratio}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_pattern_is_its_whole_matrices() {
+        let patterns = laws().iter().map(|law| law.pattern).collect::<Vec<_>>();
+        for pattern in [Pattern::Predicting, Pattern::Driven, Pattern::Whole] {
+            assert!(patterns.contains(&pattern), "{pattern:?}");
+        }
+        for law in laws() {
+            let whole = Law { pattern: Pattern::Whole, pairs: None, ..law.clone() };
+            let mut own = vec![Lane::<2>::ZERO; law.length()];
+            let mut other = own.clone();
+            let mut size = vec![0.0_f64; law.length()];
+            for k in 0..40 {
+                let inputs = [1e-3, 5.0, 0.1].map(|unit| {
+                    Lane::<2>::of(|run| unit * (((7 * k + 3 * run + 5) % 11) as f64 - 5.0))
+                });
+                law.step(&mut own, &inputs);
+                whole.step(&mut other, &inputs);
+                for ((own, other), size) in own.iter().zip(&other).zip(&mut size) {
+                    *size = size.max(other[0].abs());
+                    assert!((own[0] - other[0]).abs() <= 1e-12 * *size, "{law:?} {k}");
+                }
+            }
+            assert!(size.iter().all(|size| *size > 0.0));
         }
     }
 
