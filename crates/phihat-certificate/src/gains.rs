@@ -58,6 +58,9 @@ pub struct Gains {
     /// Cut-off of the velocity's low-pass \[Hz\] where the design chose it; `None`: the study's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity_filter_hz: Option<f64>,
+    /// Cut-off of the low-pass on the torque command \[Hz\]; `None`: none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque_filter_hz: Option<f64>,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointRecord>,
     /// Names of the joints that slide, where there are any: of them, rad reads m, and N·m reads N.
@@ -159,6 +162,7 @@ impl Gains {
             rate_hz,
             method: method.into(),
             velocity_filter_hz: None,
+            torque_filter_hz: None,
             joints,
             sliding: Vec::new(),
             certificate: None,
@@ -172,8 +176,9 @@ impl Gains {
     pub fn of(study: &Study, joints: Vec<JointRecord>, method: impl Into<String>) -> Self {
         let stated = Self::stated(joints, 1e9 / study.control.period_ns as f64, method);
         let sliding = study.robot.sliding();
+        let torque_filter_hz = study.control.torque_filter_hz;
         let (study, study_sha256) = (study.name.clone(), study.sha256.clone());
-        Self { study, study_sha256, sliding, ..stated }
+        Self { study, study_sha256, sliding, torque_filter_hz, ..stated }
     }
 
     /// Returns true if a joint slides.
@@ -237,14 +242,16 @@ impl Gains {
             if record.observer.is_some() != (form == Form::Positions) {
                 return Err(GainsError::Form { joint: record.name.clone(), form: word(form) });
             }
-            record.core_gains(form, period).map_err(refused)
+            let gains = record.core_gains(form, period);
+            gains.and_then(|own| own.with_torque_filter(self.torque_filter_hz)).map_err(refused)
         };
         self.joints.iter().map(joint).collect()
     }
 }
 
 impl JointRecord {
-    /// The core's gains for these numbers, in a form, at a sample period \[s\], without limits.
+    /// The core's gains for these numbers, in a form, at a sample period \[s\], without limits and low-pass:
+    /// [`LoopModel::core_gains`](crate::LoopModel::core_gains) has the latter.
     ///
     /// # Errors
     ///

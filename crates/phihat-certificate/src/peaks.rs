@@ -137,7 +137,7 @@ impl Found {
 /// else. A filter adds a multiple of `w^m` to that of a law from positions, and so does not lower its
 /// multiplicity.
 fn servo_type(of: &Loop) -> usize {
-    let late = of.late > 0 || of.drives();
+    let late = of.late > 0 || of.drives() || of.model.torque_filter_hz.is_some();
     match of.model.form {
         Form::Observer if late => of.order.min(1),
         // It knows what is on its way, and makes up for its own lag: a ramp leaves nothing where nothing else is late.

@@ -59,6 +59,7 @@ mod shaper;
 mod source;
 mod square;
 mod supervisor;
+mod torque_filter;
 mod unwrap;
 mod velocity;
 

@@ -365,6 +365,7 @@ mod tests {
             torque: TorqueSource::Applied,
             velocity,
             velocity_filter_hz: Some(90.0),
+            torque_filter_hz: None,
             form,
             drive_bandwidth_hz,
         };

@@ -1,8 +1,6 @@
 //! A joint's law as matrices, by playing the core: a unit in each entry of its state, and in each input.
 
-use phihat::{
-    GainError, JointGains, JointState, Measurement, Reference, STATE_ENTRIES, StateEntry,
-};
+use phihat::{JointGains, JointState, Measurement, Reference, STATE_ENTRIES, StateEntry};
 
 use crate::{JointRecord, LoopModel};
 
@@ -101,7 +99,7 @@ impl LawMatrices {
     /// nothing holds of it.
     pub(crate) fn unit(record: &JointRecord, model: &LoopModel) -> Self {
         let unit = JointRecord { inertia_kg_m2: 1.0, ..record.clone() };
-        let own = gains(&unit, model).ok().and_then(|gains| Self::of(&gains));
+        let own = model.core_gains(&unit).ok().and_then(|gains| Self::of(&gains));
         own.unwrap_or_else(|| Self {
             entries: Vec::new(),
             places: Vec::new(),
@@ -159,11 +157,6 @@ impl LawMatrices {
         let input = |row: &Row| core::array::from_fn(|i| row.input[i]);
         (rows().map(dense).collect(), rows().map(input).collect())
     }
-}
-
-/// The core's gains of a record's law in a loop.
-pub(crate) fn gains(record: &JointRecord, model: &LoopModel) -> Result<JointGains<f64>, GainError> {
-    record.core_gains(record.form_or(model.form), model.period_s)
 }
 
 fn answer(

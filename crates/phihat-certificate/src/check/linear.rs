@@ -4,7 +4,7 @@ use phihat::{TorqueSource, VelocityFilter, VelocitySource, VelocityState};
 use phihat_kernel::{Joint, Law, Reported, Setting, Unproved, Velocity};
 
 use super::drive::drive;
-use super::law::{LawMatrices, gains};
+use super::law::LawMatrices;
 use crate::refutation::refuse;
 use crate::{JointRecord, LoopModel, Refutation};
 
@@ -47,7 +47,8 @@ const NO_VELOCITY: Velocity = Velocity { last: 0.0, velocity: 0.0, position: 0.0
 
 /// The law's matrices as the kernel takes them.
 fn played(claim: &str, record: &JointRecord, model: &LoopModel) -> Result<Law, Refutation> {
-    let gains = gains(record, model)
+    let gains = model
+        .core_gains(record)
         .map_err(|why| refuse(claim, &format!("gains that the core runs: {why}"), 0.0, 0.0))?;
     let law = LawMatrices::of(&gains)
         .ok_or_else(|| refuse(claim, "the core answers a unit", 0.0, 1.0))?;

@@ -97,8 +97,8 @@ fn settles(claim: &str, section: &FilterSection) -> Result<(), Refutation> {
 pub(crate) fn model(claim: &str, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
     let of_gains = gains.observer.is_some() == (model.form == Form::Positions);
     Refutation::unless(claim, "the loop's form is that of the gains", 0.0, 1.0, of_gains)?;
-    let bandwidths = model.velocity_filter_hz.into_iter().chain(model.drive_bandwidth_hz);
-    for value in bandwidths.chain([model.period_s]) {
+    let filters = model.velocity_filter_hz.into_iter().chain(model.torque_filter_hz);
+    for value in filters.chain(model.drive_bandwidth_hz).chain([model.period_s]) {
         if !value.is_finite() || value <= 0.0 {
             return Err(refuse(claim, "0 < period, bandwidth < ∞", value, 0.0));
         }

@@ -150,6 +150,7 @@ pub(crate) fn plain() -> LoopModel {
         torque: TorqueSource::Applied,
         velocity: VelocitySource::Measured,
         velocity_filter_hz: None,
+        torque_filter_hz: None,
         form: Form::Observer,
         drive_bandwidth_hz: None,
     }

@@ -6,7 +6,7 @@ use phihat::{JointGains, JointState, Measurement, Reference, TorqueSource, Veloc
 use phihat_study::Study;
 
 use super::scope::Refusal;
-use crate::check::law::{self, LawMatrices};
+use crate::check::law::LawMatrices;
 use crate::{JointRecord, LoopModel};
 
 /// One joint's loop from the reading to the torque that is sent to the drive.
@@ -79,7 +79,7 @@ impl Loop {
         let period = study.control.period_ns as f64 * 1e-9;
         let refused = || Refusal::NotCounted { what: "gains that the core refuses".to_owned() };
         let law =
-            law::gains(record, &LoopModel::from_study(study, joint)).map_err(|_| refused())?;
+            LoopModel::from_study(study, joint).core_gains(record).map_err(|_| refused())?;
         let matrices = LawMatrices::of(&law).ok_or_else(refused)?;
         let late = study.sensor.delay_samples as usize;
         let delay = study.control.delay_samples as usize;

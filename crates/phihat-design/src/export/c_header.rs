@@ -23,6 +23,10 @@ pub(super) fn text(gains: &Gains) -> String {
         gains.joints.len(),
         exact(period(gains)),
     );
+    if let Some(hz) = gains.torque_filter_hz {
+        let what = "/* Cut-off of the low-pass on the torque command [Hz]: torque_filter_hz of phihat_joint. */";
+        let _ = write!(text, "{what}\n#define PHIHAT_TORQUE_FILTER_HZ {}\n\n", exact(hz));
+    }
     text += "static const char *const phihat_joint_names[PHIHAT_JOINTS] = {\n";
     for joint in &gains.joints {
         let _ = writeln!(text, "    {},", literal(&joint.name));

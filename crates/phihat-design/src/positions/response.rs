@@ -244,11 +244,15 @@ impl Response {
 
     /// Worst over inertia ratios.
     pub(super) fn over(record: &JointRecord, model: &LoopModel, mu: &[f64]) -> Option<Self> {
-        let law = Law::of(record, model.form, model.period_s).ok()?;
+        Self::of(&Law::of(record, model).ok()?, model, mu)
+    }
+
+    /// The same of a law that is at hand.
+    pub(super) fn of(law: &Law, model: &LoopModel, mu: &[f64]) -> Option<Self> {
         mu.chunks(BESIDE).try_fold(Self::default(), |worst, mu| {
             // The last one again where there are fewer.
             let mu = core::array::from_fn(|c| mu[(c % BESIDE).min(mu.len() - 1)]);
-            Some(worst.worse(Played::new(&law, model, mu).worst()?))
+            Some(worst.worse(Played::new(law, model, mu).worst()?))
         })
     }
 }
@@ -288,6 +292,7 @@ mod tests {
                 torque: TorqueSource::Applied,
                 velocity: VelocitySource::Measured,
                 velocity_filter_hz: None,
+                torque_filter_hz: None,
                 form: Form::Positions,
                 drive_bandwidth_hz,
             };

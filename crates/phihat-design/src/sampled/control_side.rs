@@ -79,20 +79,24 @@ impl ControlSide {
     /// The law of gains in a loop, per unit of `M̄`, with both delays in one line: what a linear loop against one
     /// inertia cannot tell from two.
     pub(crate) fn unit(record: &JointRecord, model: &LoopModel) -> Self {
-        let law = Law::or_none(record, model.form, model.period_s);
+        let law = Law::or_none(record, model);
         let model = LoopModel { delay_samples: model.late(), sample_delay_samples: 0, ..*model };
         Self::new(law, 1.0, &model)
     }
 
     /// Units of its states over `M̄`, as rad/s^k, in their order.
     pub(crate) fn powers(&self) -> Vec<i8> {
-        let mut powers = self.law.powers().to_vec();
+        let (law, register) = self.law.powers().split_at(self.law.before_register());
+        let mut powers = law.to_vec();
+        if self.remembers_position() {
+            powers.push(0);
+        }
+        powers.extend(register);
         let mut add = |is: bool, power: i8| {
             if is {
                 powers.push(power);
             }
         };
-        add(self.remembers_position(), 0);
         add(self.remembers_velocity(), 1);
         add(self.law.uses_torque(), 2);
         add(self.drive.is_some(), 2);
@@ -161,13 +165,14 @@ impl<const W: usize> ControlState<W> {
     /// The states, those of [`ControlSide::powers`].
     pub(crate) fn states(&mut self, side: &ControlSide) -> impl Iterator<Item = &mut Lane<W>> {
         let single = [
-            (side.remembers_position(), &mut self.position),
             (side.remembers_velocity(), &mut self.velocity),
             (side.law.uses_torque(), &mut self.acted),
             (side.drive.is_some(), &mut self.end),
         ];
-        self.law
-            .iter_mut()
+        let (law, register) = self.law.split_at_mut(side.law.before_register());
+        law.iter_mut()
+            .chain(side.remembers_position().then_some(&mut self.position))
+            .chain(register)
             .chain(single.into_iter().filter_map(|(is, state)| is.then_some(state)))
             .chain(&mut self.line)
             .chain(self.way.iter_mut().flatten())
@@ -226,8 +231,9 @@ impl<const W: usize> ControlState<W> {
             side.law.step(&mut self.law, &[error, acted, *velocity]);
         }
         let torque = side.law.torque(&self.law, &self.sent, (&error, velocity));
+        let before = self.forward.first().map_or(0.0, |fed| side.law.forward_before() * fed);
         self.feed_forward(ddq);
-        let forward = side.law.forward(dq, ddq);
+        let forward = side.law.forward(dq, ddq) + before;
         Lane(torque.map(|torque| side.inertia * (torque + forward)))
     }
 
@@ -239,9 +245,11 @@ impl<const W: usize> ControlState<W> {
         [position, velocity, _]: &Message<W>,
     ) {
         let error = Lane::<W>::of(|c| position[c] - q);
-        let wanted = held * side.per_inertia - side.law.forward(dq, ddq);
+        let subtracted = if self.forward.is_empty() { 0.0 } else { ddq };
+        let torque = held * side.per_inertia;
+        let wanted = torque - side.law.forward(dq, ddq) - side.law.forward_before() * ddq;
         side.law.begin(&mut self.law, (&error, velocity), dq);
-        self.sent.fill(Lane([wanted; W]));
+        self.sent.fill(Lane([torque - subtracted; W]));
         let torque = side.law.torque(&self.law, &self.sent, (&error, velocity));
         side.law.resume(&mut self.law, &Lane::of(|c| wanted - torque[c]));
         self.forward.fill(ddq);
@@ -264,11 +272,12 @@ impl<const W: usize> ControlState<W> {
     /// Sends a command, as limits let it through: mean torque over the interval, and `∫∫ τ − ½T² mean`, which a drive's
     /// curve adds to a unit inertia's way.
     pub(crate) fn act(&mut self, side: &ControlSide, command: &Lane<W>) -> (Lane<W>, Lane<W>) {
-        if let Some(fed) = self.forward.first() {
-            for i in (1..self.sent.len()).rev() {
-                self.sent[i] = self.sent[i - 1];
-            }
-            self.sent[0] = Lane(command.map(|torque| torque * side.per_inertia - fed));
+        for i in (1..self.sent.len()).rev() {
+            self.sent[i] = self.sent[i - 1];
+        }
+        if let Some(newest) = self.sent.first_mut() {
+            let fed = self.forward.first().copied().unwrap_or(0.0);
+            *newest = Lane(command.map(|torque| torque * side.per_inertia - fed));
         }
         let demand = if self.line.is_empty() { *command } else { passed(&mut self.line, *command) };
         let (mut mean, mut bulge) = (demand, Lane::ZERO);

@@ -1,9 +1,10 @@
 //! The law of one joint per unit of `M̄`, whatever its form, from the core's linear system: sample by sample for
 //! several runs at once, and its transfer functions.
 
-use phihat::{Form, GainError, LinearLaw};
+use phihat::{GainError, LinearLaw};
 use phihat_certificate::JointRecord;
 
+use super::model::LoopModel;
 use super::polynomial::Polynomial;
 use crate::lanes::Lane;
 
@@ -23,6 +24,9 @@ const DDQ_DESIRED: usize = 5;
 /// Law of one joint per unit of `M̄`.
 #[derive(Debug, Clone)]
 pub(crate) struct Law {
+    /// The non-zero entries of the main states, where they lie in an order that a shorter loop is written for.
+    pattern: Pattern,
+    bands: Bands,
     linear: LinearLaw<f64>,
     /// `F_ξ + ℓ N_ξ` of the main states.
     change: [[f64; MAIN]; MAIN],
@@ -31,8 +35,6 @@ pub(crate) struct Law {
     /// `F_ξ` of the states behind them, and `ℓ`.
     change_behind: [[f64; BEHIND]; BEHIND],
     correction_behind: [f64; BEHIND],
-    /// The non-zero entries of the main states, where they lie in an order that a shorter loop is written for.
-    pattern: Pattern,
     /// `F_ξ` of the second state of each pair behind them, where these are pairs: [`step_pair`].
     pairs: Option<[[f64; 2]; BEHIND / 2]>,
     /// Number of leading states that are in the torque.
@@ -56,6 +58,99 @@ enum Pattern {
     Whole,
 }
 
+/// The numbers of a pattern, side by side.
+#[derive(Debug, Clone, Copy, Default)]
+struct Bands {
+    /// `F_ξ` of the next state in each state, and of the third in the first.
+    next: [f64; MAIN],
+    third: f64,
+    /// `G_u` of the torque that acted in the first two.
+    acted: [f64; 2],
+    /// `ℓ`.
+    correction: [f64; MAIN],
+    /// `N` of the first state, the register, the torque that acted and `q̇`.
+    innovation: [f64; 4],
+}
+
+impl Bands {
+    fn of(linear: &LinearLaw<f64>) -> Self {
+        let last = linear.main.saturating_sub(1);
+        let own = |list: &[f64]| core::array::from_fn(|i| list[i]);
+        Self {
+            next: core::array::from_fn(|i| if i < last { linear.change[i][i + 1] } else { 0.0 }),
+            third: linear.change[0][2],
+            acted: [linear.driven[0][ACTED], linear.driven[1][ACTED]],
+            correction: own(&linear.correction),
+            innovation: [
+                linear.innovation[0],
+                linear.innovation[last],
+                linear.innovation_input[ACTED],
+                linear.innovation_input[DQ],
+            ],
+        }
+    }
+
+    /// A sample of [`Pattern::Predicting`].
+    #[expect(clippy::inline_always, reason = "the states stay in registers")]
+    #[inline(always)]
+    fn predict<const W: usize, const M: usize>(
+        &self,
+        states: &mut [Lane<W>],
+        [error, acted, _]: &[Lane<W>; 3],
+    ) -> Lane<W> {
+        let Some(states) = states.first_chunk_mut::<M>() else { return Lane::ZERO };
+        let mut x = *states;
+        for c in 0..W {
+            x[0][c] += self.next[0] * x[1][c] + (self.third * x[2][c] + self.acted[0] * acted[c]);
+            x[1][c] += self.next[1] * x[2][c] + self.acted[1] * acted[c];
+        }
+        for i in 2..M - 1 {
+            for c in 0..W {
+                x[i][c] += self.next[i] * x[i + 1][c];
+            }
+        }
+        let innovation = Lane::of(|c| error[c] - x[0][c]);
+        for i in 0..M {
+            for c in 0..W {
+                x[i][c] += self.correction[i] * innovation[c];
+            }
+        }
+        *states = x;
+        innovation
+    }
+
+    /// A sample of [`Pattern::Driven`]; `M` counts all states but the register.
+    #[inline]
+    fn drive<const W: usize, const M: usize>(
+        &self,
+        states: &mut [Lane<W>],
+        [_, acted, velocity]: &[Lane<W>; 3],
+    ) -> Lane<W> {
+        let Some((states, [register, ..])) = states.split_first_chunk_mut::<M>() else {
+            return Lane::ZERO;
+        };
+        let mut x = *states;
+        let [by_first, by_register, by_acted, by_velocity] = self.innovation;
+        let innovation = Lane::of(|c| {
+            (by_acted * acted[c] + by_first * x[0][c])
+                + (by_velocity * velocity[c] + by_register * register[c])
+        });
+        for i in 0..M - 1 {
+            for c in 0..W {
+                x[i][c] += self.next[i] * x[i + 1][c];
+            }
+        }
+        for i in 0..M {
+            for c in 0..W {
+                x[i][c] += self.correction[i] * innovation[c];
+            }
+        }
+        *states = x;
+        *register = *velocity;
+        innovation
+    }
+}
+
 /// Transfer functions of a law over a common denominator, in `w = z − 1`.
 #[derive(Debug, Clone)]
 pub(crate) struct Transfer {
@@ -70,20 +165,19 @@ pub(crate) struct Transfer {
 }
 
 impl Law {
-    /// The law of gains.
+    /// The law of gains in a loop.
     ///
     /// # Errors
     ///
     /// Those of the core, where it does not run them.
-    pub(crate) fn of(record: &JointRecord, form: Form, period: f64) -> Result<Self, GainError> {
+    pub(crate) fn of(record: &JointRecord, model: &LoopModel) -> Result<Self, GainError> {
         let unit = JointRecord { inertia_kg_m2: 1.0, ..record.clone() };
-        let gains = unit.core_gains(unit.form_or(form), period)?;
-        Ok(Self::from_linear(&gains.linear()))
+        Ok(Self::from_linear(&model.core_gains(&unit)?.linear()))
     }
 
     /// The law of gains that the core runs; else one whose torque is no number, so that no claim about it holds.
-    pub(crate) fn or_none(record: &JointRecord, form: Form, period: f64) -> Self {
-        Self::of(record, form, period).unwrap_or_else(|_| {
+    pub(crate) fn or_none(record: &JointRecord, model: &LoopModel) -> Self {
+        Self::of(record, model).unwrap_or_else(|_| {
             let mut linear = LinearLaw::default();
             linear.direct = [f64::NAN; phihat::LINEAR_INPUTS];
             Self::from_linear(&linear)
@@ -98,6 +192,7 @@ impl Law {
             change_behind: [[0.0; BEHIND]; BEHIND],
             correction_behind: [0.0; BEHIND],
             pattern: Pattern::of(linear),
+            bands: Bands::of(linear),
             pairs: pairs(linear),
             outputs: linear.output.iter().rposition(|x| *x != 0.0).map_or(0, |last| last + 1),
             uses_velocity: false,
@@ -158,35 +253,27 @@ impl Law {
         self.driven.iter().any(|row| row[1] != 0.0)
     }
 
+    /// Number of states before the one that is the velocity of the sample before; where there is none, of all.
+    pub(crate) fn before_register(&self) -> usize {
+        self.register.unwrap_or(self.linear.states)
+    }
+
     /// State that is the velocity of the sample before.
     pub(crate) fn register(&self) -> Option<usize> {
         self.register
     }
 
     /// States one sample on, from `e`, the torque that acted, less its feed-forward, and `q̇`.
-    #[inline]
+    #[expect(clippy::inline_always, reason = "a call each would cost a quarter of a sample")]
+    #[inline(always)]
     pub(crate) fn step<const W: usize>(&self, states: &mut [Lane<W>], inputs: &[Lane<W>; 3]) {
         let (main, behind) = states.split_at_mut(self.linear.main);
         // Of a length that is known when compiled, all of it stays in registers.
         let innovation = match (self.pattern, main.len()) {
-            (Pattern::Predicting, 3) => self.step_predicting::<W, 3>(main, inputs),
-            (Pattern::Predicting, 4) => self.step_predicting::<W, 4>(main, inputs),
-            (Pattern::Predicting, _) => self.step_predicting::<W, MAIN>(main, inputs),
-            (Pattern::Driven, 2) => self.step_driven::<W, 1>(main, inputs),
-            (Pattern::Driven, 3) => self.step_driven::<W, 2>(main, inputs),
-            (Pattern::Driven, 4) => self.step_driven::<W, 3>(main, inputs),
-            (Pattern::Driven, _) => self.step_driven::<W, { MAIN - 1 }>(main, inputs),
-            (Pattern::Whole, length) => {
-                let innovation = self.innovation(main, inputs);
-                match length {
-                    1 => self.step_whole::<W, 1>(main, inputs),
-                    2 => self.step_whole::<W, 2>(main, inputs),
-                    3 => self.step_whole::<W, 3>(main, inputs),
-                    4 => self.step_whole::<W, 4>(main, inputs),
-                    _ => self.step_whole::<W, MAIN>(main, inputs),
-                }
-                innovation
-            }
+            (Pattern::Predicting, 3) => self.bands.predict::<W, 3>(main, inputs),
+            (Pattern::Predicting, 4) => self.bands.predict::<W, 4>(main, inputs),
+            (Pattern::Predicting, _) => self.bands.predict::<W, MAIN>(main, inputs),
+            (Pattern::Driven | Pattern::Whole, _) => self.step_apart(main, inputs),
         };
         match &self.pairs {
             _ if behind.is_empty() => {}
@@ -199,65 +286,30 @@ impl Law {
         }
     }
 
-    /// The main states and `ν` of [`Pattern::Predicting`], without the zeros.
-    #[inline]
-    fn step_predicting<const W: usize, const M: usize>(
+    /// The main states of the other patterns, and `ν`.
+    #[inline(never)]
+    fn step_apart<const W: usize>(
         &self,
-        states: &mut [Lane<W>],
-        [error, acted, _]: &[Lane<W>; 3],
+        main: &mut [Lane<W>],
+        inputs: &[Lane<W>; 3],
     ) -> Lane<W> {
-        let Some(states) = states.first_chunk_mut::<M>() else { return Lane::ZERO };
-        let mut x = *states;
-        let LinearLaw { change, driven, correction, .. } = &self.linear;
-        for c in 0..W {
-            x[0][c] +=
-                change[0][1] * x[1][c] + change[0][2] * x[2][c] + driven[0][ACTED] * acted[c];
-            x[1][c] += change[1][2] * x[2][c] + driven[1][ACTED] * acted[c];
-        }
-        for i in 2..M - 1 {
-            for c in 0..W {
-                x[i][c] += change[i][i + 1] * x[i + 1][c];
+        match (self.pattern, main.len()) {
+            (Pattern::Driven, 2) => self.bands.drive::<W, 1>(main, inputs),
+            (Pattern::Driven, 3) => self.bands.drive::<W, 2>(main, inputs),
+            (Pattern::Driven, 4) => self.bands.drive::<W, 3>(main, inputs),
+            (Pattern::Driven, _) => self.bands.drive::<W, { MAIN - 1 }>(main, inputs),
+            (_, length) => {
+                let innovation = self.innovation(main, inputs);
+                match length {
+                    1 => self.step_whole::<W, 1>(main, inputs),
+                    2 => self.step_whole::<W, 2>(main, inputs),
+                    3 => self.step_whole::<W, 3>(main, inputs),
+                    4 => self.step_whole::<W, 4>(main, inputs),
+                    _ => self.step_whole::<W, MAIN>(main, inputs),
+                }
+                innovation
             }
         }
-        let innovation = Lane::of(|c| error[c] - x[0][c]);
-        for i in 0..M {
-            for c in 0..W {
-                x[i][c] += correction[i] * innovation[c];
-            }
-        }
-        *states = x;
-        innovation
-    }
-
-    /// The main states and `ν` of [`Pattern::Driven`], without the zeros; `M` counts all but the register.
-    #[inline]
-    fn step_driven<const W: usize, const M: usize>(
-        &self,
-        states: &mut [Lane<W>],
-        [_, acted, velocity]: &[Lane<W>; 3],
-    ) -> Lane<W> {
-        let Some((states, [register, ..])) = states.split_first_chunk_mut::<M>() else {
-            return Lane::ZERO;
-        };
-        let mut x = *states;
-        let LinearLaw { change, correction, innovation: by, innovation_input, .. } = &self.linear;
-        let innovation = Lane::of(|c| {
-            (innovation_input[ACTED] * acted[c] + by[0] * x[0][c])
-                + (innovation_input[DQ] * velocity[c] + by[M] * register[c])
-        });
-        for i in 0..M - 1 {
-            for c in 0..W {
-                x[i][c] += change[i][i + 1] * x[i + 1][c];
-            }
-        }
-        for i in 0..M {
-            for c in 0..W {
-                x[i][c] += correction[i] * innovation[c];
-            }
-        }
-        *states = x;
-        *register = *velocity;
-        innovation
     }
 
     /// The main states of any pattern.
@@ -344,13 +396,26 @@ impl Law {
     #[inline]
     fn indirect<const W: usize>(&self, states: &[Lane<W>], sent: &[Lane<W>]) -> Lane<W> {
         let mut torque = weighed(&self.linear.output, &states[..self.outputs]);
-        if !sent.is_empty() {
-            let sent = weighed(&self.linear.output_sent, sent);
-            for c in 0..W {
-                torque[c] += sent[c];
+        match sent {
+            [] => {}
+            [newest] => {
+                for c in 0..W {
+                    torque[c] += self.linear.output_sent[0] * newest[c];
+                }
+            }
+            _ => {
+                let sent = weighed(&self.linear.output_sent, sent);
+                for c in 0..W {
+                    torque[c] += sent[c];
+                }
             }
         }
         torque
+    }
+
+    /// Factor of the acceleration fed forward at the sample before in its torque.
+    pub(crate) fn forward_before(&self) -> f64 {
+        self.linear.output_forward
     }
 
     /// Torque over `M̄` that the reference's velocity and acceleration add.
@@ -636,8 +701,8 @@ fn product(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use nalgebra::Complex;
-    use phihat::Form;
-    use phihat_certificate::{FilterSection, JointRecord, PositionObserver};
+    use phihat::{Form, TorqueSource, VelocitySource};
+    use phihat_certificate::{FilterSection, JointRecord, LoopModel, PositionObserver};
 
     use super::{Law, Pattern};
     use crate::lanes::Lane;
@@ -680,14 +745,26 @@ mod tests {
         let a: [&[f64]; 4] =
             [&[70.0], &[4900.0, 140.0], &[3.4e5, 1.5e4, 210.0], &[2.4e7, 1.4e6, 2.9e4, 280.0]];
         let mut all = Vec::new();
+        let model = |form, torque_filter_hz| LoopModel {
+            period_s: T,
+            delay_samples: 0,
+            sample_delay_samples: 0,
+            torque: TorqueSource::Applied,
+            velocity: VelocitySource::Measured,
+            velocity_filter_hz: None,
+            torque_filter_hz,
+            form,
+            drive_bandwidth_hz: None,
+        };
         for form in [Form::Observer, Form::Literal] {
-            all.extend(a.iter().map(|a| Law::of(&record(a, None), form, T).unwrap()));
+            let of = |hz| a.map(|a| Law::of(&record(a, None), &model(form, hz)).unwrap());
+            all.extend([None, Some(100.0)].into_iter().flat_map(of));
         }
         for (order, sections, delay) in
             [(1, 0, 1), (1, 1, 1), (1, 2, 1), (2, 2, 0), (3, 2, 3), (3, 1, 2)]
         {
             let record = positions(order, sections, delay);
-            all.push(Law::of(&record, Form::Positions, T).unwrap());
+            all.push(Law::of(&record, &model(Form::Positions, None)).unwrap());
         }
         all
     }

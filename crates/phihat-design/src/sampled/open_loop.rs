@@ -40,6 +40,12 @@ impl OpenLoop {
         Self::with_drive_gain(gains, model, 1.0)
     }
 
+    /// The same of a law of some order that is at hand.
+    pub(crate) fn of_law(law: &Law, order: usize, model: &LoopModel) -> Self {
+        let (numerator, denominator) = law.open_loop(model, &Plant::new(model), order);
+        Self { numerator, denominator, period: model.period_s }
+    }
+
     /// The same where the drive gives `gain` times the torque that it is told.
     pub(crate) fn with_drive_gain(gains: &JointRecord, model: &LoopModel, gain: f64) -> Self {
         let plant = Plant { gain, ..Plant::new(model) };
@@ -120,27 +126,26 @@ impl Plant {
 
 /// `N` and `Δ`.
 fn open(gains: &JointRecord, model: &LoopModel, plant: &Plant) -> (Polynomial, Polynomial) {
-    let law = Law::or_none(gains, model.form, model.period_s);
-    // A law that predicts across a delay follows a ramp only where the loop has that delay; one that is told the torque
-    // demanded does not see the drive.
-    let rejected = match model.torque {
-        _ if law.sent() > 0 => 1,
-        TorqueSource::Applied => model.servo_type(gains.order()),
-        TorqueSource::Demanded => {
-            LoopModel { drive_bandwidth_hz: None, ..*model }.servo_type(gains.order())
-        }
-    };
-    law.open_loop(model, plant, rejected)
+    Law::or_none(gains, model).open_loop(model, plant, gains.order())
 }
 
 impl Law {
-    /// `N` and `Δ` around a plant. So many coefficients of a disturbance as a polynomial in time leave no error.
+    /// `N` and `Δ` around a plant, of a law of some order.
     fn open_loop(
         &self,
         model: &LoopModel,
         plant: &Plant,
-        rejected: usize,
+        order: usize,
     ) -> (Polynomial, Polynomial) {
+        // A law that predicts across a delay follows a ramp only where the loop has that delay; one that is told the
+        // torque demanded does not see the drive.
+        let rejected = match model.torque {
+            _ if self.feed_forward().is_some() => 1,
+            TorqueSource::Applied => model.servo_type(order),
+            TorqueSource::Demanded => {
+                LoopModel { drive_bandwidth_hz: None, ..*model }.servo_type(order)
+            }
+        };
         let late = model.late() as usize;
         let longer = late.max(self.sent());
         let law = self.transfer(model.period_s);
@@ -223,11 +228,12 @@ mod tests {
             (Form::Positions, record(Vec::new(), Some(positions(2)))),
         ];
         for (form, record) in laws {
-            for (velocity, filter, delay) in [
-                (VelocitySource::Measured, None, 0),
-                (VelocitySource::Measured, Some(80.0), 1),
-                (VelocitySource::Differenced, None, 2),
-                (VelocitySource::Differenced, Some(50.0), 3),
+            for (velocity, filter, delay, low_pass) in [
+                (VelocitySource::Measured, None, 0, None),
+                (VelocitySource::Measured, Some(80.0), 1, Some(60.0)),
+                (VelocitySource::Differenced, None, 2, None),
+                (VelocitySource::Differenced, Some(50.0), 3, Some(200.0)),
+                (VelocitySource::Measured, None, 0, Some(100.0)),
             ] {
                 let model = LoopModel {
                     period_s: T,
@@ -236,6 +242,7 @@ mod tests {
                     torque: TorqueSource::Applied,
                     velocity,
                     velocity_filter_hz: filter,
+                    torque_filter_hz: low_pass,
                     form,
                     drive_bandwidth_hz: None,
                 };

@@ -25,7 +25,7 @@ impl SampledLaw {
         (starts_at_zero, takes_over): (bool, bool),
     ) -> Self {
         let joints = gains.joints.iter().zip(models).map(|(record, model)| {
-            let law = Law::or_none(record, model.form, model.period_s);
+            let law = Law::or_none(record, model);
             ControlSide::new(law, record.inertia_kg_m2, model)
         });
         Self { joints: joints.collect(), first: usize::from(starts_at_zero), takes_over }

@@ -398,6 +398,7 @@ class PositionGains:
         delay_samples: Sequence[int],
         velocity_correction: Sequence[Sequence[float]] | None = None,
         innovation_filter: Sequence[Sequence[_Section]] | None = None,
+        torque_filter_hz: float | None = None,
     ) -> PositionGains: ...
     @property
     def joint_names(self) -> list[str]: ...
@@ -436,6 +437,10 @@ class PositionGains:
     @property
     def innovation_filter(self) -> list[list[_Section]] | None:
         """Sections of the filter on each joint's innovation; ``None``: there is none."""
+
+    @property
+    def torque_filter_hz(self) -> float | None:
+        """Cut-off of the low-pass on the torque command [Hz]; ``None``: there is none."""
 
 @final
 class Controller:
