@@ -178,7 +178,7 @@ impl Gains {
         let sliding = study.robot.sliding();
         let torque_filter_hz = study.control.torque_filter_hz;
         let (study, study_sha256) = (study.name.clone(), study.sha256.clone());
-        Self { study, study_sha256, sliding, torque_filter_hz, ..stated }
+        Self { study, study_sha256, torque_filter_hz, sliding, ..stated }
     }
 
     /// Returns true if a joint slides.

@@ -78,8 +78,7 @@ impl Loop {
     ) -> Result<Self, Refusal> {
         let period = study.control.period_ns as f64 * 1e-9;
         let refused = || Refusal::NotCounted { what: "gains that the core refuses".to_owned() };
-        let law =
-            LoopModel::from_study(study, joint).core_gains(record).map_err(|_| refused())?;
+        let law = LoopModel::from_study(study, joint).core_gains(record).map_err(|_| refused())?;
         let matrices = LawMatrices::of(&law).ok_or_else(refused)?;
         let late = study.sensor.delay_samples as usize;
         let delay = study.control.delay_samples as usize;

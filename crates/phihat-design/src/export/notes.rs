@@ -40,7 +40,9 @@ pub(super) fn law(gains: &Gains) -> Vec<String> {
     let mut lines = if seen { from_positions(filtered) } else { fed() };
     if let Some(hz) = gains.torque_filter_hz {
         lines.push("tau then goes through a low-pass, before its limits: tau = r + s (tau - r), r the last".to_owned());
-        lines.push(format!("torque as the limits let it through, s = 1 - exp(-2 pi f T), f = {hz} Hz."));
+        lines.push(format!(
+            "torque as the limits let it through, s = 1 - exp(-2 pi f T), f = {hz} Hz."
+        ));
     }
     if let Some(certificate) = &gains.certificate {
         lines.push("Certified of it (check with: phihat verify):".to_owned());

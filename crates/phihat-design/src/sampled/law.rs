@@ -288,11 +288,7 @@ impl Law {
 
     /// The main states of the other patterns, and `ν`.
     #[inline(never)]
-    fn step_apart<const W: usize>(
-        &self,
-        main: &mut [Lane<W>],
-        inputs: &[Lane<W>; 3],
-    ) -> Lane<W> {
+    fn step_apart<const W: usize>(&self, main: &mut [Lane<W>], inputs: &[Lane<W>; 3]) -> Lane<W> {
         match (self.pattern, main.len()) {
             (Pattern::Driven, 2) => self.bands.drive::<W, 1>(main, inputs),
             (Pattern::Driven, 3) => self.bands.drive::<W, 2>(main, inputs),
