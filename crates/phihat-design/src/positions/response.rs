@@ -105,9 +105,7 @@ impl<'a, const W: usize> Played<'a, W> {
     fn step(&self, x: &mut State<W>, off: &Lane<W>) -> Lane<W> {
         let (n, t, zero) = (self.law.length(), self.period, Lane::ZERO);
         let mut reading = x.q;
-        for c in 0..W {
-            reading[c] += off[c];
-        }
+        reading.add_scaled(1.0, off);
         self.law.step(&mut x.held[..n], &[reading, x.mean, zero]);
         let u = self.law.torque(&x.held[..n], &x.sent[..self.law.sent()], (&reading, &zero));
         x.sent.copy_within(..3, 1);
@@ -117,18 +115,14 @@ impl<'a, const W: usize> Played<'a, W> {
             x.line.copy_within(1..self.late, 0);
             x.line[self.late - 1] = u;
         }
-        let mut double = Lane::<W>::ZERO;
+        let mut double = told.affine(0.5 * t * t, 0.0);
         x.mean = told;
-        for c in 0..W {
-            double[c] = 0.5 * t * t * told[c];
-        }
         if let Some(drive) = &self.drive {
-            for c in 0..W {
-                let gap = x.end[c] - told[c];
-                x.mean[c] += drive.mean * gap;
-                double[c] += drive.double * gap;
-                x.end[c] = told[c] + (1.0 - drive.lost) * gap;
-            }
+            let gap = x.end.minus(&told);
+            x.mean.add_scaled(drive.mean, &gap);
+            double.add_scaled(drive.double, &gap);
+            x.end = told;
+            x.end.add_scaled(1.0 - drive.lost, &gap);
         }
         for c in 0..W {
             x.q[c] += t * x.v[c] + double[c] * self.per_mu[c];

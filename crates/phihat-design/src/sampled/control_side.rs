@@ -52,7 +52,7 @@ pub(crate) struct ControlState<const W: usize> {
     way: Vec<Message<W>>,
     /// Torque of the drive at the end of the interval.
     end: Lane<W>,
-    /// Torque that the drive has to deliver in the interval, and how far it is from it at the start: no states.
+    /// Torque that a drive has to deliver in the interval, and how far it is from it at the start: no states.
     demand: Lane<W>,
     gap: Lane<W>,
 }
@@ -190,16 +190,14 @@ impl<const W: usize> ControlState<W> {
         let mut sensed = *velocity;
         if !begins && (early || side.law.uses_velocity()) {
             if side.differences {
-                for c in 0..W {
-                    sensed[c] = (position[c] - self.position[c]) * side.per_period;
-                }
+                sensed = position.minus(&self.position).affine(side.per_period, 0.0);
             }
             if let Some(share) = side.filter {
                 let shared = side.shared().filter(|_| !early);
                 let before = shared.map_or(self.velocity, |register| self.law[register]);
-                for c in 0..W {
-                    sensed[c] = before[c] + share * (sensed[c] - before[c]);
-                }
+                let off = sensed.minus(&before);
+                sensed = before;
+                sensed.add_scaled(share, &off);
             }
         }
         self.position = *position;
@@ -222,19 +220,19 @@ impl<const W: usize> ControlState<W> {
         [q, dq, ddq]: Jet,
         [position, velocity, acted]: &Message<W>,
     ) -> Lane<W> {
-        let error = Lane::<W>::of(|c| position[c] - q);
+        let error = position.affine(1.0, -q);
         if first {
             side.law.begin(&mut self.law, (&error, velocity), dq);
         } else {
             let fed = side.law.feed_forward().map_or(0.0, |d| self.forward[d]);
-            let acted = Lane::of(|c| acted[c] * side.per_inertia - fed);
+            let acted = acted.affine(side.per_inertia, -fed);
             side.law.step(&mut self.law, &[error, acted, *velocity]);
         }
         let torque = side.law.torque(&self.law, &self.sent, (&error, velocity));
         let before = self.forward.first().map_or(0.0, |fed| side.law.forward_before() * fed);
         self.feed_forward(ddq);
         let forward = side.law.forward(dq, ddq) + before;
-        Lane(torque.map(|torque| side.inertia * (torque + forward)))
+        torque.affine(side.inertia, side.inertia * forward)
     }
 
     /// The law's state such that its first command is a torque that held the joint for long.
@@ -277,21 +275,19 @@ impl<const W: usize> ControlState<W> {
         }
         if let Some(newest) = self.sent.first_mut() {
             let fed = self.forward.first().copied().unwrap_or(0.0);
-            *newest = Lane(command.map(|torque| torque * side.per_inertia - fed));
+            *newest = command.affine(side.per_inertia, -fed);
         }
         let demand = if self.line.is_empty() { *command } else { passed(&mut self.line, *command) };
         let (mut mean, mut bulge) = (demand, Lane::ZERO);
         if let Some(drive) = &side.drive {
             let half = 0.5 * side.period * side.period;
-            for c in 0..W {
-                let gap = self.end[c] - demand[c];
-                mean[c] += drive.mean * gap;
-                bulge[c] = (drive.double - half * drive.mean) * gap;
-                self.end[c] = demand[c] + gap * (1.0 - drive.lost);
-                self.gap[c] = gap;
-            }
+            let gap = self.end.minus(&demand);
+            mean.add_scaled(drive.mean, &gap);
+            bulge = gap.affine(drive.double - half * drive.mean, 0.0);
+            self.end = demand;
+            self.end.add_scaled(1.0 - drive.lost, &gap);
+            (self.gap, self.demand) = (gap, demand);
         }
-        self.demand = demand;
         self.acted = match side.reports {
             TorqueSource::Applied => mean,
             TorqueSource::Demanded => demand,
@@ -301,8 +297,12 @@ impl<const W: usize> ControlState<W> {
 
     /// Torque some time into the interval \[N·m\], after [`Self::act`].
     pub(crate) fn torque(&self, side: &ControlSide, elapsed: f64) -> Lane<W> {
-        let left = (-side.drive_rate * elapsed).exp();
-        Lane::of(|c| self.demand[c] + self.gap[c] * left)
+        if side.drive.is_none() {
+            return self.acted;
+        }
+        let mut torque = self.demand;
+        torque.add_scaled((-side.drive_rate * elapsed).exp(), &self.gap);
+        torque
     }
 
     /// Torque commanded last, where the law stores it \[N·m\]; else 0.

@@ -100,27 +100,28 @@ impl Bands {
     ) -> Lane<W> {
         let Some(states) = states.first_chunk_mut::<M>() else { return Lane::ZERO };
         let mut x = *states;
-        for c in 0..W {
-            x[0][c] += self.next[0] * x[1][c] + (self.third * x[2][c] + self.acted[0] * acted[c]);
-            x[1][c] += self.next[1] * x[2][c] + self.acted[1] * acted[c];
-        }
-        for i in 2..M - 1 {
-            for c in 0..W {
-                x[i][c] += self.next[i] * x[i + 1][c];
+        for i in 0..M - 1 {
+            let next = x[i + 1];
+            x[i].add_scaled(self.next[i], &next);
+            if i == 0 {
+                let third = x[2];
+                x[0].add_scaled(self.third, &third);
+            }
+            if i < 2 {
+                x[i].add_scaled(self.acted[i], acted);
             }
         }
-        let innovation = Lane::of(|c| error[c] - x[0][c]);
+        let innovation = error.minus(&x[0]);
         for i in 0..M {
-            for c in 0..W {
-                x[i][c] += self.correction[i] * innovation[c];
-            }
+            x[i].add_scaled(self.correction[i], &innovation);
         }
         *states = x;
         innovation
     }
 
     /// A sample of [`Pattern::Driven`]; `M` counts all states but the register.
-    #[inline]
+    #[expect(clippy::inline_always, reason = "the states stay in registers")]
+    #[inline(always)]
     fn drive<const W: usize, const M: usize>(
         &self,
         states: &mut [Lane<W>],
@@ -131,19 +132,16 @@ impl Bands {
         };
         let mut x = *states;
         let [by_first, by_register, by_acted, by_velocity] = self.innovation;
-        let innovation = Lane::of(|c| {
-            (by_acted * acted[c] + by_first * x[0][c])
-                + (by_velocity * velocity[c] + by_register * register[c])
-        });
+        let mut innovation = acted.affine(by_acted, 0.0);
+        innovation.add_scaled(by_first, &x[0]);
+        innovation.add_scaled(by_velocity, velocity);
+        innovation.add_scaled(by_register, register);
         for i in 0..M - 1 {
-            for c in 0..W {
-                x[i][c] += self.next[i] * x[i + 1][c];
-            }
+            let next = x[i + 1];
+            x[i].add_scaled(self.next[i], &next);
         }
         for i in 0..M {
-            for c in 0..W {
-                x[i][c] += self.correction[i] * innovation[c];
-            }
+            x[i].add_scaled(self.correction[i], &innovation);
         }
         *states = x;
         *register = *velocity;
@@ -273,7 +271,11 @@ impl Law {
             (Pattern::Predicting, 3) => self.bands.predict::<W, 3>(main, inputs),
             (Pattern::Predicting, 4) => self.bands.predict::<W, 4>(main, inputs),
             (Pattern::Predicting, _) => self.bands.predict::<W, MAIN>(main, inputs),
-            (Pattern::Driven | Pattern::Whole, _) => self.step_apart(main, inputs),
+            (Pattern::Driven, 2) => self.bands.drive::<W, 1>(main, inputs),
+            (Pattern::Driven, 3) => self.bands.drive::<W, 2>(main, inputs),
+            (Pattern::Driven, 4) => self.bands.drive::<W, 3>(main, inputs),
+            (Pattern::Driven, _) => self.bands.drive::<W, { MAIN - 1 }>(main, inputs),
+            (Pattern::Whole, _) => self.step_whole_of_any(main, inputs),
         };
         match &self.pairs {
             _ if behind.is_empty() => {}
@@ -286,29 +288,25 @@ impl Law {
         }
     }
 
-    /// The main states of the other patterns, and `ν`.
+    /// The main states of any pattern, and `ν`.
     #[inline(never)]
-    fn step_apart<const W: usize>(&self, main: &mut [Lane<W>], inputs: &[Lane<W>; 3]) -> Lane<W> {
-        match (self.pattern, main.len()) {
-            (Pattern::Driven, 2) => self.bands.drive::<W, 1>(main, inputs),
-            (Pattern::Driven, 3) => self.bands.drive::<W, 2>(main, inputs),
-            (Pattern::Driven, 4) => self.bands.drive::<W, 3>(main, inputs),
-            (Pattern::Driven, _) => self.bands.drive::<W, { MAIN - 1 }>(main, inputs),
-            (_, length) => {
-                let innovation = self.innovation(main, inputs);
-                match length {
-                    1 => self.step_whole::<W, 1>(main, inputs),
-                    2 => self.step_whole::<W, 2>(main, inputs),
-                    3 => self.step_whole::<W, 3>(main, inputs),
-                    4 => self.step_whole::<W, 4>(main, inputs),
-                    _ => self.step_whole::<W, MAIN>(main, inputs),
-                }
-                innovation
-            }
+    fn step_whole_of_any<const W: usize>(
+        &self,
+        main: &mut [Lane<W>],
+        inputs: &[Lane<W>; 3],
+    ) -> Lane<W> {
+        let innovation = self.innovation(main, inputs);
+        match main.len() {
+            1 => self.step_whole::<W, 1>(main, inputs),
+            2 => self.step_whole::<W, 2>(main, inputs),
+            3 => self.step_whole::<W, 3>(main, inputs),
+            4 => self.step_whole::<W, 4>(main, inputs),
+            _ => self.step_whole::<W, MAIN>(main, inputs),
         }
+        innovation
     }
 
-    /// The main states of any pattern.
+    /// The main states, by whole matrices.
     #[inline]
     fn step_whole<const W: usize, const M: usize>(
         &self,
@@ -321,21 +319,12 @@ impl Law {
         for i in 0..M {
             let mut sum = before[i];
             for j in 0..M {
-                for c in 0..W {
-                    sum[c] += self.change[i][j] * before[j][c];
-                }
+                sum.add_scaled(self.change[i][j], &before[j]);
             }
-            for c in 0..W {
-                sum[c] += self.driven[i][0] * error[c] + self.driven[i][1] * acted[c];
+            for (factor, input) in self.driven[i].iter().zip([error, acted, velocity]) {
+                sum.add_scaled(*factor, input);
             }
             states[i] = sum;
-        }
-        if self.uses_velocity {
-            for i in 0..M {
-                for c in 0..W {
-                    states[i][c] += self.driven[i][2] * velocity[c];
-                }
-            }
         }
     }
 
@@ -346,9 +335,7 @@ impl Law {
         let by_input = [E, ACTED, DQ].map(|input| self.linear.innovation_input[input]);
         let terms = self.linear.innovation.iter().zip(main).chain(by_input.iter().zip(inputs));
         for (factor, x) in terms {
-            for c in 0..W {
-                sum[c] += factor * x[c];
-            }
+            sum.add_scaled(*factor, x);
         }
         sum
     }
@@ -359,13 +346,9 @@ impl Law {
         before[..states.len()].copy_from_slice(states);
         for (i, state) in states.iter_mut().enumerate() {
             for (factor, x) in self.change_behind[i].iter().zip(&before) {
-                for c in 0..W {
-                    state[c] += factor * x[c];
-                }
+                state.add_scaled(*factor, x);
             }
-            for c in 0..W {
-                state[c] += self.correction_behind[i] * innovation[c];
-            }
+            state.add_scaled(self.correction_behind[i], innovation);
         }
     }
 
@@ -380,10 +363,8 @@ impl Law {
     ) -> Lane<W> {
         let mut torque = self.indirect(states, sent);
         if self.direct {
-            let [on_error, on_velocity] = [self.linear.direct[E], self.linear.direct[DQ]];
-            for c in 0..W {
-                torque[c] += on_error * error[c] + on_velocity * velocity[c];
-            }
+            torque.add_scaled(self.linear.direct[E], error);
+            torque.add_scaled(self.linear.direct[DQ], velocity);
         }
         torque
     }
@@ -394,17 +375,8 @@ impl Law {
         let mut torque = weighed(&self.linear.output, &states[..self.outputs]);
         match sent {
             [] => {}
-            [newest] => {
-                for c in 0..W {
-                    torque[c] += self.linear.output_sent[0] * newest[c];
-                }
-            }
-            _ => {
-                let sent = weighed(&self.linear.output_sent, sent);
-                for c in 0..W {
-                    torque[c] += sent[c];
-                }
-            }
+            [newest] => torque.add_scaled(self.linear.output_sent[0], newest),
+            _ => torque.add_scaled(1.0, &weighed(&self.linear.output_sent, sent)),
         }
         torque
     }
@@ -602,11 +574,11 @@ fn step_pair<const W: usize>(
     innovation: &Lane<W>,
 ) {
     let [x, change] = pair else { return };
-    for c in 0..W {
-        let back = by_x * x[c] + by_change * change[c];
-        x[c] += change[c];
-        change[c] += innovation[c] + back;
-    }
+    let mut next = *innovation;
+    next.add_scaled(*by_x, x);
+    next.add_scaled(*by_change, change);
+    x.add_scaled(1.0, change);
+    change.add_scaled(1.0, &next);
 }
 
 /// Returns true if two numbers are the same, but for the sign of zero.
@@ -676,10 +648,8 @@ fn weighed_all<const W: usize, const M: usize>(weights: &[f64], x: &[Lane<W>]) -
     let (Some(weights), Some(x)) = (weights.first_chunk::<M>(), x.first_chunk::<M>()) else {
         return sum;
     };
-    for i in 0..M {
-        for c in 0..W {
-            sum[c] += weights[i] * x[i][c];
-        }
+    for (weight, x) in weights.iter().zip(x) {
+        sum.add_scaled(*weight, x);
     }
     sum
 }

@@ -105,10 +105,8 @@ impl<const W: usize> Deviation<W> {
         let n = scene.n;
         self.control.act(&scene.law);
         for i in 0..n {
-            let held = torque(i);
-            for c in 0..W {
-                self.torque[i][c] = self.control.mean[i][c] + held[c];
-            }
+            self.torque[i] = self.control.mean[i];
+            self.torque[i].add_scaled(1.0, &torque(i));
         }
         if !interval.added.is_empty() {
             let (by_e, by_v) = interval.added.split_at(n * n);
