@@ -168,6 +168,8 @@ const LOOP_AND_SENSOR: &[Case] = &[
     ),
     (19, "form = 'literl'", "loop.form", UnknownName, "did you mean `literal`?"),
     (20, "delay_samples = 9", "loop.delay_samples", OutOfRange, "9 is out of range: 0 to 8"),
+    (20, "torque_filter_hz = 600.0", "loop.torque_filter_hz", OutOfRange, "half of the loop's rate"),
+    (20, "torque_filter_hz = 0.0", "loop.torque_filter_hz", OutOfRange, "above 0"),
     (20, "energy_max_j = 0", "loop.energy_max_j", OutOfRange, "0 is out of range: above 0"),
     (20, "energy_window_s = 0.1", "loop.energy_window_s", Conflict, "energy_max_j, which is not"),
     (20, "delay_ms = 1", "loop.delay_ms", WrongUnit, "write `delay_samples`"),
