@@ -8,4 +8,5 @@
 
 mod no_bound_without_tube;
 mod sources;
+mod stated;
 mod torque_filter;
