@@ -22,7 +22,9 @@ const COUNTED: [(&str, usize); 2] = [("unsafe ", 77), ("[allow(", 70)];
 const FILTER: [&str; 4] =
     ["innovation_filter", "InnovationSection", "FilterSection", "SECTIONS_MAX"];
 const FILTER_SOURCES: usize = 38;
-const CLAIMING: [&str; 3] = [
+const CLAIMING: [&str; 5] = [
+    "crates/phihat-certificate/src/coupled/",
+    "crates/phihat-certificate/src/tube/",
     "crates/phihat-design/src/coupled/",
     "crates/phihat-design/src/sampled/",
     "crates/phihat-design/src/tube/",
