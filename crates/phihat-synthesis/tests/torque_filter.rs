@@ -25,7 +25,7 @@ fn study(form: &str, world: &str) -> Study {
 }
 
 const HEAVY: &str = "coulomb_extra_nm = 0.05\npayload = { mass_kg = 0.3 }";
-const LIGHT: &str = "coulomb_extra_nm = 0.0\npayload = { mass_kg = 0.0 }";
+const LIGHT: &str = "coulomb_extra_nm = 0.0\npayload = { mass_kg = 0.01 }";
 
 fn designed(study: &Study) -> Gains {
     let demand = Demand::along(study).unwrap();
