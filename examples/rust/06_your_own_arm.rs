@@ -81,6 +81,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         torque: TorqueSource::Applied,
         velocity: VelocitySource::Differenced,
         velocity_filter_hz: None,
+        torque_filter_hz: None,
         form: Form::Observer,
         drive_bandwidth_hz: None,
     };

@@ -17,6 +17,26 @@ const WORDS: [(&str, &str); 4] = [
 /// Texts that may only become fewer, with the number of lines of code outside of tests' files that have them.
 const COUNTED: [(&str, usize); 2] = [("unsafe ", 77), ("[allow(", 70)];
 
+/// Names of a part of one form of the law, and the largest number of sources that may have them: those that store, show
+/// or seek gains. What computes a claim has the law's linear system in its place.
+const FILTER: [&str; 4] =
+    ["innovation_filter", "InnovationSection", "FilterSection", "SECTIONS_MAX"];
+const FILTER_SOURCES: usize = 38;
+const CLAIMING: [&str; 5] = [
+    "crates/phihat-certificate/src/coupled/",
+    "crates/phihat-certificate/src/tube/",
+    "crates/phihat-design/src/coupled/",
+    "crates/phihat-design/src/sampled/",
+    "crates/phihat-design/src/tube/",
+];
+
+/// Returns true if a source names the filter on the innovation, its tests aside.
+fn names_filter(name: &str, text: &str) -> bool {
+    let code = text.lines().take_while(|line| line.trim() != "#[cfg(test)]");
+    let mut code = code.filter(|line| !line.trim_start().starts_with("//"));
+    name.contains("/src/") && code.any(|line| FILTER.iter().any(|word| line.contains(word)))
+}
+
 /// Words that no doc comment begins with: its first line is a noun phrase or a verb phrase.
 const QUESTIONS: [&str; 3] = ["What ", "Whether ", "How "];
 
@@ -132,6 +152,7 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
     wrong.extend(labels::wrong(root)?);
     wrong.extend(tests_left_out(root)?);
     let mut counts = [0_usize; COUNTED.len()];
+    let mut filter_sources = 0;
     for file in sources(root)? {
         let text = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
         let name = file.strip_prefix(root).unwrap_or(&file).display().to_string();
@@ -158,6 +179,12 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
             let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
             *count += code.filter(|line| line.contains(word)).count();
         }
+        if names_filter(&name, &text) {
+            filter_sources += 1;
+            if CLAIMING.iter().any(|folder| name.starts_with(folder)) {
+                wrong.push(format!("{name}: a claim is computed from `JointGains::linear`"));
+            }
+        }
         wrong.extend(past_the_disk(&name, &text));
         wrong.extend(comments(&name, &text));
         let c_binding = name.starts_with("crates/phihat-c/");
@@ -172,6 +199,10 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
                 "{count} lines with {word:?}, where {most} were: do without the new one"
             ));
         }
+    }
+    if filter_sources > FILTER_SOURCES {
+        let (now, most) = (filter_sources, FILTER_SOURCES);
+        wrong.push(format!("{now} sources name the innovation filter, where {most} did"));
     }
     if wrong.is_empty() { Ok(()) } else { Err(wrong.join("\n")) }
 }
@@ -279,7 +310,7 @@ pub(crate) fn packages(root: &Path, built: bool) -> Result<(), String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{comments, tests_left_out};
+    use super::{comments, names_filter, tests_left_out};
     use std::fs;
 
     #[test]
@@ -289,6 +320,14 @@ mod tests {
         assert_eq!(wrong("//! What a joint has.\n\n/// Whether it moves.\nfn a() {}\n"), 2);
         assert_eq!(wrong(&format!("// {}\n// |{0}|\n", "x".repeat(118))), 1);
         assert_eq!(comments("crates/phihat-cli/src/run.rs", "/// What is run.\n").len(), 0);
+    }
+
+    #[test]
+    fn a_source_names_the_filter_by_its_code() {
+        let names = |text: &str| names_filter("crates/one/src/lib.rs", text);
+        assert!(names("fn a(of: &FilterSection) {}\n"));
+        assert!(!names("// A FilterSection\n#[cfg(test)]\nmod tests { use x::FilterSection; }\n"));
+        assert!(!names_filter("crates/one/tests/a.rs", "use x::FilterSection;\n"));
     }
 
     #[test]

@@ -12,7 +12,7 @@
  *
  * Every structure begins with its own size, set by the caller (`.size = sizeof(phihat_joint)`), so that
  * later versions can add members at the end. What was compiled with a header whose phihat_joint ended before
- * `correction`, or before `sections`, runs as it did. Every function answers a phihat_status.
+ * `correction`, before `sections` or before `torque_filter_hz` runs as it did. Every function answers a phihat_status.
  *
  * phihat_controller is the law and its limits. phihat_supervisor puts around it what a real arm needs: a
  * guard for bad, late and lost samples, joint limits, modes with a latched safe stop, bumpless starts.
@@ -279,6 +279,11 @@ typedef struct phihat_joint {
    * b_0, b_1 of each section: weights of its x and its y in the wanted torque, per M [1/s^2].
    */
   double section_weights_per_s2[PHIHAT_SECTIONS_MAX][2];
+  /**
+   * Cut-off f of a first-order low-pass on tau before the limits, of every form [Hz]; 0: none. With
+   * s = 1 - exp(-2 pi f T), tau = r + s (tau - r), r the last torque as the limits let it through.
+   */
+  double torque_filter_hz;
 } phihat_joint;
 
 /**

@@ -20,6 +20,10 @@ pub(crate) fn law(joint: &phihat_joint, period: f64) -> Result<JointGains<f64>, 
             Err(Refusal::new(Status::BadGain, why).member("form", f64::from(other)))
         }
     }?;
+    let low_pass = (joint.torque_filter_hz != 0.0).then_some(joint.torque_filter_hz);
+    let gains = gains
+        .with_torque_filter(low_pass)
+        .map_err(|why| Refusal::gain(why).member("torque_filter_hz", joint.torque_filter_hz))?;
     let finite = |x: f64| (!(x.is_infinite() && x > 0.0)).then_some(x);
     let limits =
         Limits::new(finite(joint.torque_max_nm), finite(joint.torque_rate_max_nm_s), period);

@@ -83,12 +83,19 @@ pub struct phihat_joint {
     pub section_rates: [[f64; 2]; PHIHAT_SECTIONS_MAX],
     /// b_0, b_1 of each section: weights of its x and its y in the wanted torque, per M [1/s^2].
     pub section_weights_per_s2: [[f64; 2]; PHIHAT_SECTIONS_MAX],
+    /// Cut-off f of a first-order low-pass on tau before the limits, of every form [Hz]; 0: none. With
+    /// s = 1 - exp(-2 pi f T), tau = r + s (tau - r), r the last torque as the limits let it through.
+    pub torque_filter_hz: f64,
 }
 
 impl phihat_joint {
-    /// sizeof(phihat_joint) of older headers: of the first, which had no member from `correction` on, and of the one
-    /// that had none from `sections` on.
-    pub(crate) const OLDER: &[usize] = &[offset_of!(Self, correction), offset_of!(Self, sections)];
+    /// sizeof(phihat_joint) of older headers: of the first, which had no member from `correction` on, of the one that
+    /// had none from `sections` on, and of the one without `torque_filter_hz`.
+    pub(crate) const OLDER: &[usize] = &[
+        offset_of!(Self, correction),
+        offset_of!(Self, sections),
+        offset_of!(Self, torque_filter_hz),
+    ];
 }
 
 /// Measurements and references of all joints at a sample.

@@ -64,8 +64,10 @@ fn refused_by_name(joint: phihat_joint, (change, member, value): Case) {
 
 #[test]
 fn what_is_no_innovation_filter_is_refused_by_the_name_of_its_member() {
-    let cases: [Case; 9] = [
+    let cases: [Case; 11] = [
         (|j| j.sections = 3, "sections", 3.0),
+        (|j| j.torque_filter_hz = -1.0, "torque_filter_hz", -1.0),
+        (|j| j.torque_filter_hz = f64::NAN, "torque_filter_hz", f64::NAN),
         (|j| j.sections = u64::MAX, "sections", u64::MAX as f64),
         // On the circle, beyond -1, growing.
         (|j| j.section_rates[0] = [0.0, 0.3], "section_rates[0]", f64::NAN),
@@ -193,6 +195,10 @@ fn every_number_arrives_where_it_belongs() {
         let filtered = law.with_innovation_filter(&sections[..count]).unwrap();
         assert_ne!(same_bits(&with, &filtered), plain, "a filter acts");
     }
+    // And a low-pass on the torque.
+    let with = phihat_joint { torque_filter_hz: 90.0, ..joint };
+    let behind = law.with_torque_filter(Some(90.0)).unwrap();
+    assert_ne!(same_bits(&with, &behind), plain, "a low-pass acts");
 }
 
 /// The torques of a joint in C, which are those of a law of the core.

@@ -58,6 +58,9 @@ pub struct Gains {
     /// Cut-off of the velocity's low-pass \[Hz\] where the design chose it; `None`: the study's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity_filter_hz: Option<f64>,
+    /// Cut-off of the low-pass on the torque command \[Hz\]; `None`: none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque_filter_hz: Option<f64>,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<JointRecord>,
     /// Names of the joints that slide, where there are any: of them, rad reads m, and N·m reads N.
@@ -159,6 +162,7 @@ impl Gains {
             rate_hz,
             method: method.into(),
             velocity_filter_hz: None,
+            torque_filter_hz: None,
             joints,
             sliding: Vec::new(),
             certificate: None,
@@ -172,8 +176,9 @@ impl Gains {
     pub fn of(study: &Study, joints: Vec<JointRecord>, method: impl Into<String>) -> Self {
         let stated = Self::stated(joints, 1e9 / study.control.period_ns as f64, method);
         let sliding = study.robot.sliding();
+        let torque_filter_hz = study.control.torque_filter_hz;
         let (study, study_sha256) = (study.name.clone(), study.sha256.clone());
-        Self { study, study_sha256, sliding, ..stated }
+        Self { study, study_sha256, torque_filter_hz, sliding, ..stated }
     }
 
     /// Returns true if a joint slides.
@@ -234,29 +239,36 @@ impl Gains {
         let period = period_ns as f64 * 1e-9;
         let joint = |record: &JointRecord| {
             let refused = |error| GainsError::Joint { joint: record.name.clone(), error };
-            match (&record.observer, form) {
-                (Some(own), Form::Positions) => own.gains(record, period).map_err(refused),
-                (None, Form::Observer | Form::Literal) => {
-                    record.gains(form, period).map_err(refused)
-                }
-                _ => Err(GainsError::Form { joint: record.name.clone(), form: word(form) }),
+            if record.observer.is_some() != (form == Form::Positions) {
+                return Err(GainsError::Form { joint: record.name.clone(), form: word(form) });
             }
+            let gains = record.core_gains(form, period);
+            gains.and_then(|own| own.with_torque_filter(self.torque_filter_hz)).map_err(refused)
         };
         self.joints.iter().map(joint).collect()
     }
 }
 
 impl JointRecord {
-    /// The core's gains of a law that is fed with velocity.
-    pub(crate) fn gains(&self, form: Form, period: f64) -> Result<JointGains<f64>, GainError> {
-        JointGains::new(&JointDesign {
-            inertia: self.inertia_kg_m2,
-            kp: self.kp_per_s2,
-            kd: self.kd_per_s,
-            a: &self.a,
-            period,
-            form,
-        })
+    /// The core's gains for these numbers, in a form, at a sample period \[s\], without limits and low-pass:
+    /// [`LoopModel::core_gains`](crate::LoopModel::core_gains) has the latter.
+    ///
+    /// # Errors
+    ///
+    /// [`GainError`]: numbers that the core refuses, or those of another form.
+    pub fn core_gains(&self, form: Form, period: f64) -> Result<JointGains<f64>, GainError> {
+        match (&self.observer, form) {
+            (Some(own), Form::Positions) => own.gains(self, period),
+            (None, Form::Observer | Form::Literal) => JointGains::new(&JointDesign {
+                inertia: self.inertia_kg_m2,
+                kp: self.kp_per_s2,
+                kd: self.kd_per_s,
+                a: &self.a,
+                period,
+                form,
+            }),
+            _ => Err(GainError::Form),
+        }
     }
 }
 

@@ -1,8 +1,10 @@
 //! The sampled loop around one joint: what is between the law and the inertia.
 
-use phihat::{Form, TorqueSource, VelocitySource};
+use phihat::{Form, GainError, JointGains, TorqueSource, VelocitySource};
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
+
+use crate::JointRecord;
 
 /// Spelling of the core's words in a document: the core itself knows no file format.
 mod spelling {
@@ -60,6 +62,9 @@ pub struct LoopModel {
     pub velocity: VelocitySource,
     /// First-order low-pass on the velocity \[Hz\]; `None`: none.
     pub velocity_filter_hz: Option<f64>,
+    /// First-order low-pass on the torque command \[Hz\], a part of the law; `None`: none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque_filter_hz: Option<f64>,
     /// Form of the law.
     #[serde(with = "spelling::Form")]
     pub form: Form,
@@ -68,6 +73,16 @@ pub struct LoopModel {
 }
 
 impl LoopModel {
+    /// The core's gains of a joint's law in this loop, without limits.
+    ///
+    /// # Errors
+    ///
+    /// [`GainError`]: numbers that the core refuses, or those of another form.
+    pub fn core_gains(&self, record: &JointRecord) -> Result<JointGains<f64>, GainError> {
+        let gains = record.core_gains(record.form_or(self.form), self.period_s)?;
+        gains.with_torque_filter(self.torque_filter_hz)
+    }
+
     /// The loop that a study puts around a joint, by its index.
     pub fn from_study(study: &Study, joint: usize) -> Self {
         let drives = study.world.drive_bandwidth_hz.as_ref();
@@ -78,6 +93,7 @@ impl LoopModel {
             torque: study.sensor.torque,
             velocity: study.sensor.velocity,
             velocity_filter_hz: study.sensor.velocity_filter_hz,
+            torque_filter_hz: study.control.torque_filter_hz,
             form: study.control.form,
             drive_bandwidth_hz: drives.and_then(|d| d.get(joint)).copied(),
         }

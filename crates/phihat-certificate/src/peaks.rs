@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::check::decay::{Decay, Output};
 use crate::check::integral::{of_line, of_parabola};
 use crate::check::plausible::{self, enough};
-use crate::check::sample::{Loop, SENT, Signals};
+use crate::check::sample::{Loop, Signals};
 use crate::{JointRecord, LoopModel, Refutation};
 
 const CLAIM: &str = "sampled peak gains";
@@ -137,15 +137,12 @@ impl Found {
 /// else. A filter adds a multiple of `w^m` to that of a law from positions, and so does not lower its
 /// multiplicity.
 fn servo_type(of: &Loop) -> usize {
-    let late = of.late > 0 || of.drives();
-    match (of.model.form, &of.sight) {
-        (Form::Observer, _) if late => of.order.min(1),
+    let late = of.late > 0 || of.drives() || of.model.torque_filter_hz.is_some();
+    match of.model.form {
+        Form::Observer if late => of.order.min(1),
         // It knows what is on its way, and makes up for its own lag: a ramp leaves nothing where nothing else is late.
-        (_, Some(sight)) => {
-            let told = sight.ahead == of.late && !of.drives();
-            of.order.min(if told { 2 } else { 1 })
-        }
-        _ => of.order,
+        Form::Positions => of.order.min(if of.in_time { 2 } else { 1 }),
+        Form::Observer | Form::Literal => of.order,
     }
 }
 
@@ -155,13 +152,8 @@ fn bearing(of: &Loop) -> Signals {
     for command in x.line.iter_mut().take(of.late) {
         *command = 1.0;
     }
-    match of.model.form {
-        Form::Observer => x.memory[0] = 1.0,
-        Form::Literal => x.memory[of.order - 1] = of.integral_of_one(),
-        Form::Positions => {
-            x.memory[2] = 1.0;
-            x.sent = [1.0; SENT];
-        }
+    for (into, held) in x.law.iter_mut().zip(&of.law.bearing) {
+        *into = *held;
     }
     x
 }

@@ -75,7 +75,9 @@ impl JointRecord {
     pub fn fed_in_time(&self, model: &LoopModel) -> bool {
         let late = model.delay_samples + model.sample_delay_samples;
         let in_time = |own: &PositionObserver| {
-            own.delay_samples == late && model.drive_bandwidth_hz.is_none()
+            own.delay_samples == late
+                && model.drive_bandwidth_hz.is_none()
+                && model.torque_filter_hz.is_none()
         };
         self.observer.as_ref().is_none_or(in_time)
     }

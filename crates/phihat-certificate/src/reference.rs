@@ -1,5 +1,6 @@
 //! Error caused by the reference's own motion: the part that no unknown torque causes.
 
+use phihat::Form;
 use serde::{Deserialize, Serialize};
 
 use crate::check::decay::{Decay, Layout, Output};
@@ -82,7 +83,7 @@ impl ReferenceError {
         for mu in &self.mu {
             let of = Loop::new(gains, model, *mu);
             let decay = Decay::of(CLAIM, &of)?;
-            if of.sight.is_some() {
+            if of.model.form == Form::Positions {
                 let what = "M̄q̈_d is fed forward in a law from positions";
                 Refutation::unless(CLAIM, what, 0.0, 1.0, self.feed_forward)?;
                 let what = "the feed-forward acts in the interval that it is for";
@@ -152,9 +153,9 @@ fn jerk(
             q: share * there - there,
             v: share * moved - moved,
             position: t * moved - there - 0.5 * t * t,
-            velocity: t - moved,
             ..Signals::REST
         };
+        let start = of.with_velocity(&start, t - moved);
         decay.run(of, &start.minus(&follows))
     });
     let longest = runs.iter().map(|run| run.seen.len()).max().unwrap_or(0);

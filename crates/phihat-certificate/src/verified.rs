@@ -354,8 +354,10 @@ fn loop_of(model: &LoopModel) -> String {
     let hertz = |what: &str, hz: Option<f64>| {
         hz.map_or_else(|| format!("no {what}"), |hz| format!("{what} {hz} Hz"))
     };
+    let torque_filter = model.torque_filter_hz;
+    let low_pass = torque_filter.map_or_else(String::new, |hz| format!(", torque filter {hz} Hz"));
     format!(
-        "{} Hz, {} + {} samples late, {form}, {velocity}, {}, {torque}, {}",
+        "{} Hz, {} + {} samples late, {form}, {velocity}, {}, {torque}, {}{low_pass}",
         1.0 / model.period_s,
         model.delay_samples,
         model.sample_delay_samples,

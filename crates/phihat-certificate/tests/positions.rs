@@ -59,6 +59,7 @@ pub(crate) fn joint(dice: &mut Dice, t: f64) -> Joint {
         torque: TorqueSource::Applied,
         velocity: VelocitySource::Measured,
         velocity_filter_hz: None,
+        torque_filter_hz: None,
         form: Form::Positions,
         drive_bandwidth_hz: None,
     };

@@ -188,6 +188,7 @@ mod tests {
             torque: TorqueSource::Applied,
             velocity,
             velocity_filter_hz,
+            torque_filter_hz: None,
             form: Form::Observer,
             drive_bandwidth_hz: None,
         }

@@ -132,6 +132,7 @@ fn a_law_is_stable_as_far_as_it_is_told() {
             torque: TorqueSource::Applied,
             velocity: VelocitySource::Measured,
             velocity_filter_hz: None,
+            torque_filter_hz: None,
             form: Form::Observer,
             drive_bandwidth_hz: None,
         };

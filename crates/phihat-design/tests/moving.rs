@@ -32,6 +32,7 @@ fn model(velocity: VelocitySource, filter: Option<f64>) -> LoopModel {
         torque: TorqueSource::Applied,
         velocity,
         velocity_filter_hz: filter,
+        torque_filter_hz: None,
         form: Form::Observer,
         drive_bandwidth_hz: None,
     }

@@ -17,6 +17,7 @@ fn draw(random: &mut Random) -> (JointRecord, LoopModel) {
         delay_samples: random.below(3),
         velocity: [VelocitySource::Measured, VelocitySource::Differenced][random.below(2) as usize],
         velocity_filter_hz: (random.unit() < 0.5).then_some(120.0),
+        torque_filter_hz: None,
         form: [Form::Observer, Form::Literal][random.below(2) as usize],
         drive_bandwidth_hz: None,
         sample_delay_samples: 0,
@@ -131,6 +132,7 @@ fn a_resonance_between_two_points_of_the_grid_counts() {
         torque: TorqueSource::Applied,
         velocity: VelocitySource::Measured,
         velocity_filter_hz: Some(42.265_325_663_467_86),
+        torque_filter_hz: None,
         form: Form::Observer,
         drive_bandwidth_hz: None,
     };

@@ -82,6 +82,7 @@ fn cases() -> Vec<Case> {
                         delay_samples,
                         velocity,
                         velocity_filter_hz,
+                        torque_filter_hz: None,
                         form,
                         drive_bandwidth_hz,
                         sample_delay_samples: 0,

@@ -61,6 +61,7 @@ pub(crate) fn draw(random: &mut Random) -> (phihat_design::JointRecord, LoopMode
                 [random.below(2) as usize],
             form: [Form::Observer, Form::Literal][random.below(2) as usize],
             velocity_filter_hz: some(random.unit() < 0.5, filter),
+            torque_filter_hz: None,
             drive_bandwidth_hz: some(random.unit() < 0.5, drive),
             sample_delay_samples: 0,
             torque: phihat::TorqueSource::Applied,

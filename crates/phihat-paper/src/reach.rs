@@ -134,6 +134,7 @@ fn model(form: Form, rate: f64) -> LoopModel {
         torque: TorqueSource::Applied,
         velocity: VelocitySource::Measured,
         velocity_filter_hz: None,
+        torque_filter_hz: None,
         form,
         drive_bandwidth_hz: None,
     }

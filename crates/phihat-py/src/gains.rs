@@ -57,7 +57,8 @@ impl Gains {
 impl Gains {
     /// Gains from their numbers; a controller checks them.
     #[new]
-    #[pyo3(signature = (*, rate_hz, inertia, kp, kd, a, joint_names = None))]
+    #[pyo3(signature = (*, rate_hz, inertia, kp, kd, a, joint_names = None, torque_filter_hz = None))]
+    #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
         py: Python<'_>,
         rate_hz: f64,
@@ -66,6 +67,7 @@ impl Gains {
         kd: Vec<f64>,
         a: Vec<Vec<f64>>,
         joint_names: Option<Vec<String>>,
+        torque_filter_hz: Option<f64>,
     ) -> PyResult<Self> {
         let n = inertia.len();
         if n == 0 {
@@ -94,7 +96,7 @@ impl Gains {
         // A period is whole nanoseconds.
         let period = period_ns(py, rate_hz)?;
         let gains = phihat_design::Gains::stated(joints, 1e9 / period as f64, "stated in Python");
-        let gains = Self { inner: gains };
+        let gains = Self { inner: phihat_design::Gains { torque_filter_hz, ..gains } };
         // What the core would refuse is refused here, by joint and gain.
         let checked = gains.inner.joint_gains(&gains.names(), period, phihat::Form::Observer);
         checked.map_err(|e| failure::gains(py, &e))?;

@@ -42,6 +42,9 @@ pub(crate) struct PositionGains {
     velocity_correction: Option<Vec<Vec<f64>>>,
     /// Sections of each joint's filter on the innovation: rates and weights; None: there is none.
     innovation_filter: Option<Vec<Vec<Section>>>,
+    /// Cut-off of the low-pass on the torque command [Hz]; None: none.
+    #[pyo3(get)]
+    torque_filter_hz: Option<f64>,
     pub(crate) laws: Vec<JointGains<f64>>,
     pub(crate) period_ns: u64,
 }
@@ -57,7 +60,7 @@ impl PositionGains {
     #[new]
     #[pyo3(signature = (
         *, joint_names, rate_hz, inertia, kp, kd, correction, share, delay_samples,
-        velocity_correction = None, innovation_filter = None
+        velocity_correction = None, innovation_filter = None, torque_filter_hz = None
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
@@ -72,6 +75,7 @@ impl PositionGains {
         delay_samples: Vec<i64>,
         velocity_correction: Option<Vec<Vec<f64>>>,
         innovation_filter: Option<Vec<Vec<Section>>>,
+        torque_filter_hz: Option<f64>,
     ) -> PyResult<Self> {
         if joint_names.is_empty() {
             let (limit, message) = ("at least one name", "joint_names: there is none");
@@ -100,6 +104,7 @@ impl PositionGains {
             delay_samples,
             velocity_correction,
             innovation_filter,
+            torque_filter_hz,
             laws: Vec::new(),
             period_ns: period_ns(py, rate_hz)?,
         };
@@ -149,6 +154,7 @@ impl PositionGains {
         } else {
             gains.and_then(|gains| gains.with_innovation_filter(&sections))
         };
+        let gains = gains.and_then(|gains| gains.with_torque_filter(self.torque_filter_hz));
         gains.map_err(|error| refused(py, joint, error))
     }
 }
@@ -199,6 +205,7 @@ fn keyword(gain: Gain) -> &'static str {
         Gain::Correction(_) => "correction",
         Gain::VelocityCorrection(_) => "velocity_correction",
         Gain::Section(_) => "innovation_filter",
+        Gain::TorqueFilter => "torque_filter_hz",
         // Of no argument here.
         _ => "gains",
     }

@@ -82,6 +82,9 @@ pub(crate) fn world(study: &Study) -> Vec<(String, String)> {
     if let Some(filter) = study.sensor.velocity_filter_hz {
         lines.push(("velocity filter".to_owned(), format!("first order, {filter} Hz")));
     }
+    if let Some(filter) = study.control.torque_filter_hz {
+        lines.push(("torque filter".to_owned(), format!("first order, {filter} Hz, in the law")));
+    }
     lines.extend(trouble(study));
     let steps = if world.substeps == 1 { "step" } else { "steps" };
     lines.push(("plant".to_owned(), format!("RK4, {} {steps} per sample", world.substeps)));

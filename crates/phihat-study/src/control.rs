@@ -45,6 +45,7 @@ pub(crate) fn read(
     Ok(Control {
         period_ns,
         delay_samples: node.small_count("delay_samples")?,
+        torque_filter_hz: below_half(node, "torque_filter_hz", 1e9 / period_ns as f64)?,
         form,
         form_designed: stated.map_or(!has_gains, |word| word == "design"),
         preview_stated: node.has("preview"),
@@ -111,13 +112,8 @@ pub(crate) fn read_sensor(
 ) -> Result<Sensor, StudyError> {
     let bits = arm.robot.joints.iter().map(|joint| joint.encoder_bits);
     let key = "encoder_bits";
-    let filter = node.number_if("velocity_filter_hz");
+    let filter = below_half(node, "velocity_filter_hz", rate)?;
     let designed = node.text("velocity_filter_hz") == Some("design");
-    if let Some(cut_off) = filter.filter(|&cut_off| cut_off > rate / 2.0) {
-        let message = format!("{cut_off} Hz is above half of the loop's rate of {rate} Hz");
-        let error = node.error(Kind::OutOfRange, "velocity_filter_hz", message);
-        node.note(error.with_help(format!("at most {} Hz", rate / 2.0)))?;
-    }
     Ok(Sensor {
         encoder_bits: choose(node, arm, key, arm.joints.counts_or_word(node, key)?, bits)?,
         velocity: match node.word("velocity")? {
@@ -139,6 +135,17 @@ pub(crate) fn read_sensor(
         wrap: node.flag("wrap")?,
         velocity_filter_designed: designed,
     })
+}
+
+/// The cut-off of a low-pass \[Hz\], where one is stated: at most half of the loop's rate \[Hz\].
+fn below_half(node: &Node<'_>, key: &str, rate: f64) -> Result<Option<f64>, StudyError> {
+    let filter = node.number_if(key);
+    if let Some(cut_off) = filter.filter(|&cut_off| cut_off > rate / 2.0) {
+        let message = format!("{cut_off} Hz is above half of the loop's rate of {rate} Hz");
+        let error = node.error(Kind::OutOfRange, key, message);
+        node.note(error.with_help(format!("at most {} Hz", rate / 2.0)))?;
+    }
+    Ok(filter)
 }
 
 fn jitter(node: &Node<'_>, rate: f64) -> Result<f64, StudyError> {

@@ -298,6 +298,14 @@ static LOOP: Section = Section {
             doc: "Transport delay from the sample to the torque that acts.",
         },
         Key {
+            name: "torque_filter_hz",
+            unit: "Hz",
+            shape: Shape::Number(Bounds::positive(1e5)),
+            need: Need::Optional("no filter"),
+            doc: "Cut-off of a first-order low-pass on the torque command, before its limits; at most half of `rate_hz`. It is a part of the law: \
+                  the design counts it, and gains.json carries it.",
+        },
+        Key {
             name: "form",
             unit: "",
             shape: Shape::Word(&["observer", "literal", "positions", "design"]),

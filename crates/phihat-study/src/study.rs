@@ -246,6 +246,8 @@ pub struct Control {
     pub period_ns: u64,
     /// Transport delay from sample to acting torque \[samples\], 0 … 8.
     pub delay_samples: u32,
+    /// First-order low-pass on the torque command \[Hz\]; `None`: none.
+    pub torque_filter_hz: Option<f64>,
     /// Form of the law.
     pub form: Form,
     /// True if the form is left to the design: [`Self::takes`].

@@ -9,3 +9,4 @@
 mod no_bound_without_tube;
 mod sources;
 mod stated;
+mod torque_filter;

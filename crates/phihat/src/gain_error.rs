@@ -35,6 +35,8 @@ pub enum Gain {
     JerkMax,
     /// The bandwidth of a velocity filter.
     VelocityFilter,
+    /// The bandwidth of the low-pass on the torque command.
+    TorqueFilter,
     /// The share of the way to the wanted torque per sample.
     Share,
     /// `ℓ_i`, with its index.
@@ -77,6 +79,7 @@ impl fmt::Display for Gain {
             Self::AccelerationMax => f.write_str("acceleration limit [rad/s^2]"),
             Self::JerkMax => f.write_str("jerk limit [rad/s^3]"),
             Self::VelocityFilter => f.write_str("velocity filter [Hz]"),
+            Self::TorqueFilter => f.write_str("torque filter [Hz]"),
             Self::Share => f.write_str("share"),
             Self::Correction(i) => write!(f, "correction[{i}]"),
             Self::VelocityCorrection(i) => write!(f, "velocity_correction[{i}]"),

@@ -35,9 +35,39 @@ pub struct ObserverNumbers<R> {
     pub alpha: [R; ORDER_MAX],
 }
 
+/// Machine code that a sample runs through: that of a form, or that of any form with a low-pass behind it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Path {
+    Observer,
+    Literal,
+    Positions,
+    Filtered,
+}
+
+impl Path {
+    /// Without a low-pass.
+    pub(crate) fn of(form: Form) -> Self {
+        match form {
+            Form::Observer => Self::Observer,
+            Form::Literal => Self::Literal,
+            Form::Positions => Self::Positions,
+        }
+    }
+}
+
 /// A [`Form`] that the compiler knows, so that each has machine code of its own: one decision per sample.
 pub(crate) trait Built {
     const FORM: Form;
+    /// True if a low-pass on the torque command is behind it.
+    const FILTERED: bool = false;
+}
+
+/// The same with a low-pass on the torque command.
+pub(crate) struct Filtered<S>(core::marker::PhantomData<S>);
+
+impl<S: Built> Built for Filtered<S> {
+    const FORM: Form = S::FORM;
+    const FILTERED: bool = true;
 }
 
 /// [`Form::Observer`].
@@ -145,6 +175,9 @@ pub struct JointDesign<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointGains<R> {
     pub(crate) form: Form,
+    pub(crate) path: Path,
+    /// Share of the way to the law's torque per sample: `1 − α` of a low-pass, else 1.
+    pub(crate) torque_share: R,
     /// Of a law from positions.
     pub(crate) position: PositionGains<R>,
     pub(crate) order: usize,
@@ -187,6 +220,8 @@ impl<R: Real> JointGains<R> {
         }
         let gains = Self {
             form: design.form,
+            path: Path::of(design.form),
+            torque_share: R::from_f64(1.0),
             position: PositionGains::default(),
             order: m,
             period: R::from_f64(design.period),
@@ -298,11 +333,11 @@ impl<R: Real> JointGains<R> {
     }
 
     /// The numbers of the observer form, for code that computes the very law of [`update`](Self::update) for
-    /// many joints side by side; `None`: another form.
+    /// many joints side by side; `None`: another form, or a low-pass behind it.
     pub fn observer(&self) -> Option<ObserverNumbers<R>> {
         let Self { period, inertia, kp, kd, alpha, .. } = *self;
         let numbers = ObserverNumbers { period, inertia, kp, kd, alpha };
-        (self.form == Form::Observer).then_some(numbers)
+        (self.path == Path::Observer).then_some(numbers)
     }
 
     /// Form of the law.

@@ -2,10 +2,31 @@
 
 use crate::delay::PENDING_MAX;
 use crate::innovation::{Filtered, SECTIONS_MAX};
-use crate::{ORDER_MAX, Real};
+use crate::{Form, ORDER_MAX, Real};
 
 /// Number of entries of a [`JointState`].
 pub const STATE_ENTRIES: usize = 2 * ORDER_MAX + 2 + 2 * PENDING_MAX + 1 + 2 * SECTIONS_MAX + 3;
+
+/// Meaning of an entry of [`JointState::entries`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum StateEntry {
+    /// An estimate or an integral \[rad/s^power\], of a torque or its derivative after division by `M̄`.
+    Estimate {
+        /// Exponent of 1/s in its unit.
+        power: i8,
+    },
+    /// Rounding that an integral has left out, in its unit.
+    Rounding,
+    /// State of a filter on the innovation \[rad\].
+    Filter,
+    /// Velocity at the last sample \[rad/s\].
+    Velocity,
+    /// A torque of the last samples \[N·m\].
+    Torque,
+    /// A torque that was fed forward at one of the last samples \[N·m\].
+    FeedForward,
+}
 
 /// Measurement of one joint at one sample.
 ///
@@ -179,6 +200,25 @@ impl<R: Real> JointState<R> {
         let mut out = [R::ZERO; STATE_ENTRIES];
         for (into, value) in out.iter_mut().zip(own.each()) {
             *into = *value;
+        }
+        out
+    }
+
+    /// Meaning of each entry for a law of this form.
+    pub fn meaning(form: Form) -> [StateEntry; STATE_ENTRIES] {
+        use StateEntry::{Estimate, FeedForward, Filter, Rounding, Torque, Velocity};
+        let memory = [1_i8, 2, 3, 4]
+            .into_iter()
+            .map(|j| Estimate { power: if form == Form::Literal { -j } else { 1 + j } });
+        let carry = core::iter::repeat_n(Rounding, ORDER_MAX);
+        let motion = [Estimate { power: 0 }, Estimate { power: 1 }];
+        let torques = core::iter::repeat_n(Torque, PENDING_MAX);
+        let fed = core::iter::repeat_n(FeedForward, PENDING_MAX + 1);
+        let filter = core::iter::repeat_n(Filter, 2 * SECTIONS_MAX);
+        let all = memory.chain(carry).chain(motion).chain(torques).chain(fed).chain(filter);
+        let mut out = [Torque; STATE_ENTRIES];
+        for (into, entry) in out.iter_mut().zip(all.chain([Velocity, Torque, Torque])) {
+            *into = entry;
         }
         out
     }

@@ -1,7 +1,7 @@
 //! One joint, one sample: the law.
 
 use crate::estimate::Estimate;
-use crate::gains::{AsLiteral, AsObserver, Built, FromPositions};
+use crate::gains::{AsLiteral, AsObserver, Built, Filtered, FromPositions, Path};
 use crate::joint::Interval;
 use crate::{Command, Form, JointGains, JointState, Measurement, ORDER_MAX, Real, Reference};
 
@@ -48,10 +48,27 @@ impl<R: Real> JointGains<R> {
         measurement: &Measurement<R>,
         reference: &Reference<R>,
     ) -> Command<R> {
+        match self.path {
+            Path::Observer => self.answer_as::<AsObserver>(state, measurement, reference),
+            Path::Literal => self.answer_apart::<AsLiteral>(state, measurement, reference),
+            Path::Positions => self.answer_as::<FromPositions>(state, measurement, reference),
+            Path::Filtered => self.answer_filtered(state, measurement, reference),
+        }
+    }
+
+    /// With a low-pass on the torque command, out of the way of the laws without one.
+    #[cold]
+    #[inline(never)]
+    fn answer_filtered(
+        &self,
+        state: &mut JointState<R>,
+        m: &Measurement<R>,
+        reference: &Reference<R>,
+    ) -> Command<R> {
         match self.form {
-            Form::Observer => self.answer_as::<AsObserver>(state, measurement, reference),
-            Form::Literal => self.answer_apart::<AsLiteral>(state, measurement, reference),
-            Form::Positions => self.answer_as::<FromPositions>(state, measurement, reference),
+            Form::Observer => self.answer_as::<Filtered<AsObserver>>(state, m, reference),
+            Form::Literal => self.answer_as::<Filtered<AsLiteral>>(state, m, reference),
+            Form::Positions => self.answer_as::<Filtered<FromPositions>>(state, m, reference),
         }
     }
 
@@ -76,7 +93,10 @@ impl<R: Real> JointGains<R> {
         reference: &Reference<R>,
     ) -> Command<R> {
         let next = self.estimate::<S>(state, measurement, reference, &self.nominal());
-        let demand = self.demand::<S>(&next, measurement, reference);
+        let mut demand = self.demand::<S>(&next, measurement, reference);
+        if S::FILTERED {
+            demand = self.low_passed(demand, state.tau);
+        }
         if !next.fits(demand) {
             return state.hold();
         }

@@ -59,6 +59,7 @@ mod shaper;
 mod source;
 mod square;
 mod supervisor;
+mod torque_filter;
 mod unwrap;
 mod velocity;
 
@@ -68,7 +69,7 @@ pub use gain_error::{Gain, GainError};
 pub use gains::{Form, JointDesign, JointGains, ObserverNumbers};
 pub use gate::{Gate, Outlet, Released, Tank};
 pub use innovation::{InnovationSection, SECTIONS_MAX};
-pub use joint::{Command, JointState, Measurement, Reference, STATE_ENTRIES, Status};
+pub use joint::{Command, JointState, Measurement, Reference, STATE_ENTRIES, StateEntry, Status};
 pub use joint_map::{JointMap, JointMapError, order_hash};
 pub use limits::Limits;
 pub use linear::{LINEAR_INPUTS, LINEAR_SENT_MAX, LINEAR_STATES_MAX, LinearLaw};

@@ -1,6 +1,7 @@
 //! The law of one joint between limits, as one sampled linear system.
 
 use crate::delay::PENDING_MAX;
+use crate::gains::Path;
 use crate::innovation::SECTIONS_MAX;
 use crate::position_design::STATES;
 use crate::position_gains::Correction;
@@ -39,7 +40,7 @@ type Inputs<R> = [R; LINEAR_INPUTS];
 /// a_k = τ_applied,k − f_{k−1−d}                   f_k = M̄ q̈_d,k where the law subtracts its feed-forward, else 0
 /// ν   = N_ξ ξ + N_u u                              innovation
 /// ξ⁺  = ξ + F_ξ ξ + G_u u + ℓ ν
-/// τ_k = C_ξ ξ⁺ + D_u u + Σ_{j ≥ 1} C_r,j r_{k−j}   torque command [N·m]
+/// τ_k = C_ξ ξ⁺ + D_u u + Σ_{j ≥ 1} C_r,j r_{k−j} + C_f f_{k−1}   torque command [N·m]
 /// r_k = τ_k − f_k
 /// ```
 ///
@@ -96,6 +97,8 @@ pub struct LinearLaw<R> {
     pub sent: usize,
     /// `C_r`, the newest first.
     pub output_sent: [R; LINEAR_SENT_MAX],
+    /// `C_f`: what a low-pass on the torque command lets through of the feed-forward of the sample before.
+    pub output_forward: R,
     /// `d`, where the law subtracts its feed-forward from the torque that acted \[samples\].
     pub feed_forward: Option<usize>,
     /// State that [`JointGains::resume`] sets so that the torque command is a given one.
@@ -113,11 +116,31 @@ impl<R: Real> JointGains<R> {
     /// The law between limits as one sampled linear system, for whoever computes with it; the limits are left out.
     #[must_use]
     pub fn linear(&self) -> LinearLaw<R> {
-        match self.form {
+        let law = match self.form {
             Form::Observer => self.linear_observer(),
             Form::Literal => self.linear_literal(),
             Form::Positions => self.linear_positions(),
+        };
+        if self.path == Path::Filtered { self.low_pass(law) } else { law }
+    }
+
+    /// A law behind the low-pass on its torque command: of the torque of the sample before a part stays.
+    fn low_pass(&self, law: LinearLaw<R>) -> LinearLaw<R> {
+        let share = self.torque_share;
+        let stays = R::from_f64(1.0) - share;
+        let mut out = LinearLaw {
+            output: law.output.map(|x| share * x),
+            direct: law.direct.map(|x| share * x),
+            output_sent: law.output_sent.map(|x| share * x),
+            sent: law.sent.max(1),
+            ..law
+        };
+        let [newest, ..] = &mut out.output_sent;
+        *newest += stays;
+        if law.feed_forward.is_some() {
+            out.output_forward = stays;
         }
+        out
     }
 
     /// `D_u` of `M̄ (q̈_d − K_d ė − K_p e)` with factors `more` of `e` and `ė` in addition.
@@ -305,12 +328,14 @@ mod tests {
         states: [f64; LINEAR_STATES_MAX],
         sent: [f64; LINEAR_SENT_MAX],
         feed_forward: [f64; PENDING_MAX + 1],
+        inertia: f64,
     }
 
     const NOTHING: Remembered = Remembered {
         states: [0.0; LINEAR_STATES_MAX],
         sent: [0.0; LINEAR_SENT_MAX],
         feed_forward: [0.0; PENDING_MAX + 1],
+        inertia: 0.4,
     };
 
     /// Number of states behind the main ones.
@@ -329,8 +354,12 @@ mod tests {
                 Form::Observer => {
                     out.states[..m].copy_from_slice(&state.memory[..m]);
                     out.states[m] = state.dq;
+                    out.sent[0] = if gains.linear().sent > 0 { state.tau } else { 0.0 };
                 }
-                Form::Literal => out.states[..m].copy_from_slice(&state.memory[..m]),
+                Form::Literal => {
+                    out.states[..m].copy_from_slice(&state.memory[..m]);
+                    out.sent[0] = if gains.linear().sent > 0 { state.tau } else { 0.0 };
+                }
                 Form::Positions => {
                     out.states[..2].copy_from_slice(&state.motion);
                     out.states[2..2 + m].copy_from_slice(&state.memory[..m]);
@@ -352,8 +381,12 @@ mod tests {
                 Form::Observer => {
                     state.memory[..m].copy_from_slice(&self.states[..m]);
                     state.dq = self.states[m];
+                    state.tau = self.sent[0];
                 }
-                Form::Literal => state.memory[..m].copy_from_slice(&self.states[..m]),
+                Form::Literal => {
+                    state.memory[..m].copy_from_slice(&self.states[..m]);
+                    state.tau = self.sent[0];
+                }
                 Form::Positions => {
                     state.motion.copy_from_slice(&self.states[..2]);
                     state.memory[..m].copy_from_slice(&self.states[2..2 + m]);
@@ -361,6 +394,7 @@ mod tests {
                     filtered.copy_from_slice(&self.states[2 + m..][..behind]);
                     state.pending = self.sent;
                     state.feedforward = self.feed_forward;
+                    state.tau = self.sent[0] + self.feed_forward[0];
                 }
             }
             state
@@ -392,13 +426,19 @@ mod tests {
             }
             let torque = dot(&law.output, &self.states)
                 + dot(&law.direct, &u)
-                + dot(&law.output_sent[..law.sent], &self.sent);
+                + dot(&law.output_sent[..law.sent], &self.sent)
+                + law.output_forward * self.feed_forward[0];
+            let forward = if fed { self.inertia * u[5] } else { 0.0 };
             if fed {
-                let forward = law.direct[5] * u[5];
-                self.sent.rotate_right(1);
-                self.sent[0] = torque - forward;
                 self.feed_forward.rotate_right(1);
                 self.feed_forward[0] = forward;
+            }
+            if law.sent > 0 {
+                self.sent.rotate_right(1);
+                self.sent[0] = torque - forward;
+                // Of a law that does not subtract its feed-forward, one is stored.
+                let stored = if fed { LINEAR_SENT_MAX } else { 1 };
+                self.sent[stored..].fill(0.0);
             }
             torque
         }
@@ -408,8 +448,15 @@ mod tests {
         }
     }
 
-    /// Every form, order, delay and filter.
+    /// Every form, order, delay and filter, with a low-pass on the torque and without one.
     fn each(mut visit: impl FnMut(&str, &JointGains<f64>)) {
+        each_form(|what, gains| {
+            visit(what, gains);
+            visit(what, &gains.with_torque_filter(Some(100.0)).unwrap());
+        });
+    }
+
+    fn each_form(mut visit: impl FnMut(&str, &JointGains<f64>)) {
         let a: [&[f64]; 4] =
             [&[70.0], &[4900.0, 140.0], &[3.4e5, 1.5e4, 210.0], &[2.4e7, 1.4e6, 2.9e4, 280.0]];
         for a in a {
@@ -491,12 +538,12 @@ mod tests {
                 from.states[i] = 1.0;
                 play(from, [0.0; LINEAR_INPUTS]);
             }
-            let Some(delay) = law.feed_forward else { return };
             for i in 0..law.sent {
                 let mut from = NOTHING;
                 from.sent[i] = 1.0;
                 play(from, [0.0; LINEAR_INPUTS]);
             }
+            let Some(delay) = law.feed_forward else { return };
             for i in 0..=delay {
                 let mut from = NOTHING;
                 from.feed_forward[i] = 1.0;
@@ -534,10 +581,11 @@ mod tests {
             assert!(gains.resume(&mut state, &measurement, &reference, 2.0));
             let resumed = Remembered::of(gains, &state);
             // That state again, from the others: the torque is what it was for long.
-            let forward = if law.feed_forward.is_some() { law.direct[5] * u[5] } else { 0.0 };
+            let forward = if law.feed_forward.is_some() { 0.4 * u[5] } else { 0.0 };
             let mut rest = [2.0 - forward; LINEAR_SENT_MAX];
             rest[law.sent..].fill(0.0);
-            let mut own = Remembered { sent: rest, ..NOTHING };
+            let feed_forward = [forward; PENDING_MAX + 1];
+            let mut own = Remembered { sent: rest, feed_forward, ..NOTHING };
             let without = own.step(&law, &u, true);
             let number = (2.0 - without) / law.output[law.resumed];
             let other = resumed.states[law.resumed];

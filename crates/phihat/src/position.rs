@@ -2,6 +2,7 @@
 
 use crate::delay::PENDING_MAX;
 use crate::estimate::Estimate;
+use crate::gains::Path;
 use crate::innovation::{Filtered, InnovationFilter};
 use crate::joint::Interval;
 use crate::position_design::STATES;
@@ -51,6 +52,8 @@ impl<R: Real> JointGains<R> {
         let (seen, coming) = design.weights();
         let gains = Self {
             form: Form::Positions,
+            path: Path::Positions,
+            torque_share: R::from_f64(1.0),
             position: PositionGains {
                 on_position: correction(design.correction),
                 on_velocity: correction(design.velocity_correction),

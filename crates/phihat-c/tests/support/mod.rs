@@ -31,6 +31,7 @@ pub(crate) fn joint() -> phihat_joint {
         sections: 0,
         section_rates: [[0.0; 2]; PHIHAT_SECTIONS_MAX],
         section_weights_per_s2: [[0.0; 2]; PHIHAT_SECTIONS_MAX],
+        torque_filter_hz: 0.0,
     }
 }
 

@@ -1,11 +1,10 @@
 //! Decay of a loop: the norm of its state contracts, and bounds all later outputs.
 
-use super::sample::{LINE, Loop, Outside, SENT, Signals};
-use super::sight::Sight;
+use super::sample::{LINE, Loop, Outside, Signals};
 use crate::Refutation;
 use crate::extremes::Extremes as _;
 use crate::refutation::refuse;
-use phihat::{Form, VelocitySource};
+use phihat::{StateEntry, VelocitySource};
 
 /// Steps after which a loop counts as not decaying.
 const LONGEST: usize = 1 << 21;
@@ -22,49 +21,48 @@ pub(crate) struct Layout(Vec<(Slot, f64)>);
 enum Slot {
     Position,
     Velocity,
-    Memory(usize),
+    Law(usize),
     LastPosition,
     LastVelocity,
     Mean,
     End,
     Line(usize),
-    Sent(usize),
 }
 
 impl Layout {
     pub(crate) fn of(of: &Loop) -> Self {
         let w = of.kp.sqrt();
-        let form = of.model.form;
-        let mut slots = vec![(Slot::Position, 1.0), (Slot::Velocity, w)];
-        let (mut unit, factor) = match form {
-            Form::Observer => (w * w, w),
-            Form::Literal => (1.0 / w, 1.0 / w),
-            Form::Positions => (1.0, w),
+        let power = |k: i8| {
+            let base = if k < 0 { w.recip() } else { w };
+            (0..k.unsigned_abs()).fold(1.0, |power, _| power * base)
         };
-        let known = of.sight.as_ref().map_or(of.order, Sight::expected);
-        for j in 0..known {
-            slots.push((Slot::Memory(j), unit));
-            unit *= factor;
-        }
-        // A filter on the innovation holds angles.
-        let filtered = of.sight.as_ref().map_or(0, Sight::filtered);
-        slots.extend((known..known + filtered).map(|j| (Slot::Memory(j), 1.0)));
-        let fed = form != Form::Positions;
-        if fed && of.model.velocity == VelocitySource::Differenced {
+        let law = |of_them: &dyn Fn(StateEntry) -> Option<f64>| -> Vec<(Slot, f64)> {
+            let all = of.law.entries.iter().enumerate();
+            all.filter_map(|(at, entry)| Some((Slot::Law(at), of_them(*entry)?))).collect()
+        };
+        let mut slots = vec![(Slot::Position, 1.0), (Slot::Velocity, w)];
+        slots.extend(law(&|entry| match entry {
+            StateEntry::Estimate { power: k } => Some(power(k)),
+            StateEntry::Filter => Some(1.0),
+            _ => None,
+        }));
+        let uses_velocity = of.law.uses_velocity();
+        if uses_velocity && of.model.velocity == VelocitySource::Differenced {
             slots.push((Slot::LastPosition, 1.0));
         }
-        if form == Form::Observer || (fed && of.model.velocity_filter_hz.is_some()) {
+        slots.extend(law(&|entry| (entry == StateEntry::Velocity).then_some(w)));
+        let remembered = of.law.register().is_some();
+        if uses_velocity && of.model.velocity_filter_hz.is_some() && !remembered {
             slots.push((Slot::LastVelocity, w));
         }
-        if form != Form::Literal {
+        if of.law.uses_torque() {
             slots.push((Slot::Mean, w * w));
         }
         if of.drives() {
             slots.push((Slot::End, w * w));
         }
         slots.extend((0..of.late.min(LINE)).map(|i| (Slot::Line(i), w * w)));
-        let sent = of.sight.as_ref().map_or(0, Sight::sent);
-        slots.extend((0..sent.min(SENT)).map(|i| (Slot::Sent(i), w * w)));
+        slots.extend(law(&|entry| (entry == StateEntry::Torque).then_some(w * w)));
         Self(slots)
     }
 
@@ -145,13 +143,12 @@ fn place(x: &mut Signals, slot: Slot) -> &mut f64 {
     match slot {
         Slot::Position => &mut x.q,
         Slot::Velocity => &mut x.v,
-        Slot::Memory(j) => &mut x.memory[j],
+        Slot::Law(at) => &mut x.law[at],
         Slot::LastPosition => &mut x.position,
         Slot::LastVelocity => &mut x.velocity,
         Slot::Mean => &mut x.mean,
         Slot::End => &mut x.end,
         Slot::Line(i) => &mut x.line[i],
-        Slot::Sent(i) => &mut x.sent[i],
     }
 }
 
@@ -368,6 +365,7 @@ mod tests {
             torque: TorqueSource::Applied,
             velocity,
             velocity_filter_hz: Some(90.0),
+            torque_filter_hz: None,
             form,
             drive_bandwidth_hz,
         };

@@ -1,10 +1,10 @@
-//! Numbers of a drive, of a velocity filter and of the literal form.
+//! Numbers of a drive and of a velocity filter.
 
 use core::f64::consts::TAU;
 
 use phihat_kernel::Drive;
 
-use crate::{JointRecord, LoopModel};
+use crate::LoopModel;
 
 /// A first-order drive over one interval, `lost = 1 − e^{−ωT}`; `None`: torque acts at once.
 pub(crate) fn drive(model: &LoopModel) -> Option<Drive> {
@@ -24,15 +24,4 @@ pub(crate) fn drive(model: &LoopModel) -> Option<Drive> {
 /// Gain of the velocity's low-pass per sample; `None`: no filter.
 pub(crate) fn filter(model: &LoopModel) -> Option<f64> {
     model.velocity_filter_hz.map(|hz| -(-TAU * hz * model.period_s).exp_m1())
-}
-
-/// `k_1 … k_{m+2}` of (16), the coefficients of `D(s)(a_{m−1}s^{m−1} + … + a_0)`, ascending.
-pub(crate) fn literal(record: &JointRecord) -> Vec<f64> {
-    let mut k = vec![0.0; record.a.len() + 2];
-    for (i, a) in record.a.iter().enumerate() {
-        for (j, d) in [record.kp_per_s2, record.kd_per_s, 1.0].into_iter().enumerate() {
-            k[i + j] += a * d;
-        }
-    }
-    k
 }

@@ -8,10 +8,10 @@ use phihat::{Form, JointGains, JointState, Measurement, Reference, TorqueSource,
 use phihat_kernel::{Number, Range, frozen};
 
 use super::decay::Layout;
+use super::law::LawMatrices;
 use super::linear;
 use super::response::{Response, on_circle};
 use super::sample::Loop;
-use super::sight::Sight;
 use super::tests::plain;
 use crate::dice::Dice;
 use crate::extremes::Extremes as _;
@@ -142,33 +142,58 @@ pub(super) fn core(record: &JointRecord) -> Option<JointGains<f64>> {
 }
 
 #[test]
-fn the_samples_are_the_cores() {
+fn the_matrices_answer_as_the_core_does() {
     let mut dice = Dice(17);
-    for record in laws(5, 3) {
-        let (law, sight) = (core(&record).unwrap(), Sight::of(&record, T).unwrap());
+    for (record, model) in laws(5, 1).into_iter().map(|law| (law, positions())).chain(fed_laws()) {
+        let record = JointRecord { inertia_kg_m2: 1.0, ..record };
+        let (law, own) = (model.core_gains(&record).unwrap(), LawMatrices::unit(&record, &model));
         let mut state = JointState::new();
-        let (mut held, mut sent) = (vec![0.0; sight.length()], vec![0.0; sight.sent()]);
+        let mut x = vec![0.0; own.len()];
         let mut most = 0.0_f64;
         for k in 0..400 {
-            let (q, acted) = (1e-3 * dice.roll(), 3.0 * dice.roll());
-            let tau_applied = acted * record.inertia_kg_m2;
-            let seen = Measurement { q, dq: 0.0, tau_applied };
-            let zero = Reference { q: 0.0, dq: 0.0, ddq: 0.0 };
-            let told = law.update(&mut state, &seen, &zero).tau / record.inertia_kg_m2;
+            let inputs = [1e-3 * dice.roll(), 1e-2 * dice.roll(), 3.0 * dice.roll()];
+            let [q, dq, tau_applied] = inputs;
+            let measured = Measurement { q, dq, tau_applied };
+            let told = law.update(&mut state, &measured, &Reference::default()).tau;
             // The first sample tells the law where it is.
             if k == 0 {
-                held[0] = q;
-            } else {
-                sight.see(&mut held, acted, q);
+                let all = state.entries();
+                x = own.places.iter().map(|at| all[*at]).collect();
+                continue;
             }
-            let answer = sight.answer(&held, &sent);
-            sent.rotate_right(1);
-            sent[0] = answer;
+            let answer = own.step(&mut x, &[q, dq, tau_applied, 0.0]);
             most = most.max(told.abs());
             let off = (answer - told).abs() / most;
             assert!(off < 1e-9, "{off} {k} {record:?}");
         }
+        // A law that has borne a torque for long commands that torque again.
+        let mut x = own.bearing.clone();
+        let torque = own.step(&mut x, &[0.0, 0.0, 1.0, 0.0]);
+        assert!((torque - 1.0).abs() < 1e-9, "{torque} {record:?}");
     }
+}
+
+/// A loop of laws from positions.
+fn positions() -> LoopModel {
+    LoopModel { form: Form::Positions, ..plain() }
+}
+
+/// Laws that are fed with velocity, of every form and order.
+fn fed_laws() -> Vec<(JointRecord, LoopModel)> {
+    let a: [&[f64]; 4] =
+        [&[70.0], &[4900.0, 140.0], &[3.4e5, 1.5e4, 210.0], &[2.4e7, 1.4e6, 2.9e4, 280.0]];
+    let one = |form: Form, a: &[f64]| {
+        let record = JointRecord {
+            name: "joint".into(),
+            inertia_kg_m2: 1.0,
+            kp_per_s2: 400.0,
+            kd_per_s: 40.0,
+            a: a.to_vec(),
+            observer: None,
+        };
+        (record, LoopModel { form, ..plain() })
+    };
+    [Form::Observer, Form::Literal].iter().flat_map(|form| a.map(|a| one(*form, a))).collect()
 }
 
 /// Spectral radius by squaring: `‖A^{2^k}‖^{1/2^k}`.

@@ -59,6 +59,7 @@ fn the_loop_answers_an_acceleration_and_a_kick_as_the_core_does() {
             torque: TorqueSource::Applied,
             velocity: VelocitySource::Measured,
             velocity_filter_hz: None,
+            torque_filter_hz: None,
             form: Form::Positions,
             drive_bandwidth_hz: None,
         };

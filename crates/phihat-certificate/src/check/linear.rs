@@ -1,12 +1,10 @@
-//! A joint's law as numbers, by playing the core, and its loop as the kernel's polynomials.
+//! A joint's loop as the kernel's polynomials, from the core's own numbers.
 
-use phihat::{
-    Form, JointGains, JointState, Measurement, Reference, STATE_ENTRIES, TorqueSource,
-    VelocityFilter, VelocitySource, VelocityState,
-};
+use phihat::{TorqueSource, VelocityFilter, VelocitySource, VelocityState};
 use phihat_kernel::{Joint, Law, Reported, Setting, Unproved, Velocity};
 
 use super::drive::drive;
+use super::law::LawMatrices;
 use crate::refutation::refuse;
 use crate::{JointRecord, LoopModel, Refutation};
 
@@ -47,77 +45,17 @@ pub(crate) fn failed(what: &str, why: Unproved) -> String {
 /// The velocity of a law that does not hear it.
 const NO_VELOCITY: Velocity = Velocity { last: 0.0, velocity: 0.0, position: 0.0, before: 0.0 };
 
-/// Next state and torque of a sample in which all is zero but one number.
-struct Answer {
-    next: [f64; STATE_ENTRIES],
-    tau: f64,
-}
-
-/// The law's matrices: one column for a unit in each entry of its state and in each measurement.
-///
-/// Entries that nothing reaches stay at zero, and those that do not reach the torque move nothing: both are left out.
+/// The law's matrices as the kernel takes them.
 fn played(claim: &str, record: &JointRecord, model: &LoopModel) -> Result<Law, Refutation> {
-    let gains = record
-        .core(model.form, model.period_s)
+    let gains = model
+        .core_gains(record)
         .map_err(|why| refuse(claim, &format!("gains that the core runs: {why}"), 0.0, 0.0))?;
-    let unit = |at: usize| core::array::from_fn(|i| f64::from(u8::from(i == at)));
-    let nothing = Measurement::default();
-    let states: Vec<Answer> = (0..STATE_ENTRIES)
-        .map(|at| answer(claim, &gains, &unit(at), &nothing))
-        .collect::<Result<_, _>>()?;
-    let inputs = [
-        Measurement { q: 1.0, ..nothing },
-        Measurement { dq: 1.0, ..nothing },
-        Measurement { tau_applied: 1.0, ..nothing },
-    ]
-    .map(|m| answer(claim, &gains, &[0.0; STATE_ENTRIES], &m));
-    let [q, dq, tau] = inputs;
-    let inputs = [q?, dq?, tau?];
-    let kept = kept(&states, &inputs);
-    let row = |i: &usize| kept.iter().map(|j| states[*j].next[*i]).collect();
-    Ok(Law {
-        state: kept.iter().map(row).collect(),
-        input: kept.iter().map(|i| inputs.each_ref().map(|of| of.next[*i])).collect(),
-        output: kept.iter().map(|j| states[*j].tau).collect(),
-        direct: inputs.each_ref().map(|of| of.tau),
-    })
-}
-
-fn answer(
-    claim: &str,
-    gains: &JointGains<f64>,
-    entries: &[f64; STATE_ENTRIES],
-    measurement: &Measurement<f64>,
-) -> Result<Answer, Refutation> {
-    let mut state = JointState::of_entries(entries);
-    let command = gains.update(&mut state, measurement, &Reference::default());
-    let answered = !command.status.refused;
-    Refutation::unless(claim, "the core answers a unit", 0.0, 1.0, answered)?;
-    Ok(Answer { next: state.entries(), tau: command.tau })
-}
-
-/// Entries that a measurement reaches and that reach the torque, in some samples.
-fn kept(states: &[Answer], inputs: &[Answer; 3]) -> Vec<usize> {
-    let there = |value: f64| value.abs() > 0.0;
-    let leads = |from: usize, to: usize| there(states[from].next[to]);
-    let all = 0..STATE_ENTRIES;
-    let reached = all.clone().filter(|i| inputs.iter().any(|of| there(of.next[*i])));
-    let reached = closed(reached.collect(), leads);
-    let reaching = all.filter(|i| there(states[*i].tau));
-    let reaching = closed(reaching.collect(), |from, to| leads(to, from));
-    (0..STATE_ENTRIES).filter(|i| reached.contains(i) && reaching.contains(i)).collect()
-}
-
-/// A set of entries with all that these lead to.
-fn closed(mut set: Vec<usize>, leads: impl Fn(usize, usize) -> bool) -> Vec<usize> {
-    let mut at = 0;
-    while let Some(from) = set.get(at).copied() {
-        at += 1;
-        let more = (0..STATE_ENTRIES).filter(|to| leads(from, *to));
-        let new: Vec<usize> = more.filter(|to| !set.contains(to)).collect();
-        set.extend(new);
-    }
-    set
+    let law = LawMatrices::of(&gains)
+        .ok_or_else(|| refuse(claim, "the core answers a unit", 0.0, 1.0))?;
+    let (mut state, mut input) = law.whole();
+    let output = state.pop().unwrap_or_default();
+    let direct = input.pop().unwrap_or_default();
+    Ok(Law { state, input, output, direct })
 }
 
 /// The velocity that the law gets, by playing the core's filter.
@@ -138,14 +76,4 @@ fn velocity(claim: &str, model: &LoopModel) -> Result<Velocity, Refutation> {
             Velocity { last, velocity: 0.0, position: of(0.0, 0.0, 1.0), before: of(1.0, 0.0, 0.0) }
         }
     })
-}
-
-impl JointRecord {
-    /// The core's gains of this law.
-    fn core(&self, form: Form, period: f64) -> Result<JointGains<f64>, phihat::GainError> {
-        match &self.observer {
-            Some(own) => own.gains(self, period),
-            None => self.gains(form, period),
-        }
-    }
 }

@@ -1,5 +1,5 @@
-//! Loops from the core's numbers against the same loops by the checker's formulas of the law. Wrong if a form, an
-//! order, a delay, a filter or a drive entered the exact proofs in another way than it runs.
+//! The kernel's polynomials against the loop sample by sample, both around the core's own law. Wrong if a delay, a
+//! velocity, a filter or a drive entered the exact proofs in another way than it runs.
 
 use phihat::{Form, TorqueSource, VelocitySource};
 use phihat_kernel::{Number, Polynomial};
@@ -84,7 +84,7 @@ fn around(dice: &mut Dice, form: Form) -> LoopModel {
 }
 
 #[test]
-fn the_core_s_numbers_make_the_loops_of_its_formulas() {
+fn the_kernel_has_the_loop_of_the_samples() {
     let mut dice = Dice(71);
     let mut all = Vec::new();
     for _ in 0..6 {

@@ -5,15 +5,14 @@ pub(crate) mod complex;
 pub(crate) mod decay;
 pub(crate) mod definite;
 pub(crate) mod drive;
-pub(crate) mod estimator;
 pub(crate) mod free;
 pub(crate) mod integral;
+pub(crate) mod law;
 pub(crate) mod linear;
 pub(crate) mod plausible;
 pub(crate) mod polynomial;
 pub(crate) mod response;
 pub(crate) mod sample;
-pub(crate) mod sight;
 
 #[cfg(test)]
 mod filter_tests;

@@ -2,12 +2,14 @@
 
 use phihat::Form;
 
-use super::sample::SENT;
 use crate::refutation::refuse;
 use crate::{FilterSection, JointRecord, LoopModel, PositionObserver, Refutation};
 
 /// Highest order of an estimate from positions.
 const POSITIONS_ORDER_MAX: usize = 3;
+
+/// Longest delay that a law from positions predicts across \[samples\].
+const AHEAD_MAX: u32 = 4;
 
 /// `Err` unless `left ≤ right`; a NaN fails.
 pub(crate) fn at_most(
@@ -58,7 +60,12 @@ fn observer(claim: &str, own: &PositionObserver) -> Result<(), Refutation> {
     let share = own.share;
     let sensible = share > 0.0 && share <= 1.0;
     Refutation::unless(claim, "0 < g ≤ 1", share, 1.0, sensible)?;
-    at_most(claim, "delay of the law ≤ 4 samples", f64::from(own.delay_samples), SENT as f64)?;
+    at_most(
+        claim,
+        "delay of the law ≤ 4 samples",
+        f64::from(own.delay_samples),
+        f64::from(AHEAD_MAX),
+    )?;
     let (sections, most) = (own.innovation_filter.len() as f64, phihat::SECTIONS_MAX as f64);
     at_most(claim, "sections of the innovation filter ≤ 2", sections, most)?;
     own.innovation_filter.iter().try_for_each(|section| settles(claim, section))
@@ -90,8 +97,8 @@ fn settles(claim: &str, section: &FilterSection) -> Result<(), Refutation> {
 pub(crate) fn model(claim: &str, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
     let of_gains = gains.observer.is_some() == (model.form == Form::Positions);
     Refutation::unless(claim, "the loop's form is that of the gains", 0.0, 1.0, of_gains)?;
-    let bandwidths = model.velocity_filter_hz.into_iter().chain(model.drive_bandwidth_hz);
-    for value in bandwidths.chain([model.period_s]) {
+    let filters = model.velocity_filter_hz.into_iter().chain(model.torque_filter_hz);
+    for value in filters.chain(model.drive_bandwidth_hz).chain([model.period_s]) {
         if !value.is_finite() || value <= 0.0 {
             return Err(refuse(claim, "0 < period, bandwidth < ∞", value, 0.0));
         }

@@ -1,21 +1,14 @@
 //! One sample of the closed loop, signal by signal, in the frame of a reference that moves with a constant
 //! acceleration.
 
-use super::drive::{drive, filter, literal};
-use super::estimator;
-use super::sight::Sight;
+use super::drive::{drive, filter};
+use super::law::LawMatrices;
 use crate::{JointRecord, LoopModel};
-use phihat::{Form, TorqueSource, VelocitySource};
+use phihat::{Form, STATE_ENTRIES, TorqueSource, VelocitySource};
 use phihat_kernel::Drive;
 
 /// Longest line of delayed commands: both delays.
 pub(crate) const LINE: usize = 2 * phihat::DELAY_MAX;
-
-/// Most that an estimator remembers: what it expects, and two numbers of each section of a filter.
-pub(crate) const MEMORY: usize = 5 + 2 * phihat::SECTIONS_MAX;
-
-/// Most torques that a law from positions remembers.
-pub(crate) const SENT: usize = 4;
 
 /// All that the loop remembers from one sample to the next, against the reference, per unit of `M̄`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,14 +17,11 @@ pub(crate) struct Signals {
     pub(crate) q: f64,
     /// `ė` \[rad/s\].
     pub(crate) v: f64,
-    /// Observer: `φ̂_j/M̄`. Literal: the integrals of e. From positions: `ê`, `ė̂`, `φ̂_j/M̄`, and `x`, `δ`
-    /// of each section of the filter.
-    pub(crate) memory: [f64; MEMORY],
-    /// From positions: the last commands, the newest first.
-    pub(crate) sent: [f64; SENT],
+    /// State of the law: [`LawMatrices::entries`].
+    pub(crate) law: [f64; STATE_ENTRIES],
     /// Position sensed at the last sample.
     pub(crate) position: f64,
-    /// Velocity given to the law at the last sample.
+    /// Velocity given to the law at the last sample, where the law does not remember it.
     pub(crate) velocity: f64,
     /// Mean torque of the interval just ended, as the observer is told.
     pub(crate) mean: f64,
@@ -45,8 +35,7 @@ impl Signals {
     pub(crate) const REST: Self = Self {
         q: 0.0,
         v: 0.0,
-        memory: [0.0; MEMORY],
-        sent: [0.0; SENT],
+        law: [0.0; STATE_ENTRIES],
         position: 0.0,
         velocity: 0.0,
         mean: 0.0,
@@ -63,10 +52,7 @@ impl Signals {
         out.velocity -= other.velocity;
         out.mean -= other.mean;
         out.end -= other.end;
-        for (a, b) in out.memory.iter_mut().zip(&other.memory) {
-            *a -= b;
-        }
-        for (a, b) in out.sent.iter_mut().zip(&other.sent) {
+        for (a, b) in out.law.iter_mut().zip(&other.law) {
             *a -= b;
         }
         for (a, b) in out.line.iter_mut().zip(&other.line) {
@@ -97,37 +83,26 @@ pub(crate) struct Loop {
     pub(crate) mu: f64,
     pub(crate) period: f64,
     pub(crate) kp: f64,
-    kd: f64,
-    /// `α_{m−1} … α_0` of (T4).
-    alpha: Vec<f64>,
-    /// (16).
-    k: Vec<f64>,
+    pub(crate) law: LawMatrices,
+    /// True if the feed-forward acts in the interval that it is for.
+    pub(crate) in_time: bool,
     filter: Option<f64>,
     drive: Option<Drive>,
     pub(crate) late: usize,
-    pub(crate) sight: Option<Sight>,
 }
 
 impl Loop {
     pub(crate) fn new(record: &JointRecord, model: &LoopModel, mu: f64) -> Self {
-        let order = record.order();
-        let mut alpha = estimator::sampled(&record.a, model.period_s);
-        for (i, b) in alpha.iter_mut().enumerate() {
-            *b /= (i..order).fold(1.0, |power, _| power * model.period_s);
-        }
-        alpha.reverse();
         Self {
             model: *model,
-            order,
+            order: record.order(),
             mu,
             period: model.period_s,
             kp: record.kp_per_s2,
-            kd: record.kd_per_s,
-            alpha,
-            k: literal(record),
+            law: LawMatrices::unit(record, model),
+            in_time: record.fed_in_time(model),
             filter: filter(model),
             drive: drive(model),
-            sight: Sight::of(record, model.period_s),
             late: (model.delay_samples + model.sample_delay_samples) as usize,
         }
     }
@@ -137,9 +112,14 @@ impl Loop {
         self.drive.is_some()
     }
 
-    /// The highest integral that gives a torque of 1 by itself.
-    pub(crate) fn integral_of_one(&self) -> f64 {
-        -1.0 / self.k[0]
+    /// The same signals after a sample at which the law got a velocity.
+    pub(crate) fn with_velocity(&self, signals: &Signals, velocity: f64) -> Signals {
+        let mut out = *signals;
+        match self.law.register() {
+            Some(at) => out.law[at] = velocity,
+            None => out.velocity = velocity,
+        }
+        out
     }
 
     /// The next sample's signals, and the torque commanded at this one.
@@ -147,12 +127,14 @@ impl Loop {
         let (before, ahead) = outside.acceleration;
         let mut next = *x;
         next.position = x.q + outside.reading;
-        let u = match &self.sight {
-            // Its feed-forward is the mean acceleration of the interval in which the torque acts: what the reference
-            // does leaves nothing to see.
-            Some(sight) => seen(sight, x, &mut next),
-            None => self.fed(x, &mut next, (before, if outside.fed { ahead } else { 0.0 })),
-        };
+        let velocity =
+            if self.law.uses_velocity() { self.sensed(x, &mut next, before) } else { 0.0 };
+        // The feed-forward of a law from positions is the mean acceleration of the interval in which the torque acts:
+        // what the reference does leaves nothing to see.
+        let seen = self.model.form != Form::Positions || !outside.fed;
+        let fed = if seen && outside.fed { ahead } else { 0.0 };
+        let length = self.law.len();
+        let u = self.law.step(&mut next.law[..length], &[next.position, velocity, x.mean, fed]);
         next.line.copy_within(1.., 0);
         let told = if self.late == 0 {
             u
@@ -160,40 +142,29 @@ impl Loop {
             next.line[self.late - 1] = u;
             x.line[0]
         };
-        let ahead = if self.sight.is_some() && outside.fed { 0.0 } else { ahead };
-        self.act(x, &mut next, (told, outside.phi, ahead));
+        self.act(x, &mut next, (told, outside.phi, if seen { ahead } else { 0.0 }));
         (next, u)
     }
 
-    /// The law that is fed with velocity: its torque, with what the reference's acceleration was before and adds now.
-    fn fed(&self, x: &Signals, next: &mut Signals, (before, fed): (f64, f64)) -> f64 {
+    /// Velocity that the law gets, where the reference's has grown by `before · T` since the last sample.
+    fn sensed(&self, x: &Signals, next: &mut Signals, before: f64) -> f64 {
         let t = self.period;
         let raw = match self.model.velocity {
             VelocitySource::Measured => x.v,
             VelocitySource::Differenced => (next.position - x.position) / t - 0.5 * t * before,
         };
-        // The reference's velocity has grown by `before · T` since the last sample.
-        let kept = x.velocity - before * t;
-        next.velocity = self.filter.map_or(raw, |share| kept + share * (raw - kept));
-        let phi_hat = if self.model.form == Form::Literal {
-            let m = self.order;
-            let mut sum = next.position;
-            let mut held = self.k[m] * next.position + self.k[m + 1] * next.velocity;
-            for j in 0..m {
-                sum = x.memory[j] + t * sum;
-                next.memory[j] = sum;
-                held += self.k[m - 1 - j] * sum;
+        let last = match self.law.register() {
+            Some(at) => {
+                next.law[at] -= before * t;
+                next.law[at]
             }
-            -held
-        } else {
-            let innovation = t * (x.mean - x.memory[0]) - (next.velocity - kept);
-            for j in 0..self.order {
-                let above = if j + 1 < self.order { x.memory[j + 1] } else { 0.0 };
-                next.memory[j] = x.memory[j] + t * above + self.alpha[j] * innovation;
-            }
-            next.memory[0]
+            None => x.velocity - before * t,
         };
-        fed - self.kd * next.velocity - self.kp * next.position + phi_hat
+        let velocity = self.filter.map_or(raw, |share| last + share * (raw - last));
+        if self.law.register().is_none() {
+            next.velocity = velocity;
+        }
+        velocity
     }
 
     /// Drive and inertia over the coming interval.
@@ -213,14 +184,4 @@ impl Loop {
         next.q = x.q + t * x.v + (double - 0.5 * t * t * phi) / self.mu - 0.5 * t * t * ahead;
         next.v = x.v + t * (mean - phi) / self.mu - t * ahead;
     }
-}
-
-/// The law from positions.
-fn seen(sight: &Sight, x: &Signals, next: &mut Signals) -> f64 {
-    let length = sight.length();
-    sight.see(&mut next.memory[..length], x.mean, next.position);
-    let u = sight.answer(&next.memory[..length], &x.sent);
-    next.sent.copy_within(..SENT - 1, 1);
-    next.sent[0] = u;
-    u
 }

@@ -7,8 +7,7 @@ use phihat::{Form, TorqueSource, VelocitySource};
 use super::agree::agrees;
 use super::complex::Complex;
 use super::definite::{definite, definite_within};
-use super::drive::{drive, literal};
-use super::estimator;
+use super::drive::drive;
 use super::integral::{of_line, of_parabola};
 use super::plausible::{at_most, enough, gains, model, ratios};
 use super::polynomial::{not_negative, product, squared, value};
@@ -142,42 +141,6 @@ fn mean_sizes_are_areas() {
     assert!(same(of_parabola(0.0, 0.0, 0.0), 0.0) && same(of_parabola(2.0, 2.0, 2.0), 2.0));
 }
 
-#[test]
-fn sampled_estimators_have_the_exact_images_of_their_roots() {
-    // Roots −r and pairs −r ± jr: images e^{sT} − 1.
-    for rate in [3.0, 80.0, 900.0_f64] {
-        for period in [2e-4, 2e-3] {
-            let real = |r: f64| (vec![r, 1.0], vec![-(-r * period).exp_m1(), 1.0]);
-            let pair = |r: f64| {
-                let (size, turn) = ((-r * period).exp(), r * period);
-                let (re, im) = (size * turn.cos() - 1.0, size * turn.sin());
-                (vec![2.0 * r * r, 2.0 * r, 1.0], vec![re * re + im * im, -2.0 * re, 1.0])
-            };
-            let parts = [
-                vec![real(rate)],
-                vec![real(rate), real(0.4 * rate)],
-                vec![pair(rate)],
-                vec![pair(rate), real(1.7 * rate)],
-                vec![pair(rate), pair(0.5 * rate)],
-            ];
-            for part in parts {
-                let (a, b) = part.iter().fold((vec![1.0], vec![1.0]), |(a, b), one| {
-                    (product(&a, &one.0), product(&b, &one.1))
-                });
-                let m = a.len() - 1;
-                let own = estimator::sampled(&a[..m], period);
-                assert_eq!(own.len(), m);
-                for (own, want) in own.iter().zip(&b) {
-                    assert!(
-                        (own - want).abs() < 1e-10 * want.abs(),
-                        "{a:?} {period}: {own} {want}"
-                    );
-                }
-            }
-        }
-    }
-}
-
 /// A loop without delay, filter or drive.
 pub(crate) fn plain() -> LoopModel {
     LoopModel {
@@ -187,6 +150,7 @@ pub(crate) fn plain() -> LoopModel {
         torque: TorqueSource::Applied,
         velocity: VelocitySource::Measured,
         velocity_filter_hz: None,
+        torque_filter_hz: None,
         form: Form::Observer,
         drive_bandwidth_hz: None,
     }
@@ -215,12 +179,6 @@ fn a_drive_is_the_integral_of_its_decay() -> Result<(), &'static str> {
     }
     assert!(drive(&plain()).is_none());
     Ok(())
-}
-
-#[test]
-fn the_literal_laws_factors_are_those_of_the_product() {
-    let record = JointRecord { a: vec![7.0, 2.0], ..fed() };
-    assert_eq!(literal(&record), product(&[7.0, 2.0], &[5.0, 3.0, 1.0]));
 }
 
 /// Gains of a law that is fed with velocity.

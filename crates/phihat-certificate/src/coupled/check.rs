@@ -309,10 +309,8 @@ fn refuse(inequality: &str, left: f64, right: f64) -> Refutation {
 
 #[cfg(test)]
 mod tests {
-    use super::super::alpha::alpha;
     use super::{absolute_mean, inverse, off_chord};
     use crate::LoopModel;
-    use crate::check::estimator;
     use crate::check::tests::plain;
     use crate::extremes::Extremes as _;
 
@@ -361,23 +359,5 @@ mod tests {
         assert!(two([-4.0, 0.0, 0.0, 1.0]).is_err() && two([4.0, 0.0, 0.0, 0.0]).is_err());
         assert!(inverse(&full, 2).is_err() && inverse(&vec![vec![1.0, 0.0]], 1).is_err());
         Ok(())
-    }
-
-    #[test]
-    fn two_ways_give_the_estimator_the_same_coefficients() {
-        for period in [1e-4, 1e-3, 2e-2] {
-            for a in [&[60.0][..], &[3600.0, 100.0], &[27e3, 2700.0, 90.0], &[8e5, 1e5, 5e3, 120.0]]
-            {
-                let m = a.len();
-                let mut other = estimator::sampled(a, period);
-                for (i, b) in other.iter_mut().enumerate() {
-                    *b /= (i..m).fold(1.0, |power, _| power * period);
-                }
-                other.reverse();
-                for (own, want) in alpha(a, period).iter().zip(&other) {
-                    assert!((own - want).abs() < 1e-9 * want.abs(), "{a:?} {period}");
-                }
-            }
-        }
     }
 }

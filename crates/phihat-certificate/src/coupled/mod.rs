@@ -3,7 +3,6 @@
 //! [`CoupledGains::verify`] plays the loop itself, joint by joint and sample by sample, at the postures that
 //! are stored in the document.
 
-mod alpha;
 mod check;
 mod document;
 pub(crate) mod played;

@@ -2,38 +2,30 @@
 //! Many runs in lockstep.
 
 use core::f64::consts::TAU;
-use phihat::{Form, TorqueSource, VelocitySource};
+use phihat::{StateEntry, TorqueSource, VelocitySource};
 
-use super::alpha::alpha;
-use crate::check::sight::Sight;
+use crate::check::law::LawMatrices;
 use crate::{JointRecord, LoopModel};
 
 /// Outputs of a joint at a sample: `e`, `ė`, `M^{-1}` times the acting torques, commanded torque, acting torque.
 pub(crate) const OUTPUTS: usize = 5;
 
-/// Places in a joint's state: then come the estimator's memory and the torques on their way.
+/// Places in a joint's state: then come the law's and the torques on their way.
 const Q: usize = 0;
 const DQ: usize = 1;
 const LAST_Q: usize = 2;
 const LAST_V: usize = 3;
 const MEAN: usize = 4;
 const END: usize = 5;
-const MEMORY: usize = 6;
+const LAW: usize = 6;
 
 /// One joint's law in its loop.
 struct PlayedJoint<'a> {
     model: &'a LoopModel,
     inertia: f64,
     kp: f64,
-    kd: f64,
-    /// Length of the estimator's memory.
-    memory: usize,
-    sight: Option<Sight>,
+    law: LawMatrices,
     late: usize,
-    /// Observer: what feeds each memory. Literal: the factor of each integral.
-    weights: Vec<f64>,
-    /// Literal: factors of `e` and `ė`.
-    on_error: [f64; 2],
     filter: f64,
     /// `1 − e^{−ωT}`; 1 without a drive.
     lost: f64,
@@ -43,23 +35,6 @@ struct PlayedJoint<'a> {
 
 impl<'a> PlayedJoint<'a> {
     fn new(record: &JointRecord, model: &'a LoopModel) -> Self {
-        let (a, kp, kd) = (&record.a, record.kp_per_s2, record.kd_per_s);
-        let m = a.len();
-        let sight = Sight::of(record, model.period_s);
-        // (A_o(s)(s² + K_d s + K_p) − s^{m+2}) = Σ p_i s^i: the literal law weighs the i-th of (∫…∫e, …, e,
-        // ė) with p_i, less what the outer loop does itself.
-        let outer = [kp, kd, 1.0];
-        let mut p = vec![0.0; m + 3];
-        for (i, a) in a.iter().chain([&1.0]).enumerate() {
-            for (j, outer) in outer.iter().enumerate() {
-                p[i + j] += a * outer;
-            }
-        }
-        let (weights, on_error) = match model.form {
-            Form::Observer => (alpha(a, model.period_s), [0.0; 2]),
-            Form::Literal => (p[..m].iter().rev().copied().collect(), [p[m] - kp, p[m + 1] - kd]),
-            Form::Positions => (Vec::new(), [0.0; 2]),
-        };
         let t = model.period_s;
         let x = model.drive_bandwidth_hz.map(|hz| TAU * hz * t);
         let lost = x.map_or(1.0, |x| -(-x).exp_m1());
@@ -67,70 +42,34 @@ impl<'a> PlayedJoint<'a> {
         Self {
             model,
             inertia: record.inertia_kg_m2,
-            kp,
-            kd,
-            memory: sight.as_ref().map_or(m, |sight| sight.length() + sight.sent()),
-            sight,
+            kp: record.kp_per_s2,
+            law: LawMatrices::unit(record, model),
             late: (model.delay_samples + model.sample_delay_samples) as usize,
-            weights,
-            on_error,
             filter: model.velocity_filter_hz.map_or(1.0, |hz| -(-TAU * hz * t).exp_m1()),
             lost,
             gap,
         }
     }
 
-    /// Length of what a law from positions expects, and of that with what its filter holds.
-    fn seen(&self) -> (usize, usize) {
-        self.sight.as_ref().map_or((0, 0), |sight| (sight.expected(), sight.length()))
-    }
-
     fn length(&self) -> usize {
-        MEMORY + self.memory + self.late
+        LAW + self.law.len() + self.late
     }
 
     /// Unit of a place of the state: from the joint's own time `1/√K_p` and inertia.
     fn unit(&self, place: usize) -> f64 {
         let (w, root) = (self.kp.sqrt(), self.inertia.sqrt());
-        let power = |k: usize| (0..k).fold(1.0, |power, _| power * w);
-        let (expected, held) = self.seen();
-        match (place, self.model.form) {
-            (Q | LAST_Q, _) => 1.0 / root,
-            (DQ | LAST_V, _) => w / root,
-            (MEAN | END, _) => w * w / root,
-            (k, Form::Observer) if k < MEMORY + self.memory => power(k - MEMORY + 2) / root,
-            (k, Form::Positions) if k < MEMORY + expected => power(k - MEMORY) / root,
-            // A filter on the innovation holds angles.
-            (k, Form::Positions) if k < MEMORY + held => 1.0 / root,
-            (k, Form::Literal) if k < MEMORY + self.memory => 1.0 / power(k - MEMORY + 1) / root,
-            _ => w * w / root,
-        }
-    }
-
-    /// The law that is fed with velocity.
-    fn fed(&self, x: &mut [f64], position: f64, (velocity, change): (f64, f64)) -> f64 {
-        let t = self.model.period_s;
-        let phi_hat = match self.model.form {
-            Form::Observer | Form::Positions => {
-                let innovation = t * (x[MEAN] - x[MEMORY]) - change;
-                for j in 0..self.memory {
-                    let slope = if j + 1 < self.memory { x[MEMORY + j + 1] } else { 0.0 };
-                    x[MEMORY + j] += t * slope + self.weights[j] * innovation;
-                }
-                x[MEMORY]
-            }
-            Form::Literal => {
-                let mut below = position;
-                let mut total = self.on_error[0] * position + self.on_error[1] * velocity;
-                for j in 0..self.memory {
-                    x[MEMORY + j] += t * below;
-                    below = x[MEMORY + j];
-                    total += self.weights[j] * below;
-                }
-                -total
-            }
+        let power = |k: i8| {
+            let base = if k < 0 { w.recip() } else { w };
+            (0..k.unsigned_abs()).fold(1.0, |power, _| power * base)
         };
-        phi_hat - self.kp * position - self.kd * velocity
+        let entry = place.checked_sub(LAW).and_then(|at| self.law.entries.get(at));
+        let exponent = match (place, entry) {
+            (_, Some(StateEntry::Estimate { power })) => *power,
+            (_, Some(StateEntry::Filter)) | (Q | LAST_Q, None) => 0,
+            (_, Some(StateEntry::Velocity)) | (DQ | LAST_V, None) => 1,
+            _ => 2,
+        };
+        power(exponent) / root
     }
 
     /// One sample of one run: torques are in units of the joint's inertia. Gives what acts, and what is commanded.
@@ -142,19 +81,9 @@ impl<'a> PlayedJoint<'a> {
             VelocitySource::Differenced => (position - x[LAST_Q]) / t,
         };
         let velocity = x[LAST_V] + self.filter * (raw - x[LAST_V]);
-        let commanded = match &self.sight {
-            Some(sight) => {
-                let (held, sent) = x[MEMORY..MEMORY + self.memory].split_at_mut(sight.length());
-                sight.see(held, x_mean, position);
-                let answer = sight.answer(held, sent);
-                sent.rotate_right(1);
-                sent[0] = answer;
-                answer
-            }
-            None => self.fed(x, position, (velocity, velocity - x[LAST_V])),
-        };
+        let line = LAW + self.law.len();
+        let commanded = self.law.step(&mut x[LAW..line], &[position, velocity, x_mean, 0.0]);
         (x[LAST_Q], x[LAST_V]) = (position, velocity);
-        let line = MEMORY + self.memory;
         let demand = if self.late == 0 { commanded } else { x[line] };
         if self.late > 0 {
             x.copy_within(line + 1..line + self.late, line);

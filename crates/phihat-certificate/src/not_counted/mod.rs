@@ -72,6 +72,7 @@ fn control_counts(control: &Control) {
         // In the loop model.
         period_ns: _,
         delay_samples: _,
+        torque_filter_hz: _,
         form: _,
         // In the reference that bounds and tube are about.
         preview: _,

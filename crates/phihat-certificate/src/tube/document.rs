@@ -48,7 +48,8 @@ pub fn derive(inputs: &Inputs<'_>, progress: &(dyn Fn(f64) + Sync)) -> Result<Tu
     };
     let filter = inputs.velocity_filter_hz;
     let laws = inputs.joints.iter().enumerate();
-    let loops: Vec<Loop> = laws.map(|(i, law)| Loop::new(study, i, law, filter)).collect();
+    let loops: Vec<Loop> =
+        laws.map(|(i, law)| Loop::new(study, i, law, filter)).collect::<Result<_, _>>()?;
     let drives: Vec<f64> = loops.iter().filter_map(Loop::drive_rate).collect();
     let adds = Adds::of(study);
     let dry = dry(inputs, &chain(None)?, period);

@@ -1,20 +1,18 @@
 //! The sampled law of one joint with its sensor and delays, and the same as a linear map.
 
 use core::f64::consts::TAU;
-use phihat::{Form, TorqueSource, VelocitySource};
+use phihat::{JointGains, JointState, Measurement, Reference, TorqueSource, VelocitySource};
 
 use phihat_study::Study;
 
-use super::dense::{exponential, product};
-use crate::JointRecord;
-use crate::check::sight::Sight;
+use super::scope::Refusal;
+use crate::check::law::LawMatrices;
+use crate::{JointRecord, LoopModel};
 
 /// One joint's loop from the reading to the torque that is sent to the drive.
 ///
-/// State: `y` last reading, `v` filtered velocity, [`v` at the law, late messages], memory of the estimator
-/// (from positions: `ê`, `ė̂`, `φ̂`, all per unit of inertia, [`x`, `δ` of each section that filters the
-/// innovation], and the torques sent without their feed-forward), commands from the newest to the one that
-/// acts, [the gap of a drive's torque at the start of the interval].
+/// State: `y` last reading, `v` filtered velocity, [late messages], the law's as the core has it, commands from the newest
+/// to the one that acts, [the gap of a drive's torque at the start of the interval].
 ///
 /// # Law of a drive
 ///
@@ -24,18 +22,14 @@ use crate::check::sight::Sight;
 #[derive(Debug, Clone)]
 pub(super) struct Loop {
     period: f64,
-    law: JointRecord,
-    alpha: Vec<f64>,
-    on_integrals: Vec<f64>,
-    on_error: [f64; 2],
-    literal: bool,
+    law: JointGains<f64>,
+    matrices: LawMatrices,
     pub(super) measured: bool,
     filter: f64,
     late: usize,
     delay: usize,
     begin: Begin,
     drive: Option<Drive>,
-    sight: Option<Sight>,
     pub(super) size: usize,
 }
 
@@ -68,28 +62,24 @@ pub(super) struct Wanted {
     pub(super) dq: f64,
     /// Acceleration that is fed forward.
     pub(super) ddq: f64,
-    /// The same of the torque that acted in the interval before, where the law asks: [`Loop::fed_before`].
-    pub(super) acted: f64,
     /// The torque to take over at the first sample, where that is done.
     pub(super) held: f64,
 }
 
 impl Loop {
+    /// # Errors
+    ///
+    /// [`Refusal`]: the core does not run these gains.
     pub(super) fn new(
         study: &Study,
         joint: usize,
-        law: &JointRecord,
+        record: &JointRecord,
         filter_hz: Option<f64>,
-    ) -> Self {
+    ) -> Result<Self, Refusal> {
         let period = study.control.period_ns as f64 * 1e-9;
-        let a = &law.a;
-        let m = a.len();
-        let at = |i: usize| a.get(i).copied().unwrap_or(0.0);
-        let factor = |i: usize| {
-            let two = if i >= 2 { at(i - 2) * law.kd_per_s } else { 0.0 };
-            let three = if i >= 3 { at(i - 3) } else { 0.0 };
-            (if i >= 1 { at(i - 1) * law.kp_per_s2 } else { 0.0 }) + two + three
-        };
+        let refused = || Refusal::NotCounted { what: "gains that the core refuses".to_owned() };
+        let law = LoopModel::from_study(study, joint).core_gains(record).map_err(|_| refused())?;
+        let matrices = LawMatrices::of(&law).ok_or_else(refused)?;
         let late = study.sensor.delay_samples as usize;
         let delay = study.control.delay_samples as usize;
         let drive = study.world.drive_bandwidth_hz.as_ref().map(|hz| {
@@ -100,17 +90,12 @@ impl Loop {
             Drive { rate, left: libm::exp(-rate * period), told }
         });
         let interface = &study.interface;
-        let ways = if late > 0 { 1 + 3 * late } else { 0 };
-        let sight = Sight::of(law, period);
-        let held = sight.as_ref().map_or(m, |sight| sight.length() + sight.sent());
-        Self {
+        let measured = study.sensor.velocity == VelocitySource::Measured;
+        Ok(Self {
             period,
-            alpha: if m > 0 { sampled(a, period) } else { Vec::new() },
-            on_integrals: (0..m).map(|j| factor(m - j)).collect(),
-            on_error: [factor(m + 1), factor(m + 2)],
-            literal: study.control.form == Form::Literal,
-            // A law from positions takes the first velocity, where nothing is off yet.
-            measured: sight.is_none() && study.sensor.velocity == VelocitySource::Measured,
+            law,
+            // A law that does not use the velocity takes the first one, where nothing is off yet.
+            measured: measured && matrices.uses_velocity(),
             filter: filter_hz.map_or(1.0, |f| -libm::expm1(-TAU * f * period)),
             late,
             delay,
@@ -121,17 +106,10 @@ impl Loop {
                 }
                 None => Begin::AtOnce,
             },
-            size: 2 + ways + held + delay.max(1) + 1 + usize::from(drive.is_some()),
+            size: 2 + 3 * late + matrices.len() + delay.max(1) + 1 + usize::from(drive.is_some()),
             drive,
-            sight,
-            law: law.clone(),
-        }
-    }
-
-    /// Age of the command that is taken to have acted until this sample \[samples\]; `None`: the law does not
-    /// use it.
-    pub(super) fn fed_before(&self) -> Option<usize> {
-        self.sight.as_ref().map(|sight| sight.ahead + 1)
+            matrices,
+        })
     }
 
     /// At which sample the law is first asked.
@@ -146,19 +124,13 @@ impl Loop {
         s
     }
 
-    /// Acceleration that was fed forward with the torque before the first sample.
-    pub(super) fn fed_at_first(&self, first: f64) -> f64 {
-        if self.begin == Begin::Held { first } else { 0.0 }
-    }
-
-    fn memory(&self) -> usize {
-        2 + if self.late > 0 { 1 + 3 * self.late } else { 0 }
+    fn entries(&self) -> usize {
+        2 + 3 * self.late
     }
 
     /// Place of the newest command.
     pub(super) fn newest(&self) -> usize {
-        let seen = |sight: &Sight| sight.length() + sight.sent();
-        self.memory() + self.sight.as_ref().map_or(self.law.a.len(), seen)
+        self.entries() + self.matrices.len()
     }
 
     /// Place of the torque that acts until the next sample.
@@ -175,35 +147,38 @@ impl Loop {
         self.drive.map(|drive| drive.rate)
     }
 
-    /// Sample `k`: reading `y`, true velocity `dq`.
-    pub(super) fn sample(&self, k: usize, s: &mut [f64], (y, dq): (f64, f64), wanted: Wanted) {
-        let (memory, newest, acting) = (self.memory(), self.newest(), self.acting());
+    /// Sample `k`: reading `y`, true velocity `dq`. The law's state is the core's where there is one, else its entries
+    /// among `s`, of a small change.
+    pub(super) fn sample(
+        &self,
+        k: usize,
+        (s, core): (&mut [f64], Option<&mut JointState<f64>>),
+        (y, dq): (f64, f64),
+        wanted: Wanted,
+    ) {
+        let (entries, newest, acting) = (self.entries(), self.newest(), self.acting());
         let first = k == 0;
         let told = s[acting];
         let gap = self.gap().map_or(0.0, |at| s[at]);
         let raw = if self.measured { dq } else { (y - s[0]) / self.period };
-        let mut before = s[1];
-        let filtered = if first { dq } else { before + self.filter * (raw - before) };
+        let filtered = if first { dq } else { s[1] + self.filter * (raw - s[1]) };
         (s[0], s[1]) = (y, filtered);
-        let mut acted = told + self.drive.map_or(0.0, |drive| drive.told * gap);
-        let (mut y, mut v) = (y, filtered);
+        let acted = told + self.drive.map_or(0.0, |drive| drive.told * gap);
+        let mut message = [y, filtered, acted];
         if self.late > 0 {
-            let fresh = [y, v, acted];
-            let way = 3 + 3 * self.late;
+            let fresh = message;
             if first {
-                s[3..way].chunks_exact_mut(3).for_each(|old| old.copy_from_slice(&fresh));
+                s[2..entries].chunks_exact_mut(3).for_each(|old| old.copy_from_slice(&fresh));
             }
-            (y, v, acted) = (s[3], s[4], s[5]);
-            s.copy_within(6..way, 3);
-            s[way - 3..way].copy_from_slice(&fresh);
-            before = s[2];
-            s[2] = v;
+            message.copy_from_slice(&s[2..5]);
+            s.copy_within(5..entries, 2);
+            s[entries - 3..entries].copy_from_slice(&fresh);
         }
         let begins = self.begins();
         let command = if k < begins {
             0.0
         } else {
-            self.law(k == begins, &mut s[memory..newest], (y, v), (v - before, acted), wanted)
+            self.law(k == begins, (&mut s[entries..newest], core), message, wanted)
         };
         // Behind the newest commands only the torque that acts, and the drive's gap.
         s.copy_within(newest..acting.max(newest + 1), newest + 1);
@@ -213,83 +188,44 @@ impl Loop {
         }
     }
 
-    /// The law on what it got: position and velocity, change of velocity and the torque that acted.
+    /// The law on what it got: position, velocity and the torque that acted.
     fn law(
         &self,
         first: bool,
-        held: &mut [f64],
-        (y, v): (f64, f64),
-        (change, acted): (f64, f64),
+        (entries, core): (&mut [f64], Option<&mut JointState<f64>>),
+        [q, dq, tau_applied]: [f64; 3],
         wanted: Wanted,
     ) -> f64 {
-        let (e, de) = (y - wanted.q, v - wanted.dq);
-        if first && self.begin == Begin::Held {
-            self.resume(held, (e, de), wanted);
-            return wanted.held;
-        }
-        if let Some(sight) = &self.sight {
-            let (seen, sent) = held.split_at_mut(sight.length());
-            let inertia = self.law.inertia_kg_m2;
-            if first {
-                (seen[0], seen[1]) = (e, de);
-            } else {
-                sight.see(seen, acted / inertia - wanted.acted, e);
-            }
-            let torque = sight.answer(seen, sent);
-            sent.rotate_right(1);
-            sent[0] = torque;
-            return inertia * (wanted.ddq + torque);
-        }
-        let m = self.law.a.len();
-        let estimate = if self.literal {
-            let mut below = e;
-            for entry in held.iter_mut().filter(|_| !first) {
-                *entry += self.period * below;
-                below = *entry;
-            }
-            let sum: f64 = held.iter().zip(&self.on_integrals).map(|(x, f)| x * f).sum();
-            -self.law.inertia_kg_m2 * (sum + self.on_error[0] * e + self.on_error[1] * de)
-        } else {
-            if !first {
-                let innovation = self.period * (acted - held[0]) - self.law.inertia_kg_m2 * change;
-                for j in 0..m {
-                    let next = if j + 1 < m { held[j + 1] } else { 0.0 };
-                    held[j] += self.period * next + self.alpha[j] * innovation;
+        let m = Measurement { q, dq, tau_applied };
+        let reference = Reference { q: wanted.q, dq: wanted.dq, ddq: wanted.ddq };
+        match core {
+            Some(state) => self.answer(first, state, (&m, &reference), wanted.held),
+            None if first => {
+                let mut state = JointState::new();
+                let torque = self.answer(true, &mut state, (&m, &reference), wanted.held);
+                let all = state.entries();
+                for (entry, at) in entries.iter_mut().zip(&self.matrices.places) {
+                    *entry = all[*at];
                 }
+                torque
             }
-            held[0]
-        };
-        self.law.inertia_kg_m2 * (wanted.ddq - self.law.kd_per_s * de - self.law.kp_per_s2 * e)
-            + estimate
+            None => self.matrices.step(entries, &[q, dq, tau_applied, wanted.ddq]),
+        }
     }
 
-    /// Sets the law's state so that `wanted.held` is the command that it would have sent.
-    fn resume(&self, held: &mut [f64], (e, de): (f64, f64), wanted: Wanted) {
-        let (kp, kd) = (self.law.kp_per_s2, self.law.kd_per_s);
-        let torque = wanted.held / self.law.inertia_kg_m2 - wanted.ddq;
-        if let Some(sight) = &self.sight {
-            // Predicted through the delay under `torque`, `φ̂ − K_p ê − K_d ė̂` is `torque` again; it is so
-            // for one `φ̂`: with `s` on the way, `s²(torque − φ̂)/2` and `s(torque − φ̂)` are added to
-            // `ê + sė̂` and `ė̂`.
-            let s = self.period * sight.ahead as f64;
-            let (seen, sent) = held.split_at_mut(sight.length());
-            seen.fill(0.0);
-            let pull = kp * (e + s * de) + kd * de;
-            let weight = kp * (0.5 * s * s) + kd * s;
-            (seen[0], seen[1], seen[2]) =
-                (e, de, (torque * (1.0 + weight) + pull) / (1.0 + weight));
-            sent.fill(torque);
-            return;
+    /// The core's torque; no number where it refuses the sample.
+    fn answer(
+        &self,
+        first: bool,
+        state: &mut JointState<f64>,
+        (m, reference): (&Measurement<f64>, &Reference<f64>),
+        held: f64,
+    ) -> f64 {
+        if first && self.begin == Begin::Held {
+            return if self.law.resume(state, m, reference, held) { held } else { f64::NAN };
         }
-        held.fill(0.0);
-        let phi = torque + kp * e + kd * de;
-        if self.literal {
-            let last = held.len() - 1;
-            let shown = self.on_error[0] * e + self.on_error[1] * de;
-            held[last] = -(phi + shown) / self.on_integrals[last];
-        } else {
-            held[0] = self.law.inertia_kg_m2 * phi;
-        }
+        let command = self.law.update(state, m, reference);
+        if command.status.refused { f64::NAN } else { command.tau }
     }
 
     /// Sample `k` without a reference, as `state ← A state + b y + c q̇`.
@@ -302,7 +238,7 @@ impl Loop {
                 Some(0) => input.0 = 1.0,
                 Some(_) => input.1 = 1.0,
             }
-            self.sample(k, &mut s, input, Wanted::default());
+            self.sample(k, (&mut s, None), input, Wanted::default());
             s
         };
         let mut linear = Linear { entries: Vec::new(), ends: Vec::new() };
@@ -364,45 +300,4 @@ impl Linear {
         }
         s.copy_from_slice(&next);
     }
-}
-
-/// `α_{m−1} … α_0`: the estimator's poles `s_i` go to `(e^{s_i T} − 1)/T`, as a polynomial, here from the
-/// exponential of the companion matrix and the traces of its powers (Newton's identities).
-fn sampled(a: &[f64], period: f64) -> Vec<f64> {
-    let m = a.len();
-    let rate = a[m - 1];
-    // Companion of s^m + a_{m−1} s^{m−1} + …, in time units of 1/rate.
-    let mut f = vec![0.0; m * m];
-    let mut power = 1.0;
-    for i in 0..m {
-        power *= rate;
-        f[i * m] = -a[m - 1 - i] / power;
-        if i + 1 < m {
-            f[i * m + i + 1] = 1.0;
-        }
-    }
-    let mut d = exponential(&f, rate * period, m);
-    for i in 0..m {
-        d[i * m + i] -= 1.0;
-    }
-    for x in &mut d {
-        *x /= rate * period;
-    }
-    let mut traces = Vec::new();
-    let mut x = d.clone();
-    for _ in 0..m {
-        traces.push((0..m).map(|i| x[i * m + i]).sum::<f64>());
-        x = product(&x, &d, (m, m, m));
-    }
-    let mut c = vec![1.0];
-    for k in 1..=m {
-        let sum: f64 = (1..=k).map(|j| c[k - j] * traces[j - 1]).sum();
-        c.push(-sum / k as f64);
-    }
-    let mut power = 1.0;
-    let scaled = |c: &f64| {
-        power *= rate;
-        c * power
-    };
-    c[1..].iter().map(scaled).collect()
 }

@@ -1,5 +1,6 @@
 //! The nominal run: the middle of what is uncertain, exact position, dry friction held over each sample.
 
+use phihat::JointState;
 use phihat_model::{Body, Model, Workspace};
 use phihat_study::Study;
 
@@ -113,7 +114,7 @@ impl Plant<'_> {
 struct Command<'a> {
     inputs: &'a Inputs<'a>,
     loops: &'a [Loop],
-    states: Vec<Vec<f64>>,
+    states: Vec<(Vec<f64>, JointState<f64>)>,
     /// Torque that held the arm before the first sample \[N·m\].
     held: Vec<f64>,
     dry: &'a Dry,
@@ -134,7 +135,11 @@ impl<'a> Command<'a> {
         Self {
             inputs,
             loops,
-            states: loops.iter().zip(&held).map(|(own, held)| own.after(*held)).collect(),
+            states: loops
+                .iter()
+                .zip(&held)
+                .map(|(own, held)| (own.after(*held), JointState::new()))
+                .collect(),
             held,
             dry,
             adds,
@@ -159,21 +164,15 @@ impl<'a> Command<'a> {
             self.bare.bias(&mut self.ws, q, &self.rest, &mut self.weight);
         }
         plant.gap.clear();
-        for (i, (own, state)) in self.loops.iter().zip(&mut self.states).enumerate() {
+        for (i, (own, (state, law))) in self.loops.iter().zip(&mut self.states).enumerate() {
             let reference = self.inputs.reference;
-            let before = own.fed_before().and_then(|back| k.checked_sub(back));
-            let before = before.filter(|before| *before >= own.begins());
             let wanted = Wanted {
                 q: reference.q[k][i],
                 dq: reference.dq[k][i],
                 ddq: reference.ddq[k][i],
-                acted: before.map_or_else(
-                    || own.fed_at_first(reference.ddq[0][i]),
-                    |before| reference.ddq[before][i],
-                ),
                 held: self.held[i],
             };
-            own.sample(k, state, (q[i], v[i]), wanted);
+            own.sample(k, (state, Some(law)), (q[i], v[i]), wanted);
             command[i] = state[own.newest()];
             held[i] = self.dry.middle[i] * self.dry.wide(v[i]);
             let added = self.weight[i] + self.adds.friction(i, v[i], self.dry);

@@ -207,13 +207,16 @@ fn shared_law(gains: &Gains) -> Result<(), Refutation> {
     Ok(())
 }
 
-/// The gains' own filter, where they carry one.
+/// The gains' own filter on the velocity, where they carry one, and their low-pass on the torque.
 fn filter(gains: &Gains, model: &LoopModel) -> Result<(), Refutation> {
     let of = |hz: Option<f64>| hz.unwrap_or(0.0);
     let (own, carried) = (model.velocity_filter_hz, gains.velocity_filter_hz);
     let same = carried.is_none() || carried == own;
     let what = "velocity filter is that of the gains";
-    Refutation::unless(CLAIM, what, of(own), of(carried), same)
+    Refutation::unless(CLAIM, what, of(own), of(carried), same)?;
+    let (own, carried) = (model.torque_filter_hz, gains.torque_filter_hz);
+    let what = "torque filter is that of the gains";
+    Refutation::unless(CLAIM, what, of(own), of(carried), own == carried)
 }
 
 fn positive(what: &str, value: f64) -> Result<(), Refutation> {

@@ -37,6 +37,7 @@ pub(crate) fn every_model(period_s: f64) -> Vec<LoopModel> {
                             delay_samples,
                             velocity,
                             velocity_filter_hz,
+                            torque_filter_hz: None,
                             form,
                             drive_bandwidth_hz,
                             sample_delay_samples: delay_samples / 2,

@@ -10,8 +10,7 @@ use crate::JointRecord;
 use crate::claims::Refutation;
 use crate::prelude::*;
 use crate::sampled::eigenvalues::eigenvalues;
-use crate::sampled::estimator::sampled_coefficients;
-use crate::sampled::{InertiaWindow, LoopModel};
+use crate::sampled::{InertiaWindow, LoopModel, estimator_coefficients};
 
 /// Checks that the start gains' window contains the arm, where the study's supervisor starts with other gains.
 ///
@@ -49,9 +48,8 @@ fn first_order(record: &JointRecord, model: &LoopModel) -> JointRecord {
     let a = if model.form == Form::Literal {
         root(record.a.first())
     } else {
-        // α_0 T^m
-        let alpha_t = root(sampled_coefficients(&record.a, model.period_s).first());
-        -(-alpha_t).ln_1p() / model.period_s
+        let alpha = root(estimator_coefficients(record, model.period_s).first());
+        -(-alpha * model.period_s).ln_1p() / model.period_s
     };
     JointRecord { a: vec![a], ..record.clone() }
 }

@@ -154,6 +154,7 @@ fn covered(study: &Study, models: &[LoopModel]) -> Result<(), ClassRefusal> {
     let refused = [
         (models.iter().any(|m| m.form != Form::Positions), "a form other than \"positions\""),
         (models.iter().any(|m| m.drive_bandwidth_hz.is_some()), "world.drive_bandwidth_hz"),
+        (models.iter().any(|m| m.torque_filter_hz.is_some()), "loop.torque_filter_hz"),
         (models.iter().any(|m| m.sample_delay_samples > 0), "sensor.delay_samples"),
         (!study.control.preview, "loop.preview = false"),
         (profile.adds_gravity, "a robot that adds gravity"),

@@ -55,7 +55,7 @@ impl Linear {
     /// Laws in their loops on the inverse of an inertia matrix \[1/(kg·m²)\].
     #[allow(clippy::too_many_lines, reason = "one input after the other")]
     pub(crate) fn new(loops: &[(&JointRecord, &LoopModel)], inverse: &DMatrix<f64>) -> Self {
-        let samples: Vec<Sample<'_>> = loops.iter().map(|(r, m)| Sample::new(r, m, 1.0)).collect();
+        let samples: Vec<Sample> = loops.iter().map(|(r, m)| Sample::new(r, m, 1.0)).collect();
         let nominal: Vec<f64> = loops.iter().map(|(r, _)| r.inertia_kg_m2).collect();
         let n = loops.len();
         let starts: Vec<usize> = samples

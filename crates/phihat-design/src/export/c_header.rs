@@ -23,6 +23,10 @@ pub(super) fn text(gains: &Gains) -> String {
         gains.joints.len(),
         exact(period(gains)),
     );
+    if let Some(hz) = gains.torque_filter_hz {
+        let what = "/* Cut-off of the low-pass on the torque command [Hz]: torque_filter_hz of phihat_joint. */";
+        let _ = write!(text, "{what}\n#define PHIHAT_TORQUE_FILTER_HZ {}\n\n", exact(hz));
+    }
     text += "static const char *const phihat_joint_names[PHIHAT_JOINTS] = {\n";
     for joint in &gains.joints {
         let _ = writeln!(text, "    {},", literal(&joint.name));
@@ -69,7 +73,7 @@ fn estimators(gains: &Gains, order: usize) -> String {
         order,
         &rows(&|j| j.a.clone()),
     );
-    let sampled = rows(&|j| estimator_coefficients(&j.a, period(gains)));
+    let sampled = rows(&|j| estimator_coefficients(j, period(gains)));
     text += &table("alpha", "Sampled alpha_0 .. alpha_(m-1), in [1/s^(m-i)].", order, &sampled);
     text
 }

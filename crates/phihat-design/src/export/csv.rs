@@ -31,9 +31,7 @@ pub(super) fn text(gains: &Gains) -> String {
     text += &(header.join(",") + "\n");
     let pids = notes::pids(gains);
     for (j, joint) in gains.joints.iter().enumerate() {
-        let sampled = !joint.a.is_empty();
-        let alpha =
-            if sampled { estimator_coefficients(&joint.a, period(gains)) } else { Vec::new() };
+        let alpha = estimator_coefficients(joint, period(gains));
         let mut row = vec![field(&joint.name)];
         row.extend([joint.inertia_kg_m2, joint.kp_per_s2, joint.kd_per_s].map(exact));
         row.push(joint.order().to_string());

@@ -45,6 +45,12 @@ pub enum ExportError {
         /// True if it filters its innovation.
         filtered: bool,
     },
+    /// A low-pass on the torque command.
+    #[error(
+        "the law has a low-pass of {0} Hz on its torque, which no PID of ROS 2 controllers has\n  = help: take --format \
+         c-header and run the law, or design without `torque_filter_hz` under [loop]"
+    )]
+    TorqueFilter(f64),
     /// The rate is no whole number.
     #[error("rate_hz is {0}; a ROS 2 controller manager runs at a whole number of Hz")]
     Rate(f64),

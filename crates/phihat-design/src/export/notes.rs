@@ -38,6 +38,12 @@ pub(super) fn law(gains: &Gains) -> Vec<String> {
     let seen = gains.joints.iter().any(|joint| joint.observer.is_some());
     let filtered = gains.joints.iter().any(|joint| !joint.innovation_filter().is_empty());
     let mut lines = if seen { from_positions(filtered) } else { fed() };
+    if let Some(hz) = gains.torque_filter_hz {
+        lines.push("tau then goes through a low-pass, before its limits: tau = r + s (tau - r), r the last".to_owned());
+        lines.push(format!(
+            "torque as the limits let it through, s = 1 - exp(-2 pi f T), f = {hz} Hz."
+        ));
+    }
     if let Some(certificate) = &gains.certificate {
         lines.push("Certified of it (check with: phihat verify):".to_owned());
         lines.extend(arm(certificate));
@@ -127,7 +133,9 @@ pub(super) fn pid_section(gains: &Gains) -> Vec<String> {
 
 /// The gains as PIDs; `None` for other orders.
 pub(super) fn pids(gains: &Gains) -> Option<Vec<Pid>> {
-    gains.joints.iter().map(Pid::of).collect()
+    // A PID has no low-pass on its torque.
+    let plain = gains.torque_filter_hz.is_none();
+    gains.joints.iter().map(Pid::of).collect::<Option<_>>().filter(|_| plain)
 }
 
 fn arm(certificate: &Certificate) -> Vec<String> {

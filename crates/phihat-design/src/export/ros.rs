@@ -25,6 +25,9 @@ const HOW: [&str; 10] = [
 const ROOM: f64 = 2.0;
 
 pub(super) fn text(gains: &Gains) -> Result<String, ExportError> {
+    if let Some(hz) = gains.torque_filter_hz {
+        return Err(ExportError::TorqueFilter(hz));
+    }
     if let Some(joint) = gains.joints.iter().find(|joint| joint.observer.is_some()) {
         let filtered = !joint.innovation_filter().is_empty();
         return Err(ExportError::Positions { joint: joint.name.clone(), filtered });

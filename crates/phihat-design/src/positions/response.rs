@@ -2,8 +2,7 @@
 
 use crate::JointRecord;
 use crate::lanes::Lane;
-use crate::sampled::positions::Positions;
-use crate::sampled::{Drive, LoopModel, LoopParts};
+use crate::sampled::{Drive, Law, LoopModel, LoopParts};
 
 /// Samples after which a response counts as not dying.
 const LONGEST: u32 = 30_000;
@@ -45,7 +44,7 @@ const PLAYS: usize = 3 * BESIDE;
 
 /// One joint's loop at several inertia ratios, ready to be played.
 pub(super) struct Played<'a, const W: usize> {
-    law: &'a Positions,
+    law: &'a Law,
     late: usize,
     drive: Option<Drive>,
     period: f64,
@@ -95,7 +94,7 @@ impl<const W: usize> Shown<'_, W> {
 }
 
 impl<'a, const W: usize> Played<'a, W> {
-    pub(super) fn new(law: &'a Positions, model: &LoopModel, mu: [f64; W]) -> Self {
+    pub(super) fn new(law: &'a Law, model: &LoopModel, mu: [f64; W]) -> Self {
         let late = model.late() as usize;
         let per_mu = Lane(mu.map(f64::recip));
         Self { law, late, drive: model.drive(), period: model.period_s, mu, per_mu }
@@ -104,13 +103,11 @@ impl<'a, const W: usize> Played<'a, W> {
     /// One sample: the torques commanded, by readings that are off.
     #[inline]
     fn step(&self, x: &mut State<W>, off: &Lane<W>) -> Lane<W> {
-        let (n, t) = (self.law.length(), self.period);
+        let (n, t, zero) = (self.law.length(), self.period, Lane::ZERO);
         let mut reading = x.q;
-        for c in 0..W {
-            reading[c] += off[c];
-        }
-        self.law.see(&mut x.held[..n], &x.mean, &reading);
-        let u = self.law.answer(&x.held[..n], &x.sent);
+        reading.add_scaled(1.0, off);
+        self.law.step(&mut x.held[..n], &[reading, x.mean, zero]);
+        let u = self.law.torque(&x.held[..n], &x.sent[..self.law.sent()], (&reading, &zero));
         x.sent.copy_within(..3, 1);
         x.sent[0] = u;
         let told = if self.late == 0 { u } else { x.line[0] };
@@ -118,18 +115,14 @@ impl<'a, const W: usize> Played<'a, W> {
             x.line.copy_within(1..self.late, 0);
             x.line[self.late - 1] = u;
         }
-        let mut double = Lane::<W>::ZERO;
+        let mut double = told.affine(0.5 * t * t, 0.0);
         x.mean = told;
-        for c in 0..W {
-            double[c] = 0.5 * t * t * told[c];
-        }
         if let Some(drive) = &self.drive {
-            for c in 0..W {
-                let gap = x.end[c] - told[c];
-                x.mean[c] += drive.mean * gap;
-                double[c] += drive.double * gap;
-                x.end[c] = told[c] + (1.0 - drive.lost) * gap;
-            }
+            let gap = x.end.minus(&told);
+            x.mean.add_scaled(drive.mean, &gap);
+            double.add_scaled(drive.double, &gap);
+            x.end = told;
+            x.end.add_scaled(1.0 - drive.lost, &gap);
         }
         for c in 0..W {
             x.q[c] += t * x.v[c] + double[c] * self.per_mu[c];
@@ -245,11 +238,15 @@ impl Response {
 
     /// Worst over inertia ratios.
     pub(super) fn over(record: &JointRecord, model: &LoopModel, mu: &[f64]) -> Option<Self> {
-        let law = Positions::of(record, model.period_s)?;
+        Self::of(&Law::of(record, model).ok()?, model, mu)
+    }
+
+    /// The same of a law that is at hand.
+    pub(super) fn of(law: &Law, model: &LoopModel, mu: &[f64]) -> Option<Self> {
         mu.chunks(BESIDE).try_fold(Self::default(), |worst, mu| {
             // The last one again where there are fewer.
             let mu = core::array::from_fn(|c| mu[(c % BESIDE).min(mu.len() - 1)]);
-            Some(worst.worse(Played::new(&law, model, mu).worst()?))
+            Some(worst.worse(Played::new(law, model, mu).worst()?))
         })
     }
 }
@@ -289,6 +286,7 @@ mod tests {
                 torque: TorqueSource::Applied,
                 velocity: VelocitySource::Measured,
                 velocity_filter_hz: None,
+                torque_filter_hz: None,
                 form: Form::Positions,
                 drive_bandwidth_hz,
             };

@@ -5,8 +5,7 @@ use phihat_certificate::extremes::Extremes as _;
 
 use super::family::Family;
 use super::response::{Played, Response};
-use crate::sampled::positions::Positions;
-use crate::sampled::{LoopModel, OpenLoop, from_segment};
+use crate::sampled::{Law, LoopModel, OpenLoop, from_segment};
 use crate::{JointRecord, Phi};
 
 /// Frequencies at which the distance from −1 is looked at.
@@ -90,30 +89,30 @@ impl Task<'_> {
     /// The cost of a law of the family: the logarithm of its error, and more where it is too loud.
     pub(super) fn cost(&self, x: &[f64]) -> f64 {
         let Some(record) = self.family.record(x, "", self.inertia) else { return 2.0 * NONE };
-        if !self.holds(&record) {
+        let Ok(law) = Law::of(&record, &self.model) else { return 1.5 * NONE };
+        if !self.holds(&law) {
             return 1.5 * NONE;
         }
-        let short = self.modulus - self.modulus(&record);
+        let short = self.modulus - self.modulus(&law, record.order());
         if short > 0.0 {
             return NONE * (1.0 + 0.1 * short);
         }
-        let Some(worth) = self.worth(&record) else { return 1.5 * NONE };
+        let Some(worth) = self.worth_of(&law) else { return 1.5 * NONE };
         let velocity = self.velocity.map_or(0.0, |rate| worth.velocity / rate);
         let loud = (worth.change / self.change).ln().max(0.0);
         worth.error.max(velocity).ln() + STEEP * loud
     }
 
     /// Returns true if the response dies out at both ends of the range and its margin.
-    fn holds(&self, record: &JointRecord) -> bool {
-        let Some(law) = Positions::of(record, self.model.period_s) else { return false };
+    fn holds(&self, law: &Law) -> bool {
         let (low, high) = self.range;
         let ends = [low / self.margin, high * self.margin];
-        Played::new(&law, &self.model, ends).forget()
+        Played::new(law, &self.model, ends).forget()
     }
 
     /// Estimate of the smallest distance from −1 over the range.
-    fn modulus(&self, record: &JointRecord) -> f64 {
-        let open = OpenLoop::new(record, &self.model);
+    fn modulus(&self, law: &Law, order: usize) -> f64 {
+        let open = OpenLoop::of_law(law, order, &self.model);
         let (low, high) = self.range;
         let step = (PI / LOWEST).ln() / f64::from(ANGLES - 1);
         (0..ANGLES)
@@ -126,10 +125,14 @@ impl Task<'_> {
 
     /// The parts of what a law does, over the range; `None` where it does not hold.
     pub(super) fn parts(&self, record: &JointRecord) -> Option<Parts> {
+        self.parts_of(&Law::of(record, &self.model).ok()?)
+    }
+
+    fn parts_of(&self, law: &Law) -> Option<Parts> {
         let (low, high) = self.shown;
         let share = |k: u32| f64::from(k) / f64::from(RATIOS - 1);
         let mu: Vec<f64> = (0..RATIOS).map(|k| low * (high / low).powf(share(k))).collect();
-        let gains = Response::over(record, &self.model, &mu)?;
+        let gains = Response::of(law, &self.model, &mu)?;
         let t = self.model.period_s;
         let part = |i: usize| {
             let jump = JUMP * gains.jump[i];
@@ -154,7 +157,11 @@ impl Task<'_> {
 
     /// Estimates for a law, with its parts weighted; `None` where it does not hold.
     pub(super) fn worth(&self, record: &JointRecord) -> Option<Worth> {
-        let Parts { errors, whole: [error, velocity], change } = self.parts(record)?;
+        self.worth_of(&Law::of(record, &self.model).ok()?)
+    }
+
+    fn worth_of(&self, law: &Law) -> Option<Worth> {
+        let Parts { errors, whole: [error, velocity], change } = self.parts_of(law)?;
         let Some(weights) = &self.weights else {
             return Some(Worth { error, velocity, change: change[0] });
         };

@@ -55,13 +55,14 @@ impl LoopParts for LoopModel {
     }
 
     fn servo_type(&self, order: usize) -> usize {
-        let late = self.late() > 0 || self.drive_bandwidth_hz.is_some();
+        let lags = self.drive_bandwidth_hz.is_some() || self.torque_filter_hz.is_some();
+        let late = self.late() > 0 || lags;
         match self.form {
             Form::Observer if late => order.min(1),
             Form::Observer | Form::Literal => order,
             // What it is not told of is late; else it makes up for its own lag.
             Form::Positions => {
-                let told = self.drive_bandwidth_hz.is_none() && self.sample_delay_samples == 0;
+                let told = !lags && self.sample_delay_samples == 0;
                 order.min(if told { 2 } else { 1 })
             }
         }

@@ -1,13 +1,12 @@
 //! The loop cut open at the torque: one rational function that does not depend on the inertia.
 
 use nalgebra::Complex;
-use phihat::{Form, TorqueSource, VelocitySource};
+use phihat::{TorqueSource, VelocitySource};
 
-use super::estimator::sampled_coefficients;
+use super::law::Law;
 use super::model::LoopModel;
 use super::model::LoopParts;
 use super::polynomial::{Polynomial, on_circle};
-use super::positions::Positions;
 use crate::JointRecord;
 
 /// `L(z) = N(z)/Δ(z)` of one joint: the closed loop at inertia ratio `μ` has the characteristic
@@ -20,15 +19,12 @@ use crate::JointRecord;
 /// ```text
 /// q = q_n/(w² X) U/μ,    q_n = T²(X − c₁w) + w(T²X/2 − c₂w)            held torque, double integrator
 /// y = y_n/(w² X F) U/μ,  y_n = f z T w (X − c₁w)  or  f w q_n/T,  F = w + f      velocity and its filter
-/// observer:  Δ = w² F (A_o z^d X − A_α (X − c₁w)),   N = (A_o K_d + A_α w/T) y_n + A_o K_p q_n F
-/// positions: [`positions`]
-/// literal:   Δ = w^{m+2} z^d X F,   N = w^m ((K_d + κ_1) y_n + (K_p + κ_0) q_n F) + Σ_j k_j (Tz)^j w^{m−j} q_n F
+/// Δ = w² F (A_o z^{D−l} (z^l − Σ C_r,j z^{l−j}) X − R_a z^{D−d} (X − c₁w)),   N = −z^{D−d} (R_e q_n F + R_v y_n)
 /// ```
 ///
-/// `A_α = Σ α_i (w/T)^i`, `A_o = (w/T)^m + A_α` (multiplied by `T^m`); `κ`, `k_j` the factors of (16).
-///
-/// `d` counts the samples of both delays. An observer that receives the torque demanded has `X` in place of
-/// `X − c₁w` in `Δ`.
+/// The law is `A_o τ = R_e e + R_v q̇ + z R_a τ_acted` besides the `l` torques of the last samples that it uses, see
+/// [`Law::transfer`]; `d` counts the samples of both delays, `D = max(d, l)`. A law that receives the torque demanded has
+/// `X` in place of `X − c₁w` in `Δ`, one that does not use the velocity has no `F`.
 ///
 /// The loop is cut where the torque meets the inertia: what the observer is told has acted stays known.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,10 +40,16 @@ impl OpenLoop {
         Self::with_drive_gain(gains, model, 1.0)
     }
 
+    /// The same of a law of some order that is at hand.
+    pub(crate) fn of_law(law: &Law, order: usize, model: &LoopModel) -> Self {
+        let (numerator, denominator) = law.open_loop(model, &Plant::new(model), order);
+        Self { numerator, denominator, period: model.period_s }
+    }
+
     /// The same where the drive gives `gain` times the torque that it is told.
     pub(crate) fn with_drive_gain(gains: &JointRecord, model: &LoopModel, gain: f64) -> Self {
-        let plant = Plant::new(model).times(gain);
-        let (numerator, denominator) = by_form(gains, model, &plant);
+        let plant = Plant { gain, ..Plant::new(model) };
+        let (numerator, denominator) = open(gains, model, &plant);
         Self { numerator, denominator, period: model.period_s }
     }
 
@@ -61,7 +63,7 @@ impl OpenLoop {
             VelocitySource::Differenced => q.scaled(model.filter_gain() / t).raised(1),
         };
         let plant = Plant { q, y, ..Plant::new(model) };
-        let (kick, _) = by_form(gains, model, &plant);
+        let (kick, _) = open(gains, model, &plant);
         (Self::new(gains, model), kick)
     }
 
@@ -92,15 +94,11 @@ struct Plant {
     y: Polynomial,
     /// `F`.
     filter: Polynomial,
+    /// Factor on the torque of the drive.
+    gain: f64,
 }
 
 impl Plant {
-    /// Behind a drive of this gain.
-    fn times(self, gain: f64) -> Self {
-        let [mean, q, y] = [&self.mean, &self.q, &self.y].map(|p| p.scaled(gain));
-        Self { mean, q, y, ..self }
-    }
-
     fn new(model: &LoopModel) -> Self {
         let t = model.period_s;
         let (drive, mean, double) = match model.drive() {
@@ -122,74 +120,146 @@ impl Plant {
             }
             (VelocitySource::Differenced, _) => (q.scaled(f / t).raised(1), filtered),
         };
-        Self { drive, mean, q, y, filter }
+        Self { drive, mean, q, y, filter, gain: 1.0 }
     }
 }
 
 /// `N` and `Δ`.
-fn by_form(gains: &JointRecord, model: &LoopModel, plant: &Plant) -> (Polynomial, Polynomial) {
-    match (model.form, Positions::of(gains, model.period_s)) {
-        (_, Some(law)) => positions(&law, model, plant),
-        (Form::Literal, None) => literal(gains, model, plant),
-        _ => observer(gains, model, plant),
+fn open(gains: &JointRecord, model: &LoopModel, plant: &Plant) -> (Polynomial, Polynomial) {
+    Law::or_none(gains, model).open_loop(model, plant, gains.order())
+}
+
+impl Law {
+    /// `N` and `Δ` around a plant, of a law of some order.
+    fn open_loop(
+        &self,
+        model: &LoopModel,
+        plant: &Plant,
+        order: usize,
+    ) -> (Polynomial, Polynomial) {
+        // A law that predicts across a delay follows a ramp only where the loop has that delay; one that is told the
+        // torque demanded does not see the drive.
+        let rejected = match model.torque {
+            _ if self.feed_forward().is_some() => 1,
+            TorqueSource::Applied => model.servo_type(order),
+            TorqueSource::Demanded => {
+                LoopModel { drive_bandwidth_hz: None, ..*model }.servo_type(order)
+            }
+        };
+        let late = model.late() as usize;
+        let longer = late.max(self.sent());
+        let law = self.transfer(model.period_s);
+        let earlier = Polynomial::z_power(longer - late);
+        // What acts is reported a sample later, which `Transfer::acted` has taken out.
+        let reported = law.acted.times(&earlier);
+        let known = |torque: &Polynomial| reported.times(torque).scaled(-1.0);
+        let own = law.whole.times(&plant.drive).times(&self.on_sent(longer));
+        // What rounding leaves of the lowest coefficients is none; a drive of another gain than 1 adds to them.
+        let unknown = match model.torque {
+            TorqueSource::Applied => {
+                let exact = own.plus(&known(&plant.mean)).without_lowest(rejected);
+                exact.plus(&known(&plant.mean).scaled(plant.gain - 1.0))
+            }
+            TorqueSource::Demanded => own.plus(&known(&plant.drive)).without_lowest(rejected),
+        };
+        let by_position = law.error.times(&plant.q);
+        let (back, unknown) = match &law.velocity {
+            Some(velocity) => (
+                by_position.times(&plant.filter).plus(&velocity.times(&plant.y)),
+                unknown.times(&plant.filter),
+            ),
+            None => (by_position, unknown),
+        };
+        (back.times(&earlier).scaled(-plant.gain), unknown.raised(2))
     }
 }
 
-/// `Δ = w² (A_o X (z^D (z − 1 + g) − g Σ c_j z^{D−j}) − g z^{D−d} R_a (X − c₁w))`,
-/// `N = −g z^{D+1−d} R_y q_n`, `D` the longer of the delay and what the law predicts across.
-fn positions(law: &Positions, model: &LoopModel, plant: &Plant) -> (Polynomial, Polynomial) {
-    let (g, late) = (law.share, model.late() as usize);
-    let longer = late.max(law.ahead());
-    let [whole, reading, acted] = law.transfer();
-    let fed = match model.torque {
-        TorqueSource::Applied => &plant.mean,
-        TorqueSource::Demanded => &plant.drive,
-    };
-    let own = Polynomial::new(vec![g, 1.0]).times(&Polynomial::z_power(longer));
-    let own = own.plus(&law.on_their_way(longer).scaled(-g));
-    let told = acted.times(fed).times(&Polynomial::z_power(longer - late)).scaled(-g);
-    let unknown = whole.times(&plant.drive).times(&own).plus(&told);
-    let back = reading.times(&plant.q).times(&Polynomial::z_power(longer + 1 - late)).scaled(-g);
-    // A constant φ leaves nothing: what rounding leaves of the lowest coefficient is none.
-    (back, unknown.without_lowest().raised(2))
-}
+#[cfg(test)]
+mod tests {
+    use nalgebra::Complex;
+    use phihat::{Form, TorqueSource, VelocitySource};
+    use phihat_certificate::{JointRecord, PositionObserver};
 
-fn observer(gains: &JointRecord, model: &LoopModel, plant: &Plant) -> (Polynomial, Polynomial) {
-    let t = model.period_s;
-    let part = Polynomial::new(sampled_coefficients(&gains.a, t));
-    let whole = part.plus(&Polynomial::one().raised(gains.a.len()));
-    let delay = Polynomial::z_power(model.late() as usize);
-    let fed = match model.torque {
-        TorqueSource::Applied => &plant.mean,
-        TorqueSource::Demanded => &plant.drive,
-    };
-    let unknown = whole.times(&delay).times(&plant.drive).plus(&part.times(fed).scaled(-1.0));
-    let on_velocity = whole.scaled(gains.kd_per_s).plus(&part.raised(1).scaled(1.0 / t));
-    let on_position = whole.scaled(gains.kp_per_s2).times(&plant.filter);
-    let numerator = on_velocity.times(&plant.y).plus(&on_position.times(&plant.q));
-    (numerator, unknown.times(&plant.filter).raised(2))
-}
+    use super::{LoopModel, OpenLoop};
+    use crate::lanes::Lane;
+    use crate::sampled::control_side::{ControlSide, ControlState};
 
-fn literal(gains: &JointRecord, model: &LoopModel, plant: &Plant) -> (Polynomial, Polynomial) {
-    let m = gains.a.len();
-    let factors = literal_factors(gains);
-    let position = plant.q.times(&plant.filter);
-    let on_velocity = plant.y.scaled(gains.kd_per_s + factors[m + 1]);
-    let mut numerator = on_velocity.plus(&position.scaled(gains.kp_per_s2 + factors[m])).raised(m);
-    for j in 1..=m {
-        let factor = factors[m - j] * model.period_s.powi(i32::try_from(j).unwrap_or(i32::MAX));
-        let term = Polynomial::z_power(j).scaled(factor).raised(m - j);
-        numerator = numerator.plus(&term.times(&position));
+    const T: f64 = 1e-3;
+
+    /// `−Σ t_k z^{−k}` of what a drive of some gain delivers after an impulse on an inertia that it does not move.
+    fn summed(record: &JointRecord, model: &LoopModel, gain: f64, z: Complex<f64>) -> Complex<f64> {
+        let side = ControlSide::unit(record, model);
+        let mut state = ControlState::<1>::new(&side);
+        let (mut sum, mut power) = (Complex::new(0.0, 0.0), Complex::new(1.0, 0.0));
+        for k in 0..900_u16 {
+            let moving = f64::from(u8::from(k > 0));
+            let q = moving * T * T * (f64::from(k) - 0.5);
+            let sensed = (&Lane([q]), &Lane([moving * T]));
+            let [position, velocity, Lane([acted])] = state.sense(&side, (false, false), sensed);
+            let message = [position, velocity, Lane([gain * acted])];
+            let command = state.command(&side, false, [0.0; 3], &message);
+            let (Lane([mean]), _) = state.act(&side, &command);
+            sum -= power * (gain * mean);
+            power /= z;
+        }
+        sum
     }
-    let delay = Polynomial::z_power(model.late() as usize);
-    (numerator, delay.times(&plant.drive).times(&plant.filter).raised(m + 2))
-}
 
-/// `a_{i−1} K_p + a_{i−2} K_d + a_{i−3}`, `i = 1 … m+2`: (16), on `(∫…∫e, …, ∫e, e, ė)`.
-pub(crate) fn literal_factors(gains: &JointRecord) -> Vec<f64> {
-    let a = |i: usize, back: usize| {
-        i.checked_sub(back).and_then(|k| gains.a.get(k)).copied().unwrap_or(0.0)
-    };
-    let factor = |i: usize| a(i, 1) * gains.kp_per_s2 + a(i, 2) * gains.kd_per_s + a(i, 3);
-    (1..=gains.a.len() + 2).map(factor).collect()
+    #[test]
+    fn the_open_loop_is_that_of_the_samples_whatever_the_gain_of_the_drive() {
+        let record = |a: Vec<f64>, observer: Option<PositionObserver>| JointRecord {
+            name: String::new(),
+            inertia_kg_m2: 0.3,
+            kp_per_s2: 400.0,
+            kd_per_s: 40.0,
+            a,
+            observer,
+        };
+        let positions = |delay_samples| PositionObserver {
+            correction: vec![0.2028, 15.77, -543.0, -8.4e3],
+            share: 0.3,
+            delay_samples,
+            innovation_filter: Vec::new(),
+        };
+        let laws = [
+            (Form::Observer, record(vec![4900.0, 140.0], None)),
+            (Form::Literal, record(vec![4900.0, 140.0], None)),
+            (Form::Positions, record(Vec::new(), Some(positions(0)))),
+            (Form::Positions, record(Vec::new(), Some(positions(2)))),
+        ];
+        for (form, record) in laws {
+            for (velocity, filter, delay, low_pass) in [
+                (VelocitySource::Measured, None, 0, None),
+                (VelocitySource::Measured, Some(80.0), 1, Some(60.0)),
+                (VelocitySource::Differenced, None, 2, None),
+                (VelocitySource::Differenced, Some(50.0), 3, Some(200.0)),
+                (VelocitySource::Measured, None, 0, Some(100.0)),
+            ] {
+                let model = LoopModel {
+                    period_s: T,
+                    delay_samples: delay,
+                    sample_delay_samples: 0,
+                    torque: TorqueSource::Applied,
+                    velocity,
+                    velocity_filter_hz: filter,
+                    torque_filter_hz: low_pass,
+                    form,
+                    drive_bandwidth_hz: None,
+                };
+                for gain in [1.0, 0.8] {
+                    let open = OpenLoop::with_drive_gain(&record, &model, gain);
+                    for angle in [0.02, 0.4, 2.0] {
+                        let z = Complex::from_polar(1.1, angle);
+                        let w = z - 1.0;
+                        let ratio = open.numerator.at(w) / open.denominator.at(w);
+                        let sum = summed(&record, &model, gain, z);
+                        assert!(
+                            (sum - ratio).norm() < 1e-8 * ratio.norm(),
+                            "{model:?} {gain} {angle}: {sum} {ratio}"
+                        );
+                    }
+                }
+            }
+        }
+    }
 }

@@ -57,11 +57,9 @@ impl Polynomial {
         Self(out)
     }
 
-    /// Without the coefficient of `w⁰`, which is nothing but rounding.
-    pub(crate) fn without_lowest(mut self) -> Self {
-        if let Some(lowest) = self.0.first_mut() {
-            *lowest = 0.0;
-        }
+    /// Without its lowest coefficients, which are nothing but rounding.
+    pub(crate) fn without_lowest(mut self, count: usize) -> Self {
+        self.0.iter_mut().take(count).for_each(|lowest| *lowest = 0.0);
         self
     }
 

@@ -48,8 +48,8 @@ pub(crate) fn plausible(claim: &str, gains: &JointRecord) -> Result<(), Refutati
 
 /// The same for the loop model.
 pub(crate) fn plausible_loop(claim: &str, model: &LoopModel) -> Result<(), Refutation> {
-    let bandwidths = model.velocity_filter_hz.into_iter().chain(model.drive_bandwidth_hz);
-    for value in bandwidths.chain([model.period_s]) {
+    let filters = model.velocity_filter_hz.into_iter().chain(model.torque_filter_hz);
+    for value in filters.chain(model.drive_bandwidth_hz).chain([model.period_s]) {
         if !value.is_finite() || value <= 0.0 {
             return Err(refuse(claim, "0 < period, bandwidth < ∞", value, 0.0));
         }

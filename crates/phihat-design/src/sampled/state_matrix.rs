@@ -21,13 +21,13 @@ pub struct Reaction {
 
 /// The closed loop of one joint at one inertia ratio, one sample to the next, in units of `M̄`.
 ///
-/// The state is `(q, q̇/ω, memory …)`, `ω = √K_p`, and, where the loop has them: last sensed position, last
-/// velocity given to the law, mean torque of the interval just ended, torque at its end, the delay line;
-/// all divided by a power of `ω` so that they count in radians.
+/// The state is `(q, q̇/ω, ξ …)`, `ω = √K_p`, `ξ` the law's as in [`phihat::LinearLaw`], and, where the loop has them: last
+/// sensed position, filtered velocity, mean torque of the interval just ended, torque at its end, the delay line, the
+/// torques sent last; all divided by a power of `ω` so that they count in radians.
 ///
 /// # Method
 ///
-/// One sample is written as the equations stand in the core, the simulator's sensor and drive and the
+/// One sample is the law's linear system, as the core gives it, between the simulator's sensor and drive and the
 /// exact solution of `μ q̈ = u − φ`; the matrix is this linear map on unit vectors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StateMatrix {

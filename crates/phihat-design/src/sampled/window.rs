@@ -54,6 +54,7 @@ const EVEN: f64 = PI / 128.0;
 ///     torque: TorqueSource::Applied,
 ///     velocity: VelocitySource::Measured,
 ///     velocity_filter_hz: None,
+///     torque_filter_hz: None,
 ///     form: Form::Observer,
 ///     drive_bandwidth_hz: None,
 /// };

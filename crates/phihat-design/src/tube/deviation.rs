@@ -35,18 +35,13 @@ impl<const W: usize> Deviation<W> {
         }
     }
 
-    /// Number of states per run.
-    pub(super) fn length(&self) -> usize {
-        self.state.len() + self.control.length()
-    }
-
     /// Shows every state in a fixed order.
-    pub(super) fn each(&mut self, mut visit: impl FnMut(usize, &mut Lane<W>)) {
+    pub(super) fn each(&mut self, scene: &Scene<'_>, mut visit: impl FnMut(usize, &mut Lane<W>)) {
         let first = self.state.len();
         for (i, state) in self.state.iter_mut().enumerate() {
             visit(i, state);
         }
-        self.control.each(|i, state| visit(first + i, state));
+        self.control.each(&scene.law, |i, state| visit(first + i, state));
     }
 
     /// Replaces what a law expects by its difference from the true value, so that the sizes of all numbers
@@ -110,10 +105,8 @@ impl<const W: usize> Deviation<W> {
         let n = scene.n;
         self.control.act(&scene.law);
         for i in 0..n {
-            let held = torque(i);
-            for c in 0..W {
-                self.torque[i][c] = self.control.mean[i][c] + held[c];
-            }
+            self.torque[i] = self.control.mean[i];
+            self.torque[i].add_scaled(1.0, &torque(i));
         }
         if !interval.added.is_empty() {
             let (by_e, by_v) = interval.added.split_at(n * n);

@@ -171,7 +171,7 @@ impl<'a> Course<'a> {
 
     /// Number of states of a run.
     pub(super) fn states(&self) -> usize {
-        Deviation::<1>::new(self.scene).length()
+        2 * self.scene.n + self.scene.law.states()
     }
 
     pub(super) fn inputs(&self) -> Inputs {
@@ -296,7 +296,7 @@ impl<'a> Course<'a> {
             let at = inputs.first(place.kind) + place.first;
             let unit = place.kind.per(self.scene.period);
             run.come_apart(self.scene);
-            run.each(|i, state| {
+            run.each(self.scene, |i, state| {
                 let own = &mut left[i * inputs.count() + at..][..place.width];
                 for (left, state) in own.iter_mut().zip(state.iter()) {
                     *left = larger(*left, unit * state.abs());
@@ -311,7 +311,7 @@ impl<'a> Course<'a> {
         let total = self.intervals.len();
         let s = (total / 4).min(total.saturating_sub(2));
         let mut packs = self.launched(s);
-        let length = packs.runs[0].length();
+        let length = self.states();
         let mut peak = vec![0.0_f64; length];
         let mut sizes: Vec<Vec<f64>> = Vec::new();
         let size = |now: &[f64], peak: &[f64]| {
@@ -320,7 +320,7 @@ impl<'a> Course<'a> {
         for t in s + 1..total {
             let mut now = vec![0.0_f64; length];
             for run in &mut packs.runs {
-                run.each(|i, state| {
+                run.each(self.scene, |i, state| {
                     for value in state.iter() {
                         now[i] = larger(now[i], value.abs());
                     }
@@ -353,7 +353,7 @@ impl<'a> Course<'a> {
         let mut left = vec![0.0_f64; length * length];
         for first in (0..length).step_by(WIDE) {
             let mut run = Deviation::<WIDE>::new(self.scene);
-            run.each(|i, state| {
+            run.each(self.scene, |i, state| {
                 if (first..first + WIDE).contains(&i) {
                     state[i - first] = 1.0;
                 }
@@ -368,7 +368,7 @@ impl<'a> Course<'a> {
                 }
             });
             run.come_apart(self.scene);
-            run.each(|i, state| {
+            run.each(self.scene, |i, state| {
                 for (left, state) in
                     left[i * length + first..][..width].iter_mut().zip(state.iter())
                 {

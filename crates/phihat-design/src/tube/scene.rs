@@ -1,11 +1,10 @@
 //! Scope of a tube: arm, friction, payload, loop and motion, read from a study once.
 
-use phihat::{Form, VelocitySource};
 use phihat_certificate::extremes::Extremes as _;
 use phihat_model::{Body, Model, Sigmoid};
 use phihat_study::{PayloadSet, Push, Study};
 
-use super::controller::{SampledJoint, SampledLaw};
+use super::controller::SampledLaw;
 use super::desired::Desired;
 use super::refusal::TubeRefusal;
 use crate::certificate::missing;
@@ -114,7 +113,7 @@ pub(super) struct Scene<'a> {
     /// Torque that held the arm before the first sample.
     pub(super) held: Vec<f64>,
     pub(super) measured_velocity: bool,
-    /// True if a law expects positions: [`Form::Positions`].
+    /// True if a law subtracts its feed-forward from the torque that acted.
     pub(super) expects: bool,
     /// Torque limit, and largest change per sample.
     pub(super) limits: Vec<(f64, f64)>,
@@ -147,13 +146,8 @@ impl<'a> Scene<'a> {
         modelled(study)?;
         let models: Vec<LoopModel> =
             (0..n).map(|i| LoopModel::from_study(study, i).with_choices_of(gains, study)).collect();
-        let joints = gains.joints.iter().zip(&models);
-        let law = SampledLaw {
-            joints: joints.map(|(record, model)| SampledJoint::new(record, *model)).collect(),
-            period,
-            takes_over: study.world.held.is_some(),
-            starts_at_zero: study.interface.kept && profile.first_torque_max.is_some(),
-        };
+        let starts_at_zero = study.interface.kept && profile.first_torque_max.is_some();
+        let law = SampledLaw::new(gains, &models, (starts_at_zero, study.world.held.is_some()));
         let friction = |i: usize| {
             let own = study.robot.joints[i].friction;
             let acts =
@@ -188,16 +182,14 @@ impl<'a> Scene<'a> {
             samples,
             substeps: study.world.substeps,
             names: study.robot.joint_names(),
-            law,
             friction: (0..n).map(friction).collect(),
             pushes: &study.world.pushes,
             edges: edges(study, period),
             held: study.held_torque(&start.0).unwrap_or_else(|| vec![0.0; n]),
             start,
-            expects: models.iter().any(|m| m.form == Form::Positions),
-            measured_velocity: models
-                .iter()
-                .any(|m| m.velocity == VelocitySource::Measured && m.form != Form::Positions),
+            expects: law.subtracts_feed_forward(),
+            measured_velocity: law.measures_velocity(),
+            law,
             limits: (0..n).map(limit).collect(),
             bare: study.robot.plant_model().with_gravity(study.world.gravity),
             adds_gravity: profile.adds_gravity,

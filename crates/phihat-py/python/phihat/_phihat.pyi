@@ -251,6 +251,7 @@ class Gains:
         inertia, kp, kd: nominal inertia [kg m^2], ``K_p`` [1/s^2] and ``K_d`` [1/s] of each joint.
         a: estimator coefficients of each joint, ``a_0`` first [1/s^m ... 1/s]; as many as its order.
         joint_names: joints, in order; ``joint_1`` and so on unless given.
+        torque_filter_hz: cut-off of a first-order low-pass on the torque command, before its limits [Hz]; none unless given.
 
     Raises:
         GainsError, ArgumentError: gains that cannot be, or not one value per joint.
@@ -265,6 +266,7 @@ class Gains:
         kd: Sequence[float],
         a: Sequence[Sequence[float]],
         joint_names: Sequence[str] | None = None,
+        torque_filter_hz: float | None = None,
     ) -> Gains: ...
     @staticmethod
     def from_file(path: _Path) -> Gains:
@@ -379,6 +381,7 @@ class PositionGains:
             that was not expected; left out or, of a joint, an empty list: none. ``c`` are rates per sample [1]: a section's
             poles are ``z = 1 + w`` with ``w**2 + c_1 w + c_0 = 0``, inside of the circle where ``0 < c_0 < c_1`` and
             ``2 c_1 < 4 + c_0``. ``b`` are weights in the torque that is wanted, per ``M`` [1/s^2].
+        torque_filter_hz: cut-off of a first-order low-pass on the torque command, before its limits [Hz]; none unless given.
 
     Raises:
         GainsError: gains that cannot be; ``field`` is the argument.
@@ -398,6 +401,7 @@ class PositionGains:
         delay_samples: Sequence[int],
         velocity_correction: Sequence[Sequence[float]] | None = None,
         innovation_filter: Sequence[Sequence[_Section]] | None = None,
+        torque_filter_hz: float | None = None,
     ) -> PositionGains: ...
     @property
     def joint_names(self) -> list[str]: ...
@@ -436,6 +440,10 @@ class PositionGains:
     @property
     def innovation_filter(self) -> list[list[_Section]] | None:
         """Sections of the filter on each joint's innovation; ``None``: there is none."""
+
+    @property
+    def torque_filter_hz(self) -> float | None:
+        """Cut-off of the low-pass on the torque command [Hz]; ``None``: there is none."""
 
 @final
 class Controller:

@@ -57,6 +57,9 @@ impl<R: Real> JointRules<R> {
             memory.fade_from_old_gains(gains, m, &reference, now.blend_rate);
         }
         demand += memory.fading(now.blend_rate);
+        if S::FILTERED {
+            demand = gains.low_passed(demand, memory.law.tau);
+        }
         if now.stops() {
             demand =
                 self.without_driving(memory, m, (demand, next.phi_hat, now.average), &mut news);

@@ -9,7 +9,7 @@ use super::moment::{Aim, Moment};
 use super::rules::{ArmRules, JointRules};
 use super::sample::{Memories, Request, Rules, Sample};
 use super::schedule::schedule;
-use crate::gains::{AsLiteral, AsObserver, Built, FromPositions};
+use crate::gains::{AsLiteral, AsObserver, Built, Filtered, FromPositions, Path};
 use crate::{
     Action, Command, Events, Form, JointGains, Measurement, Mode, ModeEvents, Real, Report,
 };
@@ -293,14 +293,17 @@ fn run<R: Real>(
         let gains = rule.in_force(raised);
         let arm = &mut *memories.arm;
         let place = Place { joint, rule, gains };
-        let form = match gains.form {
-            Form::Literal if now.stops() => Form::Observer,
-            form => form,
+        let path = match gains.path {
+            // A stop is not slowed down.
+            Path::Filtered if now.stops() && gains.form == Form::Positions => Path::Positions,
+            Path::Literal | Path::Filtered if now.stops() => Path::Observer,
+            path => path,
         };
-        events |= match form {
-            Form::Observer => place.follow::<AsObserver>(arm, memory, m, now, command),
-            Form::Literal => place.follow_apart::<AsLiteral>(arm, memory, m, now, command),
-            Form::Positions => place.follow_apart::<FromPositions>(arm, memory, m, now, command),
+        events |= match path {
+            Path::Observer => place.follow::<AsObserver>(arm, memory, m, now, command),
+            Path::Literal => place.follow_apart::<AsLiteral>(arm, memory, m, now, command),
+            Path::Positions => place.follow_apart::<FromPositions>(arm, memory, m, now, command),
+            Path::Filtered => place.follow_filtered(arm, memory, m, now, command),
         };
     }
     events
@@ -343,6 +346,24 @@ impl<R: Real> Place<'_, R> {
         command: &mut Command<R>,
     ) -> Events {
         self.follow::<S>(arm, memory, m, now, command)
+    }
+
+    /// With a low-pass on the torque command, out of the way of the laws without one.
+    #[cold]
+    #[inline(never)]
+    fn follow_filtered(
+        &self,
+        arm: &mut ArmState,
+        memory: &mut JointMemory<R>,
+        m: &Measurement<R>,
+        now: &Moment<R>,
+        command: &mut Command<R>,
+    ) -> Events {
+        match self.gains.form {
+            Form::Observer => self.follow::<Filtered<AsObserver>>(arm, memory, m, now, command),
+            Form::Literal => self.follow::<Filtered<AsLiteral>>(arm, memory, m, now, command),
+            Form::Positions => self.follow::<Filtered<FromPositions>>(arm, memory, m, now, command),
+        }
     }
 }
 

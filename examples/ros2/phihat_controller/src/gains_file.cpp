@@ -165,6 +165,9 @@ Gains read_gains(std::string_view text)
     }
     unsigned delay = 0;
     gains.joints.push_back(law(record, "joint " + name, delay));
+    if (document["torque_filter_hz"].is(Json::Kind::Number)) {
+      gains.joints.back().torque_filter_hz = document["torque_filter_hz"].number;
+    }
     gains.delay_samples.push_back(delay);
     gains.names.push_back(name);
   }
