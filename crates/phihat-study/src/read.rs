@@ -16,7 +16,8 @@ use crate::keys::STUDY;
 use crate::node::Node;
 use crate::run::Run;
 use crate::source::Source;
-use crate::study::{Interface, Sensor, Study};
+use crate::study::{Interface, MotionClass, Reference, Sensor, Study};
+use crate::supervisor::SupervisorRequest;
 use crate::{
     control, design, fault, feedforward, gains, profile, reference, spec, supervisor, world,
 };
@@ -189,7 +190,9 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let design = found.keep(design::read(&top.child("design"), (&arm, &world), base))?;
     let feedforward = found.keep(feedforward::read(top, &arm, &control))?;
     let supervisor = &top.child("supervisor");
-    let supervisor = found.keep(supervisor::read(supervisor, &arm, (duration, control.form)))?;
+    let any = found.keep(top.child("reference").word("kind"))? == Some("any");
+    let supervisor =
+        found.keep(supervisor::read(supervisor, &arm, (duration, control.form), any))?;
     let faults = fault::read(top, &arm, duration)?;
     // Along a run of no known length there is nothing to look at.
     let seed = top.count("seed")?;
@@ -209,6 +212,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     else {
         return Err(found.last());
     };
+    let supervisor = supervisor.map(|own| of_class(own, &reference));
     Ok(Study {
         title: top.text("title").unwrap_or(&name).to_owned(),
         name,
@@ -230,6 +234,19 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         inputs: inputs(top, &arm, base)?,
         robot: arm.robot,
     })
+}
+
+/// The supervisor of a class of motions shapes references to the class.
+fn of_class(
+    mut supervisor: Box<SupervisorRequest>,
+    reference: &Reference,
+) -> Box<SupervisorRequest> {
+    if let Reference::Any { class, .. } = reference {
+        let MotionClass { low, high, speed, acceleration, jerk, .. } = class;
+        supervisor.motion = Some([speed.clone(), acceleration.clone(), jerk.clone()]);
+        supervisor.reference_box = Some([low.clone(), high.clone()]);
+    }
+    supervisor
 }
 
 /// `[profile]`, which does not say beside `[start]` with which torque the law begins.

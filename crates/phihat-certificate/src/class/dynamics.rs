@@ -20,7 +20,9 @@ pub(super) struct Dynamics {
 }
 
 impl Dynamics {
-    pub(super) fn at(model: &Model, room: &mut Workspace<f64>, q: &[f64]) -> Self {
+    /// Of an arm with its payload; `added` is the arm whose torque of gravity the robot adds by itself.
+    pub(super) fn at(model: &Model, added: Option<&Model>, q: &[f64]) -> Self {
+        let room = &mut Workspace::new(model);
         let n = q.len();
         let mut mass = |q: &[f64]| {
             let mut flat = vec![0.0; n * n];
@@ -66,6 +68,20 @@ impl Dynamics {
             let (more, less) = (bias(&moved(c, STEP), &rest), bias(&moved(c, -STEP), &rest));
             for i in 0..n {
                 gravity[i][c] = (more[i] - less[i]) / (2.0 * STEP);
+            }
+        }
+        if let Some(bare) = added {
+            let mut room = Workspace::new(bare);
+            let mut weight = |q: &[f64]| {
+                let mut tau = vec![0.0; n];
+                bare.bias(&mut room, q, &rest, &mut tau);
+                tau
+            };
+            for c in 0..n {
+                let (more, less) = (weight(&moved(c, STEP)), weight(&moved(c, -STEP)));
+                for (row, (more, less)) in gravity.iter_mut().zip(more.iter().zip(&less)) {
+                    row[c] -= (more - less) / (2.0 * STEP);
+                }
             }
         }
         Self { n, mass: own, slopes, coriolis, gravity }
