@@ -189,10 +189,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let spec = found.keep(spec::read(&top.child("spec"), &arm.joints, duration))?;
     let design = found.keep(design::read(&top.child("design"), (&arm, &world), base))?;
     let feedforward = found.keep(feedforward::read(top, &arm, &control))?;
-    let supervisor = &top.child("supervisor");
-    let any = found.keep(top.child("reference").word("kind"))? == Some("any");
-    let supervisor =
-        found.keep(supervisor::read(supervisor, &arm, (duration, control.form), any))?;
+    let supervisor = found.keep(guarded(top, &arm, (duration, control.form)))?;
     let faults = fault::read(top, &arm, duration)?;
     // Along a run of no known length there is nothing to look at.
     let seed = top.count("seed")?;
@@ -212,7 +209,6 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     else {
         return Err(found.last());
     };
-    let supervisor = supervisor.map(|own| of_class(own, &reference));
     Ok(Study {
         title: top.text("title").unwrap_or(&name).to_owned(),
         name,
@@ -224,7 +220,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         gains,
         design,
         feedforward,
-        supervisor,
+        supervisor: of_class(supervisor, &reference),
         control,
         sensor,
         world,
@@ -237,16 +233,27 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
 }
 
 /// The supervisor of a class of motions shapes references to the class.
+#[inline(never)]
 fn of_class(
-    mut supervisor: Box<SupervisorRequest>,
+    mut supervisor: Option<Box<SupervisorRequest>>,
     reference: &Reference,
-) -> Box<SupervisorRequest> {
-    if let Reference::Any { class, .. } = reference {
+) -> Option<Box<SupervisorRequest>> {
+    if let (Some(own), Reference::Any { class, .. }) = (&mut supervisor, reference) {
         let MotionClass { low, high, speed, acceleration, jerk, .. } = class;
-        supervisor.motion = Some([speed.clone(), acceleration.clone(), jerk.clone()]);
-        supervisor.reference_box = Some([low.clone(), high.clone()]);
+        own.motion = Some([speed.clone(), acceleration.clone(), jerk.clone()]);
+        own.reference_box = Some([low.clone(), high.clone()]);
     }
     supervisor
+}
+
+/// `[supervisor]`, which takes the limits of a reference from a class of motions.
+fn guarded(
+    top: &Node<'_>,
+    arm: &StudyArm,
+    given: (f64, phihat::Form),
+) -> Result<Option<Box<SupervisorRequest>>, StudyError> {
+    let any = top.child("reference").word("kind")? == "any";
+    supervisor::read(&top.child("supervisor"), arm, given, any)
 }
 
 /// `[profile]`, which does not say beside `[start]` with which torque the law begins.

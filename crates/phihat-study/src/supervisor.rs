@@ -104,11 +104,13 @@ pub(crate) fn read(
         node.note(node.error(Kind::Conflict, "start_estimator_factor", message))?;
     }
     for key in MOTION.into_iter().filter(|key| any && node.has(key)) {
-        let message = "the reference is a class of motions, whose limits are those of `[reference]`";
+        let message =
+            "the reference is a class of motions, whose limits are those of `[reference]`";
         node.note(node.error(Kind::Conflict, key, message))?;
     }
     if !any && node.has("start_imbalance_nm") {
-        let message = "only the bound for a class of motions counts it: `kind = \"any\"` in `[reference]`";
+        let message =
+            "only the bound for a class of motions counts it: `kind = \"any\"` in `[reference]`";
         node.note(node.error(Kind::Conflict, "start_imbalance_nm", message))?;
     }
     let joints = &arm.joints;

@@ -177,6 +177,22 @@ impl Start {
         let preset = own.preset.clone().unwrap_or_else(|| vec![0.0; n]);
         Ok(Self { supervised: true, preset, stated: own.start_imbalance.clone() })
     }
+
+    /// A start that nobody stated is as far out of balance as what is found here, at least.
+    fn fits(
+        &self,
+        (maxima, claimed): (&Maxima, &ClassBound),
+        study: &Study,
+    ) -> Result<(), Refutation> {
+        if !self.supervised || self.stated.is_some() {
+            return Ok(());
+        }
+        let least = maxima.start.iter().zip(&study.design.coulomb.1);
+        for ((left, dry), claimed) in least.zip(&claimed.start_nm) {
+            at_most(CLAIM, "start out of balance ≤ claimed", left.max(*dry), *claimed)?;
+        }
+        Ok(())
+    }
 }
 
 impl Certificate {
@@ -225,19 +241,12 @@ impl Certificate {
             let model = model.with_gravity(study.world.gravity);
             all.push(setting.played(&loops, &model, &dice.place(class))?);
         }
-        let models: Vec<Model> = bodies
-            .iter()
-            .map(|(frame, body)| {
-                Ok(loaded(study, (Rotor::Stated, body), frame)?.with_gravity(study.world.gravity))
-            })
-            .collect::<Result<_, Refutation>>()?;
+        let stated = bodies.iter().map(|(frame, body)| {
+            Ok(loaded(study, (Rotor::Stated, body), frame)?.with_gravity(study.world.gravity))
+        });
+        let models: Vec<Model> = stated.collect::<Result<_, Refutation>>()?;
         let maxima = setting.maxima(&models, &mut dice);
-        if setting.start.supervised && setting.start.stated.is_none() {
-            let least = maxima.start.iter().zip(&study.design.coulomb.1);
-            for ((left, dry), claimed) in least.zip(&claimed.start_nm) {
-                at_most(CLAIM, "start out of balance ≤ claimed", left.max(*dry), *claimed)?;
-            }
-        }
+        setting.start.fits((&maxima, claimed), study)?;
         let [error, velocity, step] = setting.solve(&all, &maxima, claimed)?;
         let lists = [
             ("derived |e| ≤ claimed", &error, &claimed.error_rad),
@@ -325,7 +334,8 @@ impl<'a> Setting<'a> {
         )?;
         let start = Start::of(study)?;
         let profile = &study.interface.profile;
-        let lone = profile.adds_friction <= 0.0 && !(profile.adds_gravity && study.feedforward.is_some());
+        let lone =
+            profile.adds_friction <= 0.0 && !(profile.adds_gravity && study.feedforward.is_some());
         Refutation::unless(CLAIM, "nothing but gravity is added by the robot", 1.0, 0.0, lone)?;
         let delay = models.iter().map(|m| m.delay_samples).max().unwrap_or(0);
         let mut dry = forces(study);
@@ -444,8 +454,14 @@ impl<'a> Setting<'a> {
     fn maxima(&self, models: &[Model], dice: &mut Dice) -> Maxima {
         let n = self.n;
         let zero = || vec![0.0_f64; n];
-        let mut most =
-            Maxima { whole: zero(), slow: zero(), size: zero(), jerk: zero(), fed: zero(), start: zero() };
+        let mut most = Maxima {
+            whole: zero(),
+            slow: zero(),
+            size: zero(),
+            jerk: zero(),
+            fed: zero(),
+            start: zero(),
+        };
         let mut fed_jerk = zero();
         for k in 0..POINTS {
             let model = &models[k % models.len()];
@@ -473,33 +489,41 @@ impl<'a> Setting<'a> {
             }
             // Every tenth point: what the acceleration and the jerk do by themselves.
             if k % 10 == 0 {
-                let rest = zero();
-                let (base, fed_base) = self.torques(model, &mut rooms, (&q, &rest, &rest));
-                for ((start, held), preset) in most.start.iter_mut().zip(&base).zip(&self.start.preset) {
-                    *start = start.max((held - preset).abs());
-                }
-                let mut sums = vec![[0.0; 3]; n];
-                for j in 0..n {
-                    let mut unit = zero();
-                    unit[j] = 1.0;
-                    let (tau, fed) = self.torques(model, &mut rooms, (&q, &rest, &unit));
-                    for i in 0..n {
-                        let fed = fed[i] - fed_base[i];
-                        let left = (tau[i] - base[i] - fed).abs();
-                        sums[i][0] += left * self.class.acceleration[j];
-                        sums[i][1] += left * self.class.jerk[j];
-                        sums[i][2] += fed.abs() * self.class.jerk[j];
-                    }
-                }
-                for (i, [size, jerk, fed]) in sums.into_iter().enumerate() {
+                for (i, [size, jerk, fed, start]) in
+                    self.inertial(model, &mut rooms, &q).into_iter().enumerate()
+                {
                     most.size[i] = most.size[i].max(size);
                     most.jerk[i] = most.jerk[i].max(jerk);
+                    most.start[i] = most.start[i].max(start);
                     fed_jerk[i] = fed_jerk[i].max(fed);
                 }
             }
         }
         most.fed.iter_mut().zip(fed_jerk).for_each(|(fed, jerk)| *fed += jerk);
         most
+    }
+
+    /// Of each joint at a posture: size and rate by the jerk of the part in the acceleration, rate by the jerk of what
+    /// is fed forward, and what the start leaves of gravity.
+    fn inertial(&self, model: &Model, rooms: &mut Rooms, q: &[f64]) -> Vec<[f64; 4]> {
+        let n = self.n;
+        let rest = vec![0.0; n];
+        let (base, fed_base) = self.torques(model, rooms, (q, &rest, &rest));
+        let left = base.iter().zip(&self.start.preset).map(|(held, preset)| (held - preset).abs());
+        let mut sums: Vec<[f64; 4]> = left.map(|start| [0.0, 0.0, 0.0, start]).collect();
+        for j in 0..n {
+            let mut unit = vec![0.0; n];
+            unit[j] = 1.0;
+            let (tau, fed) = self.torques(model, rooms, (q, &rest, &unit));
+            for i in 0..n {
+                let fed = fed[i] - fed_base[i];
+                let left = (tau[i] - base[i] - fed).abs();
+                sums[i][0] += left * self.class.acceleration[j];
+                sums[i][1] += left * self.class.jerk[j];
+                sums[i][2] += fed.abs() * self.class.jerk[j];
+            }
+        }
+        sums
     }
 
     /// The least solution over the postures: error, velocity, torque step.
@@ -564,7 +588,9 @@ impl<'a> Setting<'a> {
                 break;
             }
         }
-        let step = (0..n).map(|i| most(STEP, i, &error, &velocity) + self.period * maxima.fed[i]).collect();
+        let step = (0..n)
+            .map(|i| most(STEP, i, &error, &velocity) + self.period * maxima.fed[i])
+            .collect();
         Ok([error, velocity, step])
     }
 }

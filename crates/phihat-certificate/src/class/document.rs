@@ -109,6 +109,27 @@ impl ClassBound {
         self.start_s > 0.0
     }
 
+    /// Returns true if a supervisor that keeps references in this box, with these largest speeds, accelerations and
+    /// jerks, keeps them in the class.
+    pub fn covers(
+        &self,
+        reference_box: Option<&[Vec<f64>; 2]>,
+        motion: Option<&[Vec<f64>; 3]>,
+    ) -> bool {
+        let within = |own: &[f64], most: &[f64]| {
+            own.len() == most.len() && own.iter().zip(most).all(|(own, most)| own <= most)
+        };
+        let (Some([low, high]), Some([speed, acceleration, jerk])) = (reference_box, motion) else {
+            return false;
+        };
+        self.is_supervised()
+            && within(&self.box_rad.0, low)
+            && within(high, &self.box_rad.1)
+            && within(speed, &self.speed_max_rad_s)
+            && within(acceleration, &self.acceleration_max_rad_s2)
+            && within(jerk, &self.jerk_max_rad_s3)
+    }
+
     /// The largest bound on `|e|` of a joint \[rad\], and the joint's index.
     pub fn worst(&self) -> Option<(usize, f64)> {
         let all = self.error_rad.iter().copied().enumerate();

@@ -59,15 +59,13 @@ impl List {
             // The soft zone's.
             braking: _,
             motion,
-            // Of a class, which counts it.
-            reference_box: _,
             funnel,
             // The funnel's.
             funnel_decay: _,
             preset,
-            // In the bound for a class.
+            // In the bound for a class, and what it says: beyond it the arm stops.
+            reference_box: _,
             start_imbalance: _,
-            // What a certificate says; beyond it the arm stops.
             error_bound: _,
             start_first_order,
             start_factor,
@@ -114,8 +112,7 @@ impl List {
         }
         if class {
             let text = "ends the claim about the class; docs/theory/stop.md says what holds in it";
-            self.add("supervisor: a safe stop", text, LeftOut::Bounds);
-            return;
+            return self.add("supervisor: a safe stop", text, LeftOut::Bounds);
         }
         // The arm is armed, holds, and then tracks: the reference begins some samples late.
         let modes = requests.iter().map(|(t, mode)| format!("{mode:?} at {t} s"));

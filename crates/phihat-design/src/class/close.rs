@@ -228,7 +228,13 @@ impl<'a> Problem<'a> {
                 + bilinear(&self.over.masses, i, error, velocity);
             let size = if boxed[i] { rates.size[i] } else { 0.0 };
             let added = scene.period * self.moved_gravity(i, velocity);
-            scene.dry[i] + added + size + self.held(i) + scene.slope[i] * velocity[i] + second + turning
+            scene.dry[i]
+                + added
+                + size
+                + self.held(i)
+                + scene.slope[i] * velocity[i]
+                + second
+                + turning
         };
         let ramp = |i: usize| {
             let own = if boxed[i] { rates.slow[i] } else { rates.whole[i] + rates.jerk[i] };

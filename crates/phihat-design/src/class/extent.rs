@@ -302,7 +302,10 @@ impl Bent {
                 own.take(&mut arm, &q);
                 if let Some(bare) = &mut bare {
                     let slopes = bare.gravity_slopes(&q);
-                    own.added.iter_mut().zip(slopes).for_each(|(most, x)| *most = larger(*most, x.abs()));
+                    own.added
+                        .iter_mut()
+                        .zip(slopes)
+                        .for_each(|(most, x)| *most = larger(*most, x.abs()));
                 }
             }
         }

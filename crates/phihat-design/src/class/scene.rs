@@ -236,12 +236,28 @@ fn changes_the_law(study: &Study, own: &SupervisorRequest) -> Option<String> {
     };
     let preset = own.preset.iter().flatten().enumerate().any(beyond);
     let listed = [
-        (study.feedforward.is_some(), "feedforward", "it is fed along a reference of the sample before"),
-        (own.dead_zone.is_some(), "supervisor.dead_zone_rad", "the estimate does not integrate in it"),
-        (own.funnel.is_some(), "supervisor.funnel_initial_rad", "another law acts until it is left"),
+        (
+            study.feedforward.is_some(),
+            "feedforward",
+            "it is fed along a reference of the sample before",
+        ),
+        (
+            own.dead_zone.is_some(),
+            "supervisor.dead_zone_rad",
+            "the estimate does not integrate in it",
+        ),
+        (
+            own.funnel.is_some(),
+            "supervisor.funnel_initial_rad",
+            "another law acts until it is left",
+        ),
         (own.soft_zone.is_some(), "supervisor.soft_zone_rad", "it limits torque and estimate"),
         (own.start_first_order, "supervisor.start_first_order", "the first gains are others"),
-        (own.start_factor.is_some(), "supervisor.start_estimator_factor", "the first gains are others"),
+        (
+            own.start_factor.is_some(),
+            "supervisor.start_estimator_factor",
+            "the first gains are others",
+        ),
         (preset, "supervisor.preset_nm", "it takes more than a sample by the torque-rate limit"),
     ];
     let (_, key, why) = listed.into_iter().find(|(is, ..)| *is)?;

@@ -4,7 +4,7 @@ use phihat_certificate::Refutation;
 use phihat_certificate::extremes::larger;
 
 use super::refusal::ClassRefusal;
-use super::scene::{Case, Scene};
+use super::scene::Scene;
 use super::slopes::Slopes;
 use crate::coupled::linear::{Horizon, LEFT, Linear, Lines, OUTPUTS};
 
@@ -109,8 +109,7 @@ impl Sums {
     /// [`ClassRefusal`]: the loop is not stable there, or its law has no integrator.
     pub(super) fn at(scene: &Scene<'_>, case: usize, q: &[f64]) -> Result<Self, ClassRefusal> {
         let n = scene.n;
-        let Case { model, .. } = &scene.cases[case];
-        let slopes = Slopes::at(model, &mut phihat_model::Workspace::new(model), q);
+        let slopes = Slopes::at(&mut scene.posed(&scene.cases[case]), q);
         let inverse = slopes.inverse().ok_or_else(|| unstable("M(q) is positive definite"))?;
         let loops = scene.loops();
         let linear = Linear::new(&loops, &inverse);

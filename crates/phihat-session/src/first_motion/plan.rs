@@ -80,7 +80,7 @@ pub fn first_study(
         // Under gains that nobody designed, it goes nowhere else.
         let elsewhere = |key: &str| ["reference_", "park"].iter().any(|own| key.starts_with(own));
         let others = ["request", "start_imbalance_nm"];
-        supervisor.retain(|key, _| !elsewhere(key) && !others.contains(&key.as_str()));
+        supervisor.retain(|key, _| !elsewhere(key) && !others.contains(&key));
     }
     let mut put = |keys: &[&str], value: Value| set(&mut table, keys, value);
     put(&["title"], Value::from(format!("First motion of {}", study.robot.name)));
