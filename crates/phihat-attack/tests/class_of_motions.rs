@@ -208,7 +208,7 @@ fn a_forged_start_is_refuted_and_what_changes_the_law_is_refused() {
         let study = Study::from_text(&text, "any.toml", "".as_ref()).unwrap();
         match class_bound(&study, supervised_gains()) {
             Err(why @ ClassRefusal::Unsupported(_)) => {
-                assert!(why.to_string().contains(key), "{why}")
+                assert!(why.to_string().contains(key), "{why}");
             }
             other => panic!("{key}: {other:?}"),
         }
