@@ -129,7 +129,10 @@ def main() -> int:
     common = {"armature": rotors(scene), "duration": "6.0", "rate": "1000.0", "amplitude": 0.05, "more": ""}
     common |= {"guard": "[supervisor]\nerror_stop_rad = 0.1", "first": 0.0}
     (folder / "fr3.toml").write_text(STUDY.format(law=DESIGNED, **common))
-    subprocess.run([program, "design", "fr3.toml", "--out", "gains.json"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+    design = [program, "design", "fr3.toml", "--out", "gains.json"]
+    # 3: gains without a bound on the error, as under a supervisor.
+    if subprocess.run(design, cwd=folder, check=False, stdout=subprocess.DEVNULL).returncode not in (0, 3):
+        raise SystemExit("no gains")
     # A controller that keeps no rule, unguarded, and means to be elsewhere.
     reckless = common | {"rate": '"none"', "more": "controller_keeps = false", "guard": "", "first": 0.3}
     (folder / "reckless.toml").write_text(STUDY.format(law=DESIGNED, **reckless))

@@ -4,8 +4,8 @@ use phihat::{Form, TorqueSource, VelocitySource};
 use serde::Serialize;
 
 use crate::{
-    ArmBasis, Certificate, ClassAgain, Gains, JointCertificate, LoopModel, NotCounted, PhiBasis,
-    Refutation, TubeAgain,
+    ArmBasis, Certificate, CheckedBound, ClassAgain, Gains, JointCertificate, LoopModel,
+    NotCounted, PhiBasis, Refutation, TubeAgain, Verdict,
 };
 
 /// One line of a checked certificate.
@@ -19,7 +19,7 @@ pub struct Statement {
     pub value: String,
 }
 
-/// A certificate after its check, in three blocks.
+/// A certificate after its check, block by block.
 ///
 /// # Not claimed
 ///
@@ -27,8 +27,14 @@ pub struct Statement {
 /// `trade_off` and `limit` inform; nothing checks them, and they do not appear here.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verified {
-    /// Claims that were shown from the file.
+    /// Standing of the bounds on the errors, and of the specification: the weakest of all.
+    pub verdict: Verdict,
+    /// Claims that exact arithmetic shows from the file.
     pub proved: Vec<Statement>,
+    /// Claims that the file states and the check derives again from the file, both in double precision.
+    pub derived_twice: Vec<Statement>,
+    /// Bound on the error of each joint that has one, with its standing.
+    pub error_bounds: Vec<CheckedBound>,
     /// Basis of the proved claims that the file alone cannot show.
     pub trusted: Vec<Statement>,
     /// Statements of `trusted` that were derived again from a study.
@@ -54,11 +60,14 @@ impl Certificate {
     pub fn verified(&self, gains: &Gains) -> Result<Verified, Refutation> {
         self.verify(gains)?;
         let alone = self.frozen.is_some();
-        let each = self.joints.iter().map(|joint| {
-            let slides = gains.slides(&joint.name);
-            (joint.name.as_str(), proved(joint, alone, slides))
-        });
-        let mut shown = merged(each);
+        let name = |joint: &JointCertificate| joint.name.clone();
+        let exact = self.joints.iter().map(|joint| (name(joint), proved(joint, alone)));
+        let mut shown = merged(exact);
+        let twice = self
+            .joints
+            .iter()
+            .map(|joint| (name(joint), derived_twice(joint, alone, gains.slides(&joint.name))));
+        let mut derived_twice = merged(twice);
         let range = |low: f64, high: f64| format!("μ in {low:.5} … {high:.5}");
         let whole = |what: &str, value: String| Statement { joint: None, what: what.into(), value };
         if let Some(frozen) = &self.frozen {
@@ -79,18 +88,38 @@ impl Certificate {
         if let Some(coupled) = &self.coupled {
             let n = coupled.error_rad_per_nm.len();
             let value = format!("{n} × {n}, at the frozen postures of the file");
-            shown.push(whole("coupled gains from torque and encoder", value));
+            derived_twice.push(whole("coupled gains from torque and encoder", value));
         }
-        Ok(Verified {
+        let verified = Verified {
+            verdict: Verdict::NotProved,
             proved: shown,
+            derived_twice,
+            error_bounds: Vec::new(),
             trusted: self.trusted(gains),
             derived: Vec::new(),
             tube: None,
             class: None,
             not_counted: self.not_counted.clone(),
-            not_proved: self.not_proved(),
+            not_proved: Vec::new(),
             bounded: self.without_bound().is_none(),
-        })
+        };
+        Ok(self.concluded(verified, gains))
+    }
+
+    /// The result with its verdict, from the second derivations that it has.
+    #[must_use]
+    pub fn concluded(&self, mut verified: Verified, gains: &Gains) -> Verified {
+        let (tube, class) = (verified.tube.as_ref(), verified.class.as_ref());
+        verified.error_bounds = self.checked_bounds(gains, tube, class);
+        verified.not_proved = self.not_proved();
+        verified.not_proved.extend(tube.into_iter().flat_map(|tube| tube.first_only.clone()));
+        let standing = verified.error_bounds.iter().map(|bound| bound.verdict).min();
+        verified.verdict = if verified.bounded && verified.not_proved.is_empty() {
+            standing.unwrap_or(Verdict::NotProved)
+        } else {
+            Verdict::NotProved
+        };
+        verified
     }
 
     /// Statements that a file cannot show of itself, whether its claims hold or not.
@@ -149,7 +178,7 @@ impl Certificate {
         list.extend(self.class_found(gains));
         let uncoupled = arm.basis != ArmBasis::Postures;
         let of = |joint: &JointCertificate| trusted(joint, uncoupled, gains.slides(&joint.name));
-        list.extend(merged(self.joints.iter().map(|joint| (joint.name.as_str(), of(joint)))));
+        list.extend(merged(self.joints.iter().map(|joint| (joint.name.clone(), of(joint)))));
         list
     }
 
@@ -211,16 +240,31 @@ impl Certificate {
     }
 }
 
-/// Proved statements about one joint; where laws differ, some are of the joint `alone`, and not of the arm.
-fn proved(joint: &JointCertificate, alone: bool, slides: bool) -> Vec<(String, String)> {
+/// Statements about one joint that exact arithmetic shows; where laws differ, some are of the joint `alone`, and not of
+/// the arm.
+fn proved(joint: &JointCertificate, alone: bool) -> Vec<(String, String)> {
     let mut list = Vec::new();
-    let (way, push) = units(slides);
     let by_itself = if alone { ", the joint by itself" } else { "" };
     let mut add = |what: &str, value: String| list.push((what.to_owned(), value));
     if let Some(window) = &joint.window {
         let range = format!("μ in {:.5} … {:.5}", window.low, window.high);
         add(&format!("stable at frozen inertia{by_itself}"), range);
     }
+    if let Some(margins) = &joint.margins {
+        add("gain margin", format!("÷ {:.4} … × {:.4}", margins.gain_down, margins.gain_up));
+        add("phase margin", format!("{:.3}°", margins.phase_deg));
+        add("delay margin", format!("{:.4} ms", margins.delay_s * 1e3));
+        add("modulus margin", format!("{:.4}", margins.modulus));
+    }
+    list
+}
+
+/// Statements about one joint that the check derives a second time in double precision.
+fn derived_twice(joint: &JointCertificate, alone: bool, slides: bool) -> Vec<(String, String)> {
+    let mut list = Vec::new();
+    let (way, push) = units(slides);
+    let by_itself = if alone { ", the joint by itself" } else { "" };
+    let mut add = |what: &str, value: String| list.push((what.to_owned(), value));
     if let Some(varying) = &joint.sampled_varying {
         let range = format!("μ in {:.5} … {:.5}", varying.low, varying.high);
         add(&format!("stable while inertia jumps from sample to sample{by_itself}"), range);
@@ -228,12 +272,6 @@ fn proved(joint: &JointCertificate, alone: bool, slides: bool) -> Vec<(String, S
     if let Some(varying) = &joint.varying {
         let range = format!("μ in {:.5} … {:.5}", varying.low, varying.high);
         add("stable while inertia varies, law in continuous time", range);
-    }
-    if let Some(margins) = &joint.margins {
-        add("gain margin", format!("÷ {:.4} … × {:.4}", margins.gain_down, margins.gain_up));
-        add("phase margin", format!("{:.3}°", margins.phase_deg));
-        add("delay margin", format!("{:.4} ms", margins.delay_s * 1e3));
-        add("modulus margin", format!("{:.4}", margins.modulus));
     }
     if let Some(noise) = &joint.noise {
         let share = format!("{:.4e} {push}", noise.change_max_nm);
@@ -332,8 +370,8 @@ fn units(slides: bool) -> (&'static str, &'static str) {
 }
 
 /// Lines that all joints have in common once, the rest joint by joint.
-fn merged<'a>(joints: impl Iterator<Item = (&'a str, Vec<(String, String)>)>) -> Vec<Statement> {
-    let joints: Vec<(&str, Vec<(String, String)>)> = joints.collect();
+fn merged(joints: impl Iterator<Item = (String, Vec<(String, String)>)>) -> Vec<Statement> {
+    let joints: Vec<(String, Vec<(String, String)>)> = joints.collect();
     let shared = |line: &(String, String)| {
         joints.len() > 1 && joints.iter().all(|(_, lines)| lines.contains(line))
     };
@@ -345,7 +383,7 @@ fn merged<'a>(joints: impl Iterator<Item = (&'a str, Vec<(String, String)>)>) ->
     });
     let own = joints.iter().flat_map(|(name, lines)| {
         lines.iter().filter(|line| !shared(line)).map(|(what, value)| Statement {
-            joint: Some((*name).to_owned()),
+            joint: Some(name.clone()),
             what: what.clone(),
             value: value.clone(),
         })

@@ -18,6 +18,7 @@ use phihat_synthesis::{Advice, Tried};
 use crate::failure::Failure;
 use crate::shown::{Shown, spinner};
 use crate::table;
+use crate::verify::NOT_PROVED;
 
 /// Find gains that keep a study's specification, and prove what can be proved about them.
 ///
@@ -25,7 +26,8 @@ use crate::table;
 /// gains.json, which `phihat verify` checks again and `phihat simulate --gains` runs.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Exit code 1: no gains keep every clause; the clauses in the way are told.\n\n\
+    after_help = "Exit codes: 1 no gains keep every clause; the clauses in the way are told · 3 gains are written, and\n\
+                        not every clause is proved of them (NOT PROVED).\n\n\
                         Example:\n  phihat design studies/panda_design.toml"
 )]
 pub(crate) struct Design {
@@ -167,7 +169,8 @@ impl Design {
             }
             println!("gains: {}", path.display());
         }
-        Ok(ExitCode::SUCCESS)
+        let whole = gains.certificate.as_ref().is_none_or(|own| own.unproved.is_empty());
+        Ok(if whole { ExitCode::SUCCESS } else { ExitCode::from(NOT_PROVED) })
     }
 
     fn refuse(&self, no: &Infeasible, told: Option<&(Budget, BudgetFiles)>) -> ExitCode {

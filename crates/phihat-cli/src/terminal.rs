@@ -131,7 +131,7 @@ const MIND: Style = AnsiColor::Yellow.on_default().bold();
 const GOOD: Style = AnsiColor::Green.on_default().bold();
 
 /// Beginnings of lines that are printed in colour, with their styles.
-const PAINTED: [(&str, Style); 13] = [
+const PAINTED: [(&str, Style); 15] = [
     ("error:", BAD),
     ("OUT OF SPEC", BAD),
     ("DIVERGED", BAD),
@@ -143,7 +143,9 @@ const PAINTED: [(&str, Style); 13] = [
     ("forecast:", MIND),
     ("interrupted:", MIND),
     ("within spec", GOOD),
-    ("every claim holds", GOOD),
+    ("PROVED:", GOOD),
+    ("DERIVED TWICE:", GOOD),
+    ("NOT PROVED", MIND),
     ("valid:", GOOD),
 ];
 

@@ -34,7 +34,7 @@ fn exit_codes_are_those_of_the_help_and_documents_are_documents() {
     let mut forged: Value = serde_json::from_str(&gains).unwrap();
     forged["joints"][0]["kd_per_s"] = 1.0.into();
     fs::write(folder.join("forged.json"), forged.to_string()).unwrap();
-    let cases: [(&[&str], i32); 52] = [
+    let cases: [(&[&str], i32); 53] = [
         (&["run", "good.toml"], 0),
         (&["run", "tight.toml"], 1),
         (&["run", "impossible.toml"], 1),
@@ -50,7 +50,8 @@ fn exit_codes_are_those_of_the_help_and_documents_are_documents() {
         (&["design", "designed.toml"], 0),
         (&["design", "impossible.toml"], 1),
         (&["design", "bad.toml"], 2),
-        (&["verify", "gains.json"], 0),
+        (&["verify", "gains.json"], 3),
+        (&["verify", "gains.json", "--study", "designed.toml"], 0),
         (&["verify", "forged.json"], 1),
         (&["verify", "bad.toml"], 2),
         (&["verify"], 2),

@@ -390,6 +390,7 @@ fn a_law_of_the_core_beside_the_limit() {
     let (quantum, period_s) = (TAU / 65_536.0, 4e-3);
     let mut random = Random(3);
     let (mut kinds, mut least) = ([0; 2], f64::INFINITY);
+    let wanted = if std::env::var_os("PHIHAT_ALL").is_some() { 10 } else { 4 };
     for case in 0..200 {
         let (kind, delay) = (case % 2, case / 2 % 3);
         let omega = random.around(15.0, 50.0);
@@ -430,12 +431,12 @@ fn a_law_of_the_core_beside_the_limit() {
         assert!(found.price_of_range() >= found.times_limit());
         least = least.min(found.times_limit());
         kinds[kind as usize] += 1;
-        if kinds.iter().all(|count| *count >= 10) {
+        if kinds.iter().all(|count| *count >= wanted) {
             break;
         }
     }
     println!("{kinds:?} laws with feedback and from positions; least {least:.3} times the limit");
-    assert!(kinds.iter().all(|count| *count >= 10), "{kinds:?}");
+    assert!(kinds.iter().all(|count| *count >= wanted), "{kinds:?}");
     assert!(least < 2.5, "{least}");
 }
 

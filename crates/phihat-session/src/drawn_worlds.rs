@@ -1,4 +1,4 @@
-//! A few runs of a study in worlds drawn from its scope, held against the tube of its gains.
+//! Runs of a study in worlds drawn from its scope, compared with the tube of its gains.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -7,14 +7,15 @@ use phihat_certificate::extremes::{Extremes as _, larger};
 use phihat_certificate::{JointRun, Left, Refutation, Tube};
 use phihat_design::Gains;
 use phihat_report::kit::unit_of;
-use phihat_sim::{SimError, Simulation, Trace};
+use phihat_sim::{Batch, SimError, Simulation, Trace};
 use phihat_study::{Payload, PayloadSet, Study};
 use serde::Serialize;
 
 use crate::error::SessionError;
 
-/// Number of drawn worlds.
-pub const WORLDS: usize = 8;
+/// Number of drawn worlds; they run eight at a time in lanes.
+pub const WORLDS: usize = 64;
+const LANES: usize = 8;
 
 /// Share of the second moments of a needle that is equal in all directions \[1\].
 const NEEDLE: f64 = 0.02;
@@ -28,15 +29,15 @@ pub struct DrawnRuns {
     pub used: Vec<f64>,
 }
 
-/// Runs a study in drawn worlds; `progress` receives the number of finished runs.
+/// Runs a study in worlds drawn from a seed; `progress` receives the number of finished runs.
 ///
 /// # Errors
 ///
 /// [`SessionError`]: it cannot be run. Inside: the refutation of a run that left the tube.
 pub(crate) fn runs(
     study: &Study,
-    gains: &Gains,
-    tube: &Tube,
+    (gains, tube): (&Gains, &Tube),
+    seed: u64,
     progress: &(dyn Fn(usize) + Sync),
 ) -> Result<Result<DrawnRuns, Refutation>, SessionError> {
     let mut study = study.clone();
@@ -44,39 +45,60 @@ pub(crate) fn runs(
     let law = gains
         .joint_gains(&study.robot.joint_names(), study.control.period_ns, study.control.form)
         .map_err(SessionError::other)?;
-    let mut draw = Draw(Dice::at(0x9e37_79b9_7f4a_7c15 ^ study.seed));
-    let worlds: Vec<Study> = (0..WORLDS).map(|_| draw.world(&study)).collect();
-    let one = |world: &Study| -> Result<(Option<Left>, Vec<f64>), SimError> {
-        let trace = run(world.clone(), &law)?;
-        Ok(held(tube, &trace))
+    let mut draw = Draw { dice: Dice::at(seed), corner: false };
+    let worlds: Vec<Study> = (0..WORLDS).map(|at| draw.world(&study, at)).collect();
+    let (done, next) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let work = || {
+        let mut own = Vec::new();
+        loop {
+            let chunk = next.fetch_add(1, Ordering::Relaxed);
+            let Some(part) = worlds.chunks(LANES).nth(chunk) else { return own };
+            own.push((chunk, in_lanes(part, &law, tube)));
+            progress(done.fetch_add(part.len(), Ordering::Relaxed) + part.len());
+        }
     };
-    let done = AtomicUsize::new(0);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let work = |part: &[Study]| -> Vec<_> {
-        let counted = |world| {
-            let run = one(world);
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
-            run
-        };
-        part.iter().map(counted).collect()
-    };
-    let all: Vec<_> = std::thread::scope(|scope| {
-        let parts = worlds.chunks(WORLDS.div_ceil(threads));
-        let threads: Vec<_> = parts.map(|part| scope.spawn(|| work(part))).collect();
+    let mut chunks: Vec<_> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
         let joined = threads
             .into_iter()
             .flat_map(|thread| thread.join().unwrap_or_else(|why| std::panic::resume_unwind(why)));
         joined.collect()
     });
+    chunks.sort_by_key(|(chunk, _)| *chunk);
     let mut used = vec![0.0; tube.joints.len()];
-    for (at, run) in all.into_iter().enumerate() {
-        let (left, shares) = run.map_err(SessionError::other)?;
-        if let Some(left) = left {
-            return Ok(Err(refuted(at, &worlds[at], &left)));
+    for (chunk, runs) in chunks {
+        for (k, (left, shares)) in runs.map_err(SessionError::other)?.into_iter().enumerate() {
+            let at = chunk * LANES + k;
+            if let Some(left) = left {
+                return Ok(Err(refuted(at, &worlds[at], &left)));
+            }
+            used.iter_mut().zip(shares).for_each(|(most, share)| *most = larger(*most, share));
         }
-        used.iter_mut().zip(shares).for_each(|(most, share)| *most = larger(*most, share));
     }
     Ok(Ok(DrawnRuns { runs: WORLDS, used }))
+}
+
+/// Point at which a run left the tube, if it did, and the largest share of a side that it used, per joint.
+type RunInTube = (Option<Left>, Vec<f64>);
+
+/// Runs some worlds in lanes, finer where their friction needs it.
+fn in_lanes(
+    worlds: &[Study],
+    law: &[phihat::JointGains<f64>],
+    tube: &Tube,
+) -> Result<Vec<RunInTube>, SimError> {
+    let simulations = worlds.iter().map(|world| prepared(world, law));
+    let batch = Batch::new(simulations.collect::<Result<_, _>>()?);
+    let mut results = vec![(None, Vec::new()); worlds.len()];
+    let whole = |arm: usize, trace: &mut Trace| {
+        if let Some(result) = results.get_mut(arm) {
+            *result = kept(tube, trace);
+        }
+        Ok::<(), core::convert::Infallible>(())
+    };
+    let Ok(_) = batch.stream(usize::MAX, whole);
+    Ok(results)
 }
 
 fn refuted(at: usize, world: &Study, left: &Left) -> Refutation {
@@ -96,20 +118,20 @@ fn refuted(at: usize, world: &Study, left: &Left) -> Refutation {
     }
 }
 
-/// Runs a world, finer where its friction needs it.
-fn run(mut world: Study, law: &[phihat::JointGains<f64>]) -> Result<Trace, SimError> {
-    let simulation = match Simulation::new(&world, law) {
+/// Simulation of a world, with smaller steps where its friction needs them.
+fn prepared(world: &Study, law: &[phihat::JointGains<f64>]) -> Result<Simulation, SimError> {
+    match Simulation::new(world, law) {
         Err(SimError::TooStiff { needed, .. }) => {
-            world.world.substeps = needed;
-            Simulation::new(&world, law)?
+            let mut finer = world.clone();
+            finer.world.substeps = needed;
+            Simulation::new(&finer, law)
         }
-        other => other?,
-    };
-    Ok(simulation.run(|_| ()).trace)
+        other => other,
+    }
 }
 
-/// Point at which a run left the tube, if any, and the largest share of a side that it used, per joint.
-fn held(tube: &Tube, trace: &Trace) -> (Option<Left>, Vec<f64>) {
+/// Compares a run with a tube.
+fn kept(tube: &Tube, trace: &Trace) -> RunInTube {
     let limited = |joint: &phihat_sim::JointTrace| {
         let acted = joint.saturated.iter().zip(&joint.rate_limited);
         acted.filter(|(torque, rate)| **torque || **rate).count() as u64
@@ -138,20 +160,29 @@ fn held(tube: &Tube, trace: &Trace) -> (Option<Left>, Vec<f64>) {
 }
 
 /// Worlds of a study's scope, drawn from a seed.
-struct Draw(Dice);
+struct Draw {
+    dice: Dice,
+    /// True for a world in which everything is at one of its ends.
+    corner: bool,
+}
+
+/// Number of worlds at corners of payload, its centre, and dry friction.
+const CORNERS: usize = 16;
 
 impl Draw {
-    /// Half of the draws are ends.
+    /// Half of the draws are ends; at a corner all are.
     fn end_or_between(&mut self, ends: (f64, f64)) -> f64 {
-        match self.0.share() {
+        let share = self.dice.share();
+        match if self.corner { 0.5 * share } else { share } {
             x if x < 0.25 => ends.0,
             x if x < 0.5 => ends.1,
-            _ => self.0.between(ends.0, ends.1),
+            _ => self.dice.between(ends.0, ends.1),
         }
     }
 
-    /// A world of the study's scope; it starts as the study says.
-    fn world(&mut self, study: &Study) -> Study {
+    /// A world of the study's scope; it starts as the study says. The first are corners of payload and friction.
+    fn world(&mut self, study: &Study, at: usize) -> Study {
+        self.corner = at < CORNERS;
         let mut world = study.clone();
         let (low, high) = &study.design.coulomb;
         for (i, joint) in study.robot.joints.iter().enumerate() {

@@ -14,6 +14,15 @@ pub fn short_hash(parts: &[&str]) -> String {
     hexadecimal(&hash.finalize()[..8])
 }
 
+/// A seed that a text and a number decide: the first 64 bits of the SHA-256 of both.
+pub(crate) fn seed_of(text: &str, seed: u64) -> u64 {
+    let mut hash = Sha256::new();
+    hash.update(text.as_bytes());
+    hash.update(seed.to_le_bytes());
+    let digest = hash.finalize();
+    digest.iter().take(8).fold(0, |seed, byte| seed << 8 | u64::from(*byte))
+}
+
 /// Bytes as hexadecimal digits.
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     let digits = |byte: &u8| [byte >> 4, byte & 15].map(|half| char::from_digit(half.into(), 16));

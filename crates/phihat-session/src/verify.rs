@@ -12,6 +12,7 @@ use crate::design;
 use crate::drawn_worlds::{DrawnRuns, runs};
 use crate::error::SessionError;
 use crate::files::read_gains;
+use crate::hash::seed_of;
 use crate::origin::trace_of;
 use crate::run_record::RunRecord;
 
@@ -24,9 +25,21 @@ pub enum Checked<'a> {
         gains: &'a Path,
         /// The study file.
         study: Option<&'a Path>,
+        /// Seed of the reader for the drawn worlds, beside the file's own hash.
+        seed: u64,
     },
     /// The record of a run: its files, its figures, and its gains against its study.
     Record(&'a Path),
+}
+
+impl Checked<'_> {
+    /// Seed of the reader.
+    fn seed(self) -> u64 {
+        match self {
+            Self::Gains { seed, .. } => seed,
+            Self::Record(_) => 0,
+        }
+    }
 }
 
 /// Progress of a check that takes long.
@@ -62,7 +75,7 @@ pub fn verify(
     stage: &(dyn Fn(Stage) + Sync),
 ) -> Result<Verification, SessionError> {
     let (gains, study, record, path) = match checked {
-        Checked::Gains { gains, study } => {
+        Checked::Gains { gains, study, .. } => {
             let mut study = study.map(design::read).transpose()?;
             let given = read_gains(gains)?;
             if let Some(study) = &mut study {
@@ -91,10 +104,12 @@ pub fn verify(
     let mut runs = None;
     let claims = match (certificate.verified(&gains), &study) {
         (Ok(verified), Some(study)) => {
-            again(verified, (&gains, certificate), study, stage)?.map(|(verified, kept)| {
-                runs = kept;
-                verified
-            })
+            again(verified, (&gains, certificate), (study, checked.seed()), stage)?.map(
+                |(verified, kept)| {
+                    runs = kept;
+                    verified
+                },
+            )
         }
         (claims, _) => claims,
     };
@@ -107,7 +122,12 @@ pub fn verify(
 
 /// Says what is said of joints that slide in metres and newtons.
 fn in_own_units(verified: &mut Verified, gains: &Gains) {
-    let said = [&mut verified.proved, &mut verified.trusted, &mut verified.derived];
+    let said = [
+        &mut verified.proved,
+        &mut verified.derived_twice,
+        &mut verified.trusted,
+        &mut verified.derived,
+    ];
     for one in said.into_iter().flatten() {
         if one.joint.as_ref().is_some_and(|joint| gains.slides(joint)) {
             let pairs =
@@ -135,7 +155,7 @@ type Again = Result<(Verified, Option<DrawnRuns>), Refutation>;
 fn again(
     mut verified: Verified,
     (gains, certificate): (&Gains, &Certificate),
-    study: &Study,
+    (study, seed): (&Study, u64),
     stage: &(dyn Fn(Stage) + Sync),
 ) -> Result<Again, SessionError> {
     let checked = certificate.derive(gains, study).and_then(|derived| {
@@ -143,14 +163,16 @@ fn again(
         let share = |share| stage(Stage::Tube(share));
         verified.tube = derived_tube((gains, certificate), study, &share)?;
         verified.class = certificate.derive_class(gains, study)?;
-        Ok(verified)
+        Ok(certificate.concluded(verified, gains))
     });
     let verified = match checked {
         Ok(verified) => verified,
         Err(why) => return Ok(Err(why)),
     };
     let Some(tube) = &certificate.tube else { return Ok(Ok((verified, None))) };
-    let found = runs(study, gains, tube, &|done| stage(Stage::Worlds(done)))?;
+    let text = gains.to_json().map_err(SessionError::other)?;
+    let seed = seed_of(&text, seed);
+    let found = runs(study, (gains, tube), seed, &|done| stage(Stage::Worlds(done)))?;
     Ok(found.map(|kept| (verified, Some(kept))))
 }
 

@@ -18,6 +18,7 @@ use crate::position_search::by_positions;
 use crate::recordings::Recordings;
 use crate::rotor::smallest_rotor;
 use crate::spec_search::within_spec;
+use crate::stated::certified;
 
 /// Extent of the answer where no gains satisfy the specification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -38,7 +39,8 @@ pub struct SynthesisOptions {
     pub beyond_drives: bool,
 }
 
-/// Gains for a study, with their certificate, or the reason why there are none.
+/// Gains for a study, with their certificate, or the reason why there are none. Gains that a study states are never
+/// replaced by others: they get their certificate.
 ///
 /// # Method
 ///
@@ -80,6 +82,14 @@ pub fn synthesize(
     // A class of motions: candidates from the largest rates of the class, judged by the class bound.
     if is_class(study) {
         let mut outcome = for_class(&specified, arm)?;
+        if let Outcome::Designed(gains) = &mut outcome {
+            complete_certificate(&specified, arm, gains)?;
+        }
+        return Ok(outcome);
+    }
+
+    // Gains that the study states: no search, their certificate.
+    if let Some(mut outcome) = certified(&specified, (arm, recordings))? {
         if let Outcome::Designed(gains) = &mut outcome {
             complete_certificate(&specified, arm, gains)?;
         }

@@ -8,3 +8,4 @@
 
 mod no_bound_without_tube;
 mod sources;
+mod stated;

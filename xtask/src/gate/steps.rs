@@ -47,11 +47,12 @@ const fn all(name: &'static str, run: fn(&Path) -> Result<(), String>) -> Step {
 
 /// Every step, in the order in which they begin. Within a stage, long steps come first.
 pub(super) const STAGES: [&[Step]; 5] = [
+    &[gate("format", |root| cargo(root, &["fmt", "--all", "--check"]))],
     &[
-        gate("format", |root| cargo(root, &["fmt", "--all", "--check"])),
+        gate("programs, tests and their lints", programs::build),
         gate("house rules", rules::check),
+        gate("tools", install),
     ],
-    &[gate("programs, tests and their lints", programs::build), gate("tools", install)],
     &[
         gate(TESTS, tests),
         gate("README and report in a browser", browser::short),

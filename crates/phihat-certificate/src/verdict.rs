@@ -1,0 +1,117 @@
+//! Standing of a claim after its check: proved, derived twice, or not proved.
+
+use serde::Serialize;
+
+use crate::extremes::larger;
+use crate::{Certificate, ClassAgain, Gains, TubeAgain};
+
+/// Standing of a claim, from the weakest to the strongest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// It rests on one derivation alone, or there is none.
+    NotProved,
+    /// Two derivations that share no code give it, both in double precision.
+    DerivedTwice,
+    /// Exact arithmetic shows it, under the assumptions that stand with it.
+    Proved,
+}
+
+impl Verdict {
+    /// Words for people.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::NotProved => "NOT PROVED",
+            Self::DerivedTwice => "DERIVED TWICE",
+            Self::Proved => "PROVED",
+        }
+    }
+}
+
+/// Bound on the steady error of one joint after a check.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CheckedBound {
+    /// Joint name.
+    pub joint: String,
+    /// Bound on `|e|` \[rad\]: the file's, or the wider one of a second derivation.
+    pub bound_rad: f64,
+    /// Bound in the file \[rad\].
+    pub claimed_rad: f64,
+    /// Standing of `bound_rad`.
+    pub verdict: Verdict,
+    /// Basis of the bound, in words.
+    pub basis: String,
+}
+
+impl Certificate {
+    /// Bounds on the errors with their standing, after the derivations that were made from a study; joints without a
+    /// bound are left out.
+    ///
+    /// Two derivations that bound the same error by `E₁` and `E₂` both show `|e| ≤ max(E₁, E₂)`: that is the bound which is
+    /// derived twice.
+    pub(crate) fn checked_bounds(
+        &self,
+        gains: &Gains,
+        tube: Option<&TubeAgain>,
+        class: Option<&ClassAgain>,
+    ) -> Vec<CheckedBound> {
+        let joints = gains.joints.iter().enumerate();
+        joints
+            .filter_map(|(i, record)| {
+                let claimed_rad = self.error_bound(i)?.error_rad;
+                let (bound_rad, verdict, basis) = match (&self.tube, &self.class) {
+                    (Some(_), _) => tube_bound(claimed_rad, i, tube),
+                    (None, Some(_)) => class_bound(claimed_rad, i, class),
+                    (None, None) => {
+                        (claimed_rad, Verdict::DerivedTwice, "peak gains times the stated φ".into())
+                    }
+                };
+                Some(CheckedBound {
+                    joint: record.name.clone(),
+                    bound_rad,
+                    claimed_rad,
+                    verdict,
+                    basis,
+                })
+            })
+            .collect()
+    }
+}
+
+type Standing = (f64, Verdict, String);
+
+fn once(claimed: f64, why: &str) -> Standing {
+    (claimed, Verdict::NotProved, why.to_owned())
+}
+
+fn tube_bound(claimed: f64, joint: usize, again: Option<&TubeAgain>) -> Standing {
+    let Some(again) = again else {
+        return once(claimed, "the tube is on trust; --study STUDY derives it a second time");
+    };
+    if let Some(why) = &again.on_trust {
+        return once(claimed, &format!("the tube could not be derived a second time, {why}"));
+    }
+    match again.joints.get(joint).map(|own| own.derived_error_max_rad) {
+        Some(derived) if derived.is_finite() => {
+            (larger(claimed, derived), Verdict::DerivedTwice, "the wider of two derivations".into())
+        }
+        _ => once(claimed, "the second derivation gives no bound"),
+    }
+}
+
+fn class_bound(claimed: f64, joint: usize, again: Option<&ClassAgain>) -> Standing {
+    let Some(again) = again else {
+        return once(claimed, "the bound is on trust; --study STUDY derives it a second time");
+    };
+    match again.joints.get(joint) {
+        Some(own) if own.derived_rad <= claimed => {
+            let why = format!(
+                "derived once; a second derivation without second-order terms gives {:.1} % less",
+                100.0 * (1.0 - own.derived_rad / claimed)
+            );
+            once(claimed, &why)
+        }
+        _ => once(claimed, "the second derivation gives no bound"),
+    }
+}
