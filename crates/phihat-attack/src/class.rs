@@ -64,20 +64,7 @@ pub fn class_run(
     seed: u64,
 ) -> Result<ClassRuns, NoRun> {
     let mut dice = Dice::new(seed, 45);
-    let mut own = study.clone();
-    if let Reference::Any { seed: drawn, .. } = &mut own.reference {
-        *drawn = seed;
-    }
-    own.world.payload = payload(study, &mut dice);
-    // Dry friction at either end of its interval, or between.
-    for (i, level) in own.world.extra_coulomb.iter_mut().enumerate() {
-        let most = study.design.coulomb.1[i];
-        *level = match dice.below(4) {
-            0 => study.design.coulomb.0[i].min(most),
-            1 => dice.between(0.0, most),
-            _ => most,
-        };
-    }
+    let mut own = varied(study, seed, &mut dice);
     phihat_sim::derive_substeps(&mut own);
     let fed = study.feedforward.is_some();
     let phase: Vec<f64> = bound.error_rad.iter().map(|_| dice.between(-0.5, 0.5)).collect();
@@ -102,6 +89,25 @@ pub fn class_run(
         found.broken.push(seed);
     }
     Ok(found)
+}
+
+/// The study with another motion of its class, payload and dry friction.
+pub(crate) fn varied(study: &Study, seed: u64, dice: &mut Dice) -> Study {
+    let mut own = study.clone();
+    if let Reference::Any { seed: drawn, .. } = &mut own.reference {
+        *drawn = seed;
+    }
+    own.world.payload = payload(study, dice);
+    // Dry friction at either end of its interval, or between.
+    for (i, level) in own.world.extra_coulomb.iter_mut().enumerate() {
+        let most = study.design.coulomb.1[i];
+        *level = match dice.below(4) {
+            0 => study.design.coulomb.0[i].min(most),
+            1 => dice.between(0.0, most),
+            _ => most,
+        };
+    }
+    own
 }
 
 /// A payload of the set: an end, or anything between; at a corner of the box of centres, or inside.

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
-use phihat_attack::{ClassRuns, NoRun, Record, Summary, Trial, class_run};
+use phihat_attack::{ClassRuns, NoRun, Record, Summary, Trial, class_run, supervised_run};
 use phihat_campaign::{Ended, Journal, run_all};
 
 /// Draws studies and tries to break what is certified about them.
@@ -103,7 +103,12 @@ fn attack_class(arguments: &Arguments, study: &Path, gains: &Path) -> Result<boo
         let work = |job: u64| {
             let mut found = ClassRuns::default();
             for k in (job..arguments.count).step_by(usize::try_from(jobs).unwrap_or(1)) {
-                found.and(&class_run(study, gains, bound, first.wrapping_add(k))?);
+                let seed = first.wrapping_add(k);
+                found.and(&if bound.is_supervised() {
+                    supervised_run(study, gains, bound, seed)?
+                } else {
+                    class_run(study, gains, bound, seed)?
+                });
                 bar.inc(1);
             }
             Ok(found)

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
-use phihat_attack::{ClassRuns, class_run};
+use phihat_attack::{ClassRuns, class_run, supervised_run};
 use phihat_certificate::{Certificate, ClassBound};
 use phihat_design::{ClassRefusal, Gains, Outcome, class_bound};
 use phihat_session::designed;
@@ -37,6 +37,23 @@ const TEXT: &str = r#"
     acceleration_max_rad_s2 = 1.0
     jerk_max_rad_s3 = 10.0
 "#;
+
+/// The same of an arm under supervision whose robot holds its own gravity: the payload is out of balance at the start.
+fn supervised() -> Study {
+    let text = TEXT
+        .replace("[start]\n    torque_nm = \"balance\"", "[supervisor]\n    error_stop_rad = 0.2")
+        .replace("[spec]", "[profile]\n    name = \"ideal\"\n    adds_gravity = true\n    [spec]");
+    Study::from_text(&text, "any.toml", "".as_ref()).unwrap()
+}
+
+/// Gains for the class of the arm under supervision, searched for once.
+fn supervised_gains() -> &'static Gains {
+    static GAINS: OnceLock<Gains> = OnceLock::new();
+    GAINS.get_or_init(|| match designed(&supervised(), Path::new("any.toml")).unwrap() {
+        Outcome::Designed(gains) => *gains,
+        Outcome::Infeasible(no) => panic!("{no}"),
+    })
+}
 
 fn study() -> Study {
     Study::from_text(TEXT, "any.toml", "".as_ref()).unwrap()
@@ -132,5 +149,68 @@ fn a_class_that_is_too_fast_does_not_close() {
     match class_bound(&study, gains()) {
         Err(ClassRefusal::Open { radius }) => assert!(radius > 0.8, "{radius}"),
         other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn no_request_and_no_target_leaves_the_bound_of_a_supervised_arm() {
+    let (study, gains) = (supervised(), supervised_gains());
+    let certificate = gains.certificate.as_ref().unwrap();
+    let class = certificate.class.as_deref();
+    let class = class.unwrap_or_else(|| panic!("{:?}", certificate.class_refused));
+    assert!(
+        class.is_supervised() && class.start_nm.iter().all(|torque| *torque > 0.0),
+        "{class:?}"
+    );
+    certificate.verify(gains).unwrap();
+    let again = certificate.derive_class(gains, &study).unwrap().unwrap();
+    println!("{:?} mrad, claimed over derived {}", class.worst(), again.least_ratio());
+    assert!((1.0..1.3).contains(&again.least_ratio()), "{again:?}");
+    let mut found = ClassRuns::default();
+    for seed in 0..12 {
+        found.and(&supervised_run(&study, gains, class, seed).unwrap());
+    }
+    println!("bound over measured at least {:?}", found.least());
+    assert_eq!(found.outside, 0, "{found:?}");
+    assert!(found.least().iter().all(|ratio| *ratio < 20.0), "{:?}", found.least());
+}
+
+#[test]
+fn a_forged_start_is_refuted_and_what_changes_the_law_is_refused() {
+    let forged = |change: fn(&mut ClassBound)| {
+        let mut gains = supervised_gains().clone();
+        let class = gains.certificate.as_mut().and_then(|all| all.class.as_deref_mut()).unwrap();
+        change(class);
+        let certificate = gains.certificate.clone().unwrap();
+        certificate.verify(&gains).is_ok()
+            && certificate.derive_class(&gains, &supervised()).is_ok()
+    };
+    assert!(forged(|_| ()));
+    for change in [
+        (|class| class.start_nm[0] *= 0.5) as fn(&mut ClassBound),
+        |class| class.start_nm.clear(),
+        |class| class.start_s *= 0.5,
+        |class| class.error_rad[1] *= 0.75,
+        |class| class.torque_step_nm[2] *= 0.75,
+    ] {
+        assert!(!forged(change));
+    }
+    for (line, key) in [
+        ("dead_zone_rad = 1e-4", "supervisor.dead_zone_rad"),
+        ("funnel_initial_rad = 0.1\nfunnel_final_rad = 0.05", "supervisor.funnel_initial_rad"),
+        ("soft_zone_rad = 0.1", "supervisor.soft_zone_rad"),
+        ("start_first_order = true", "supervisor.start_first_order"),
+        ("preset_nm = 500.0", "supervisor.preset_nm"),
+    ] {
+        let text = supervised().text.replace("error_stop_rad = 0.2", line);
+        let text =
+            text.replace("delay_samples = 1", "delay_samples = 1\ntorque_rate_max_nm_s = 1e5");
+        let study = Study::from_text(&text, "any.toml", "".as_ref()).unwrap();
+        match class_bound(&study, supervised_gains()) {
+            Err(why @ ClassRefusal::Unsupported(_)) => {
+                assert!(why.to_string().contains(key), "{why}");
+            }
+            other => panic!("{key}: {other:?}"),
+        }
     }
 }

@@ -44,6 +44,19 @@ pub struct phihat_guard {
     /// Torque variation that is enough to judge, at first motion, whether the joint goes the way the torque
     /// pushes [N m, root mean square]. INFINITY: not judged.
     pub first_motion_nm: f64,
+    /// Certified bound on the measured |e| in holding and tracking [rad]: the bound on |e|, and half a quantum of the
+    /// encoder. An error beyond it in three samples in a row stops the arm. INFINITY, or 0: not compared.
+    pub error_bound_rad: f64,
+    /// Ends of the box that every reference is kept in [rad], with the three limits of the reference; equal, or
+    /// infinite: none. An arm that is not inside is not engaged.
+    pub reference_min_rad: f64,
+    /// See reference_min_rad.
+    pub reference_max_rad: f64,
+}
+
+impl phihat_guard {
+    /// sizeof(phihat_guard) of headers that had no member from `error_bound_rad` on.
+    pub(crate) const OLDER: &[usize] = &[offset_of!(Self, error_bound_rad)];
 }
 
 /// Options of a supervised arm; phihat_supervision_default() fills it.
@@ -112,6 +125,9 @@ pub unsafe extern "C" fn phihat_guard_default(guard: *mut phihat_guard) -> Statu
         dead_zone_rad: 0.0,
         oscillation_nm: none,
         first_motion_nm: none,
+        error_bound_rad: none,
+        reference_min_rad: -none,
+        reference_max_rad: none,
     };
     // SAFETY: the caller's.
     unsafe { write_structure(guard, filled) }
@@ -191,6 +207,8 @@ impl phihat_guard {
             self.reference_acceleration_max_rad_s2,
             self.reference_jerk_max_rad_s3,
         ];
+        let (low, high) = (self.reference_min_rad, self.reference_max_rad);
+        let boxed = low.to_bits() != high.to_bits() && !(is_none(-low) && is_none(high));
         let unlimited = [velocity, acceleration, jerk].into_iter().all(is_none);
         Ok(JointOptions {
             velocity_max: finite(self.velocity_max_rad_s),
@@ -201,6 +219,8 @@ impl phihat_guard {
             dead_zone: (self.dead_zone_rad.to_bits() != 0).then_some(self.dead_zone_rad),
             oscillation: finite(self.oscillation_nm),
             first_motion: finite(self.first_motion_nm),
+            error_bound: stated(self.error_bound_rad),
+            reference_box: boxed.then_some((self.reference_min_rad, self.reference_max_rad)),
             ..JointOptions::default()
         })
     }

@@ -146,7 +146,9 @@ pub unsafe extern "C" fn phihat_supervisor_create(
                 phihat::JointOptions::default()
             } else {
                 // SAFETY: the caller's array has `count` elements.
-                unsafe { element(guards, index, &[]) }?.options().map_err(|why| why.at(index))?
+                unsafe { element(guards, index, phihat_guard::OLDER) }?
+                    .options()
+                    .map_err(|why| why.at(index))?
             };
             let rule = JointRules::new(index, &law, &guard, &options);
             rules.push(rule.map_err(|e| refused(e, Some(index)))?);
@@ -327,6 +329,7 @@ fn fault_text(fault: Fault) -> &'static core::ffi::CStr {
         Fault::Frozen => c"frozen-sensor",
         Fault::JointLimit => c"joint-limit",
         Fault::TrackingError => c"tracking-error",
+        Fault::ErrorBound => c"error-bound",
         Fault::Overspeed => c"overspeed",
         Fault::Oscillation => c"oscillation",
         Fault::Actuation => c"actuation",
@@ -350,6 +353,7 @@ fn denial_text(why: Denial) -> &'static core::ffi::CStr {
         Denial::NotFresh => c"not-fresh",
         Denial::NotAtRest => c"not-at-rest",
         Denial::StartMismatch => c"start-mismatch",
+        Denial::OutsideBox => c"outside-box",
         // None today.
         _ => c"other",
     }
@@ -387,6 +391,7 @@ mod tests {
             Denial::NotFresh,
             Denial::NotAtRest,
             Denial::StartMismatch,
+            Denial::OutsideBox,
         ] {
             assert_eq!(denial_text(why).to_str().unwrap(), why.name());
         }

@@ -95,7 +95,7 @@ impl Drive {
             return Ok(self.refused(&prepared));
         }
         if !self.json {
-            println!("{}", lines(&prepared.checks));
+            println!("{}\n{}", lines(&prepared.checks), prepared.proof.sentence);
             if let Some(told) = announced(&prepared) {
                 println!("{told}");
             }

@@ -43,6 +43,8 @@ pub struct Evidence {
     pub timing: Timing,
     /// Faults that the supervisor reported, without repetitions in a row, with their time \[s\].
     pub faults: Vec<(f64, &'static str)>,
+    /// Largest measured error of a joint as a share of its certified bound, and its time \[s\]; `None`: there was none.
+    pub share: Option<(f32, f64)>,
     /// Hook that gets each sample.
     pub tap: Option<Box<dyn Tap>>,
 }
@@ -64,6 +66,7 @@ impl Evidence {
             held: None,
             timing: Timing::default(),
             faults: Vec::new(),
+            share: None,
             tap: None,
         }
     }
@@ -121,6 +124,10 @@ impl Evidence {
     /// Takes the next sample.
     pub fn push(&mut self, cycle: Cycle, rows: &[Row]) {
         self.timing.add(cycle.late_ns, cycle.took_ns);
+        let share = cycle.report.map_or(0.0, |report| report.error_share);
+        if share > self.share.map_or(0.0, |(most, _)| most) {
+            self.share = Some((share, cycle.t_ns as f64 * 1e-9));
+        }
         if let Some((fault, _)) = cycle.report.and_then(|report| report.fault) {
             let last = self.faults.last().map(|(_, name)| *name);
             if last != Some(fault.name()) {

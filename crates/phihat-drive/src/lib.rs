@@ -35,6 +35,7 @@ mod order;
 mod other_end;
 mod preflight;
 mod prepared;
+mod proof;
 #[cfg(feature = "ros2")]
 mod ros2;
 mod sim;
@@ -63,6 +64,7 @@ pub use on::{On, OnError};
 pub use order::{Order, OrderError};
 pub use preflight::{Check, CheckName, State};
 pub use prepared::{DriveOptions, Driven, Prepared, prepare, prepare_on};
+pub use proof::Proof;
 #[cfg(feature = "ros2")]
 pub use ros2::{RosCounts, RosError, RosNode, RosOptions};
 pub use sim::SimLink;

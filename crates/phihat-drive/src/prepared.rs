@@ -24,6 +24,7 @@ use crate::on::On;
 use crate::order::Order;
 use crate::other_end::OtherEnd;
 use crate::preflight::{self, Check, CheckName, State};
+use crate::proof::{Proof, Subject};
 use crate::sim::SimLink;
 use crate::system;
 use crate::tape::ring;
@@ -56,6 +57,8 @@ pub struct Prepared {
     pub folder: PathBuf,
     /// Results of the checks.
     pub checks: Vec<Check>,
+    /// Bound on the error of the drive, or why there is none.
+    pub proof: Proof,
     /// The requested first motion.
     pub first: Option<FirstStudy>,
     options: DriveOptions,
@@ -145,8 +148,11 @@ fn prepare_whole(
     none_unfinished(&folder)?;
     let mut end = OtherEnd::of(own, &options.on, session.study())?;
     let checks = About { session: &session, first: None, options }.checked(&mut end, again)?;
-    let options = options.clone();
-    Ok(Prepared { session, folder, checks, first: None, options, end, tap: None, targets: None })
+    // The study before a motion from a file took the place of its own.
+    let sha256 = phihat_session::read(&options.run.study)?.sha256;
+    let proof = proof(&session, (&sha256, false), &checks);
+    let (first, options) = (None, options.clone());
+    Ok(Prepared { session, folder, checks, proof, first, options, end, tap: None, targets: None })
 }
 
 #[inline(never)]
@@ -164,8 +170,15 @@ fn prepare_first(
     none_unfinished(&folder)?;
     let about = About { session: &session, first: Some(&first), options };
     let checks = about.checked(&mut end, || Ok(first.study.clone()))?;
+    let proof = proof(&session, ("", true), &checks);
     let (first, options) = (Some(first), options.clone());
-    Ok(Prepared { session, folder, checks, first, options, end, tap: None, targets: None })
+    Ok(Prepared { session, folder, checks, proof, first, options, end, tap: None, targets: None })
+}
+
+/// The bound of a drive by the gains of a session.
+fn proof(session: &Session, (sha256, first): (&str, bool), checks: &[Check]) -> Proof {
+    let (study, gains) = (session.study(), session.gains());
+    Proof::of(Subject { study, sha256, gains, first }, checks)
 }
 
 /// Position of an arm: as the robot reports it, else the start of the study's motion.
@@ -280,23 +293,33 @@ impl Prepared {
         if self.is_refused() {
             return Err(DriveError::Refused(self.checks));
         }
-        let Self { session, checks, options, end, mut tap, targets, .. } = self;
+        let Self { session, checks, proof, options, end, mut tap, targets, .. } = self;
         let study = session.study().clone();
         let names = study.robot.joint_names();
         let OtherEnd { words: at, robot, facts } = end;
-        let begun = [("on", json!(at)), ("link", json!(facts)), ("checks", json!(checks))];
-        let begun = begun.map(|(name, value)| (name.to_owned(), value));
-        let command = (command(&options, &at), begun.into_iter().collect());
+        let command = (command(&options, &at), begun((&at, &facts), (&checks, &proof)));
         let mut kept = None;
         let done = session.driven(leave, command, watch, |(control, world), watch, take| {
             let samples = world.samples();
             let (tap, targets) = (tap.take(), targets.as_deref());
             let (at, checks, options, names) = (&at[..], &checks[..], &options, &names[..]);
+            let proof = &proof;
             let supervisor = study.supervisor.as_ref();
             let braked = supervisor.is_some_and(|asked| asked.brake_closing.is_some());
             let park = park(&study);
-            let mut way =
-                Way { at, checks, options, stop, names, samples, braked, park, tap, targets };
+            let mut way = Way {
+                at,
+                checks,
+                proof,
+                options,
+                stop,
+                names,
+                samples,
+                braked,
+                park,
+                tap,
+                targets,
+            };
             let driven = match (robot, &options.on) {
                 (Some(robot), _) => way.drive(robot, control, watch, take),
                 (None, On::SimRealTime) => {
@@ -317,6 +340,21 @@ impl Prepared {
 fn park(study: &Study) -> Option<Park<'_>> {
     let supervisor = study.supervisor.as_deref()?;
     Some(Park { q: supervisor.park.as_deref()?, limits: supervisor.motion.as_ref()? })
+}
+
+/// Entries of `drive.json` that are known before the drive.
+#[inline(never)]
+fn begun(
+    (at, link): (&str, &Facts),
+    (checks, proof): (&[Check], &Proof),
+) -> serde_json::Map<String, Value> {
+    let all = [
+        ("on", json!(at)),
+        ("link", json!(link)),
+        ("checks", json!(checks)),
+        ("proof", json!(proof)),
+    ];
+    all.map(|(name, value)| (name.to_owned(), value)).into_iter().collect()
 }
 
 /// The command that makes the record again.
@@ -340,6 +378,7 @@ fn command(options: &DriveOptions, at: &str) -> String {
 struct Way<'a> {
     at: &'a str,
     checks: &'a [Check],
+    proof: &'a Proof,
     options: &'a DriveOptions,
     stop: &'a AtomicBool,
     names: &'a [String],
@@ -436,6 +475,9 @@ impl Way<'_> {
             "on": self.at,
             "link": link,
             "checks": self.checks,
+            "proof": self.proof,
+            "error_share_max": evidence.share.map(|(share, _)| share),
+            "error_share_max_at_s": evidence.share.map(|(_, t)| t),
             "settings": given,
             "end": tally.end.word(),
             "fault": fault,
@@ -461,12 +503,25 @@ impl Way<'_> {
             .chain(fault.map(|why| format!("the link ended the drive: {why}")))
             .chain(tally.parked.and_then(Parked::doubt))
             .collect();
+        let facts = self.lines(link.period_ns, tally, evidence);
+        phihat_session::Driven { ended, facts, warnings, document }
+    }
+
+    /// Lines of the page about the drive: label, and value with its unit.
+    fn lines(&self, period_ns: u64, tally: &Tally, evidence: &Evidence) -> Vec<(String, String)> {
         let mut facts = vec![
             ("driven".to_owned(), self.at.to_owned()),
             ("samples lost".to_owned(), format!("{} of {}", tally.lost, tally.cycles)),
         ];
-        facts.extend(tally.parked.map(|parked| parked.words(link.period_ns)));
-        for (label, times) in [("woke late", late), ("controller took", took)] {
+        facts.push(("bound".to_owned(), self.proof.sentence.clone()));
+        facts.extend(evidence.share.map(|(share, t)| {
+            let words = format!("{share:.3} of its bound, measured, at t = {t:.3} s");
+            ("largest error".to_owned(), words)
+        }));
+        facts.extend(tally.parked.map(|parked| parked.words(period_ns)));
+        for (label, times) in
+            [("woke late", evidence.timing.late()), ("controller took", evidence.timing.took())]
+        {
             facts.extend(times.map(|times| {
                 let (p50, p99, max) = (times.p50_us, times.p99_us, times.max_us);
                 let words = format!("median {p50:.0} µs, 99 % {p99:.0} µs, largest {max:.0} µs");
@@ -479,7 +534,7 @@ impl Way<'_> {
                 .iter()
                 .map(|(t, name)| ("supervisor".to_owned(), format!("{name} at t = {t:.3} s"))),
         );
-        phihat_session::Driven { ended, facts, warnings, document }
+        facts
     }
 }
 

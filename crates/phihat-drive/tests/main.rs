@@ -17,5 +17,6 @@ mod lying;
 mod lying_bytes;
 mod no_allocation;
 mod parking;
+mod proved;
 mod referred;
 mod same_trace;

@@ -32,9 +32,16 @@ pub(crate) struct Supervisor {
 }
 
 /// Values per joint, in the order of the arguments: as many as joints.
-fn lengths(py: Python<'_>, n: usize, given: [&Option<Vec<f64>>; 6]) -> PyResult<()> {
-    let fields =
-        ["velocity_max", "error_stop", "frozen_travel", "dead_zone", "oscillation", "first_motion"];
+fn lengths(py: Python<'_>, n: usize, given: [&Option<Vec<f64>>; 7]) -> PyResult<()> {
+    let fields = [
+        "velocity_max",
+        "error_stop",
+        "error_bound",
+        "frozen_travel",
+        "dead_zone",
+        "oscillation",
+        "first_motion",
+    ];
     fields.into_iter().zip(given).try_for_each(|(field, values)| {
         per_joint_values(py, field, values.as_ref().map(Vec::len), n)
     })
@@ -47,7 +54,8 @@ impl Supervisor {
         gains, *, torque_max = None, torque_rate_max = None, velocity_max = None, position_range = None,
         soft_zone = 0.05, braking = 5.0, error_stop = None, frozen_travel = None, reference_limits = None,
         dead_zone = None, oscillation = None, first_motion = None, hold_samples = 5, stop_samples = 20,
-        bad_samples = 5, blend = 0.5, start_mismatch_max = 0.05, saturation = None, brake_closing = None
+        bad_samples = 5, blend = 0.5, start_mismatch_max = 0.05, saturation = None, brake_closing = None,
+        error_bound = None, reference_box = None
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
@@ -72,6 +80,8 @@ impl Supervisor {
         start_mismatch_max: f64,
         saturation: Option<f64>,
         brake_closing: Option<f64>,
+        error_bound: Option<Vec<f64>>,
+        reference_box: Option<Vec<(f64, f64)>>,
     ) -> PyResult<Self> {
         let limits = (torque_max.as_deref(), torque_rate_max.as_deref());
         let Laws { names, joints: laws, period_ns } = Laws::new(py, gains, limits, None)?;
@@ -89,8 +99,17 @@ impl Supervisor {
         lengths(
             py,
             n,
-            [&velocity_max, &error_stop, &frozen_travel, &dead_zone, &oscillation, &first_motion],
+            [
+                &velocity_max,
+                &error_stop,
+                &error_bound,
+                &frozen_travel,
+                &dead_zone,
+                &oscillation,
+                &first_motion,
+            ],
         )?;
+        per_joint_values(py, "reference_box", reference_box.as_ref().map(Vec::len), n)?;
         per_joint_values(py, "position_range", position_range.as_ref().map(Vec::len), n)?;
         let motion = |(velocity, acceleration, jerk)| MotionLimits { velocity, acceleration, jerk };
         let motion = reference_limits.map(motion);
@@ -104,6 +123,8 @@ impl Supervisor {
                     .filter(|(low, high)| low.is_finite() || high.is_finite())
                     .map(|(lower, upper)| JointRange { lower, upper, soft: soft_zone, braking }),
                 error_stop: at(&error_stop, i),
+                error_bound: at(&error_bound, i),
+                reference_box: reference_box.as_ref().map(|ends| ends[i]),
                 frozen_travel: at(&frozen_travel, i),
                 motion,
                 dead_zone: at(&dead_zone, i),
@@ -231,6 +252,11 @@ impl Supervisor {
     #[getter]
     fn refusal(&self) -> Option<&'static str> {
         self.report.refusal.map(phihat::Refusal::name)
+    }
+    /// Largest measured error of a joint at the last step, as a share of `error_bound`; 0 where there is none.
+    #[getter]
+    fn error_share(&self) -> f32 {
+        self.report.error_share
     }
     /// Events at the last step.
     #[getter]

@@ -62,6 +62,17 @@ pub(crate) fn figures(metrics: &Metrics, tube: Option<&TubeRun>) -> serde_json::
     figures
 }
 
+/// The supervisor compares the measured error with the bound of a certificate that is about the class of motions in
+/// which it keeps the reference: the bound on `|e|`, and the largest error of a reading.
+pub(crate) fn watch_bound(study: &mut Study, gains: &Gains) {
+    let class = gains.certificate.as_ref().and_then(|certificate| certificate.class.as_deref());
+    let (Some(class), Some(own)) = (class, &mut study.supervisor) else { return };
+    if class.covers(own.reference_box.as_ref(), own.motion.as_ref()) {
+        let ends = class.error_rad.iter().zip(&class.reading_rad);
+        own.error_bound = Some(ends.map(|(error, reading)| error + reading).collect());
+    }
+}
+
 /// The steady part begins when the certificate of this study says, where the study does not say it.
 pub(crate) fn settle(study: &mut Study, gains: &Gains) {
     let certificate = gains.certificate.as_ref().filter(|_| gains.study_sha256 == study.sha256);

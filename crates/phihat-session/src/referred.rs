@@ -20,6 +20,9 @@ pub fn referred(study: &Study, path: &Path, file: &Path) -> Result<Box<Study>, S
     let whole: PathBuf = std::path::absolute(file).map_err(|e| SessionError::at(file, e))?;
     let mut table: Table = study.text.parse().map_err(|e| SessionError::at(path, e))?;
     table.remove("reference");
+    if let Some(supervisor) = table.get_mut("supervisor").and_then(Value::as_table_mut) {
+        supervisor.remove("start_imbalance_nm");
+    }
     set(&mut table, &["reference", "kind"], Value::from("csv"));
     set(&mut table, &["reference", "file"], Value::from(whole.display().to_string()));
     // Where the file cannot be read so far, whoever reads it as a motion says why.
@@ -48,7 +51,18 @@ pub fn referred(study: &Study, path: &Path, file: &Path) -> Result<Box<Study>, S
     let base = path.parent().unwrap_or_else(|| Path::new(""));
     let mut read = Study::from_text(&text, &format!("{}.toml", study.name), base).map(Box::new)?;
     phihat_sim::derive_substeps(&mut read);
+    stay_in_class(study, &mut read);
     Ok(read)
+}
+
+/// A supervisor that keeps references in a class of motions does so with those of a file.
+fn stay_in_class(study: &Study, read: &mut Study) {
+    let (Some(from), Some(own)) = (&study.supervisor, &mut read.supervisor) else { return };
+    if from.reference_box.is_some() {
+        own.motion.clone_from(&from.motion);
+        own.reference_box.clone_from(&from.reference_box);
+        own.start_imbalance.clone_from(&from.start_imbalance);
+    }
 }
 
 /// The time of the last sample of a file \[s\], if it has one.

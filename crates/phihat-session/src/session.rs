@@ -18,7 +18,7 @@ use crate::error::SessionError;
 use crate::files::read_gains;
 use crate::layout::TraceKind;
 use crate::log::Log;
-use crate::observer::{RunFigures, RunObserver, settle};
+use crate::observer::{RunFigures, RunObserver, settle, watch_bound};
 use crate::record::{Done, TraceFiles};
 use crate::run_record::designed_before;
 use crate::watch::Watch;
@@ -191,6 +191,7 @@ impl Session {
             warnings.push(why);
         }
         settle(&mut study, &chosen);
+        watch_bound(&mut study, &chosen);
         let forecast = phihat_sim::forecast(&study).map_err(|e| SessionError::at(path, e))?;
         warnings.extend(forecast.into_iter().map(|line| format!("{FORECAST} {line}")));
         let simulation = Simulation::new(&study, &law).map_err(|e| SessionError::at(path, e))?;

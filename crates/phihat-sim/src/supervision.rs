@@ -206,6 +206,8 @@ fn joint(
             acceleration: acceleration[i],
             jerk: jerk[i],
         }),
+        reference_box: request.reference_box.as_ref().map(|[low, high]| (low[i], high[i])),
+        error_bound: per(&request.error_bound),
         dead_zone: per(&request.dead_zone),
         funnel: request.funnel.as_ref().map(|[initial, last]| Funnel {
             initial: initial[i],

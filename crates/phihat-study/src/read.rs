@@ -16,7 +16,8 @@ use crate::keys::STUDY;
 use crate::node::Node;
 use crate::run::Run;
 use crate::source::Source;
-use crate::study::{Interface, Sensor, Study};
+use crate::study::{Interface, MotionClass, Reference, Sensor, Study};
+use crate::supervisor::SupervisorRequest;
 use crate::{
     control, design, fault, feedforward, gains, profile, reference, spec, supervisor, world,
 };
@@ -188,8 +189,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let spec = found.keep(spec::read(&top.child("spec"), &arm.joints, duration))?;
     let design = found.keep(design::read(&top.child("design"), (&arm, &world), base))?;
     let feedforward = found.keep(feedforward::read(top, &arm, &control))?;
-    let supervisor = &top.child("supervisor");
-    let supervisor = found.keep(supervisor::read(supervisor, &arm, (duration, control.form)))?;
+    let supervisor = found.keep(guarded(top, &arm, (duration, control.form)))?;
     let faults = fault::read(top, &arm, duration)?;
     // Along a run of no known length there is nothing to look at.
     let seed = top.count("seed")?;
@@ -220,7 +220,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         gains,
         design,
         feedforward,
-        supervisor,
+        supervisor: of_class(supervisor, &reference),
         control,
         sensor,
         world,
@@ -230,6 +230,30 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         inputs: inputs(top, &arm, base)?,
         robot: arm.robot,
     })
+}
+
+/// The supervisor of a class of motions shapes references to the class.
+#[inline(never)]
+fn of_class(
+    mut supervisor: Option<Box<SupervisorRequest>>,
+    reference: &Reference,
+) -> Option<Box<SupervisorRequest>> {
+    if let (Some(own), Reference::Any { class, .. }) = (&mut supervisor, reference) {
+        let MotionClass { low, high, speed, acceleration, jerk, .. } = class;
+        own.motion = Some([speed.clone(), acceleration.clone(), jerk.clone()]);
+        own.reference_box = Some([low.clone(), high.clone()]);
+    }
+    supervisor
+}
+
+/// `[supervisor]`, which takes the limits of a reference from a class of motions.
+fn guarded(
+    top: &Node<'_>,
+    arm: &StudyArm,
+    given: (f64, phihat::Form),
+) -> Result<Option<Box<SupervisorRequest>>, StudyError> {
+    let any = top.child("reference").word("kind")? == "any";
+    supervisor::read(&top.child("supervisor"), arm, given, any)
 }
 
 /// `[profile]`, which does not say beside `[start]` with which torque the law begins.

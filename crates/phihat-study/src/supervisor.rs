@@ -26,14 +26,20 @@ pub struct SupervisorRequest {
     pub soft_zone: Option<Vec<f64>>,
     /// Deceleration before a joint limit \[rad/s²\].
     pub braking: f64,
-    /// Velocity, acceleration and jerk that the reference is shaped to.
+    /// Velocity, acceleration and jerk that the reference is shaped to; of a class of motions those of the class.
     pub motion: Option<[Vec<f64>; 3]>,
+    /// Low and high ends of the box that the reference is kept in \[rad\]: those of a class of motions.
+    pub reference_box: Option<[Vec<f64>; 2]>,
     /// Initial and final width of the funnel \[rad\].
     pub funnel: Option<[Vec<f64>; 2]>,
     /// Time constant of the funnel \[s\].
     pub funnel_decay: f64,
     /// Torque when armed \[N·m\].
     pub preset: Option<Vec<f64>>,
+    /// Torque by which a start may be out of balance \[N·m\]; `None`: derived. Of a class of motions alone.
+    pub start_imbalance: Option<Vec<f64>>,
+    /// Certified bound on the measured error \[rad\]: no key of a study, but what a certificate says of its gains.
+    pub error_bound: Option<Vec<f64>>,
     /// True if the law starts at first order.
     pub start_first_order: bool,
     /// Factor on the estimator's poles at the start, ≤ 1; `None`: as fast as the gains.
@@ -88,6 +94,7 @@ pub(crate) fn read(
     node: &Node<'_>,
     arm: &StudyArm,
     (duration, form): (f64, Form),
+    any: bool,
 ) -> Result<Option<Box<SupervisorRequest>>, StudyError> {
     if !node.exists() {
         return Ok(None);
@@ -95,6 +102,16 @@ pub(crate) fn read(
     if form == Form::Positions && node.has("start_estimator_factor") {
         let message = "a law from positions has no estimator of its own that could be slower";
         node.note(node.error(Kind::Conflict, "start_estimator_factor", message))?;
+    }
+    for key in MOTION.into_iter().filter(|key| any && node.has(key)) {
+        let message =
+            "the reference is a class of motions, whose limits are those of `[reference]`";
+        node.note(node.error(Kind::Conflict, key, message))?;
+    }
+    if !any && node.has("start_imbalance_nm") {
+        let message =
+            "only the bound for a class of motions counts it: `kind = \"any\"` in `[reference]`";
+        node.note(node.error(Kind::Conflict, "start_imbalance_nm", message))?;
     }
     let joints = &arm.joints;
     let some = |key: &str| joints.numbers_if(node, key);
@@ -114,18 +131,13 @@ pub(crate) fn read(
         dead_zone: some("dead_zone_rad")?,
         soft_zone: soft_zone(node, arm)?,
         braking: node.number("braking_rad_s2")?,
-        motion: together(
-            node,
-            arm,
-            [
-                "reference_velocity_max_rad_s",
-                "reference_acceleration_max_rad_s2",
-                "reference_jerk_max_rad_s3",
-            ],
-        )?,
+        motion: together(node, arm, MOTION)?,
+        reference_box: None,
         funnel: funnel(node, arm)?,
         funnel_decay: node.number("funnel_decay_s")?,
         preset: some("preset_nm")?,
+        start_imbalance: some("start_imbalance_nm")?,
+        error_bound: None,
         start_first_order: node.flag("start_first_order")?,
         start_factor: node.number_if("start_estimator_factor"),
         settled,
@@ -133,7 +145,7 @@ pub(crate) fn read(
         dwell: node.number("dwell_s")?,
         saturation: node.number("saturation_s")?,
         brake_closing: node.number_if("brake_closing_s"),
-        park: park(node, arm)?,
+        park: park(node, arm, any)?,
         hold_samples: node.small_count("hold_samples")?,
         stop_samples: node.small_count("stop_samples")?,
         start_mismatch_max: node.number("start_mismatch_max_rad")?,
@@ -141,6 +153,13 @@ pub(crate) fn read(
         requests: requests(node, duration)?,
     })))
 }
+
+/// Keys of the limits that a reference is shaped to.
+const MOTION: [&str; 3] = [
+    "reference_velocity_max_rad_s",
+    "reference_acceleration_max_rad_s2",
+    "reference_jerk_max_rad_s3",
+];
 
 /// Keys that make sense together only.
 fn together<const K: usize>(
@@ -192,7 +211,7 @@ fn soft_zone(node: &Node<'_>, arm: &StudyArm) -> Result<Option<Vec<f64>>, StudyE
 }
 
 /// Of an arm without brakes, on a way that is shaped.
-fn park(node: &Node<'_>, arm: &StudyArm) -> Result<Option<Vec<f64>>, StudyError> {
+fn park(node: &Node<'_>, arm: &StudyArm, any: bool) -> Result<Option<Vec<f64>>, StudyError> {
     let Some(key) = ["park_rad", "park"].into_iter().find(|key| node.has(key)) else {
         return Ok(None);
     };
@@ -201,7 +220,7 @@ fn park(node: &Node<'_>, arm: &StudyArm) -> Result<Option<Vec<f64>>, StudyError>
         node.note(node.error(Kind::Conflict, key, message))?;
     }
     let limits = "reference_velocity_max_rad_s";
-    if !node.has(limits) {
+    if !node.has(limits) && !any {
         let message = format!("the way there needs limits: `{limits}` and the two keys beside it");
         node.note(node.error(Kind::Conflict, key, message))?;
     }

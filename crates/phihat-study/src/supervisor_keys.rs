@@ -134,6 +134,14 @@ pub(crate) static SUPERVISOR: Section = Section {
             "zero, or the torque of the last stop",
             "Torque that holds the arm when it is armed.",
         ),
+        option(
+            "start_imbalance_nm",
+            "N·m",
+            TORQUE,
+            "the larger of dry friction, and what `preset_nm` and the robot leave of gravity in the box",
+            "With `kind = \"any\"` in `[reference]`: torque by which a start may be out of balance, counted by the bound \
+             for the class.",
+        ),
         Key {
             name: "start_first_order",
             unit: "",

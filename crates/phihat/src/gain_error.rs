@@ -33,6 +33,8 @@ pub enum Gain {
     AccelerationMax,
     /// A jerk limit.
     JerkMax,
+    /// The width of the box of a reference.
+    BoxWidth,
     /// The bandwidth of a velocity filter.
     VelocityFilter,
     /// The bandwidth of the low-pass on the torque command.
@@ -78,6 +80,7 @@ impl fmt::Display for Gain {
             Self::VelocityMax => f.write_str("velocity limit [rad/s]"),
             Self::AccelerationMax => f.write_str("acceleration limit [rad/s^2]"),
             Self::JerkMax => f.write_str("jerk limit [rad/s^3]"),
+            Self::BoxWidth => f.write_str("width of the box [rad]"),
             Self::VelocityFilter => f.write_str("velocity filter [Hz]"),
             Self::TorqueFilter => f.write_str("torque filter [Hz]"),
             Self::Share => f.write_str("share"),

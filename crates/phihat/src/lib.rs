@@ -36,6 +36,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod boxed_shaper;
 mod controller;
 mod delay;
 mod estimate;
@@ -63,6 +64,7 @@ mod torque_filter;
 mod unwrap;
 mod velocity;
 
+pub use boxed_shaper::{BoxedShaper, Braking};
 pub use controller::{Controller, update_joints};
 pub use delay::{DELAY_MAX, Delay, DelayTooLong};
 pub use gain_error::{Gain, GainError};

@@ -79,6 +79,11 @@ impl<R: Real> JointGains<R> {
         if gains.hold_samples_in() { Ok(gains) } else { Err(GainError::Overflow) }
     }
 
+    /// Returns true if a measured velocity has a part in the law's state.
+    pub(crate) fn hears_velocity(&self) -> bool {
+        self.form != Form::Positions || self.position.hears_velocity
+    }
+
     /// Observer update over the interval that ends at this sample, corrected by the sample, and the torque of
     /// the law.
     #[allow(clippy::inline_always, reason = "a call and a copy would cost a fifth of the law")]

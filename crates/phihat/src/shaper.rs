@@ -146,7 +146,7 @@ impl<R: Real> Shaper<R> {
     }
 
     /// Constant jerk towards an acceleration, within the limits.
-    fn advance(&self, now: &Reference<R>, wanted: R, t: R) -> Reference<R> {
+    pub(crate) fn advance(&self, now: &Reference<R>, wanted: R, t: R) -> Reference<R> {
         let half = R::from_f64(0.5);
         let change = (wanted.saturate(self.acceleration) - now.ddq).saturate(self.step);
         let mut ddq = now.ddq + change;

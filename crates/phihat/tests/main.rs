@@ -14,6 +14,7 @@ mod support;
 
 mod arrivals;
 mod blends;
+mod boxed_shaper;
 mod bumpless;
 mod by_hand;
 mod designs;

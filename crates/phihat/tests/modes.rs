@@ -11,7 +11,7 @@ type Rule = (&'static str, &'static str, fn(&ModeEvents) -> bool, &'static str);
 const ACTIVE: [&str; 3] = ["Armed", "Holding", "Tracking"];
 
 /// A stop is above the table: fault or request, from every active mode.
-const RULES: [Rule; 29] = [
+const RULES: [Rule; 30] = [
     ("Idle", "Idle", |_| true, "Idle None -"),
     ("Idle", "Stop", |_| true, "Idle None -"),
     ("Idle", "Hold", |_| true, "Idle None NotArmed"),
@@ -23,8 +23,9 @@ const RULES: [Rule; 29] = [
     ("Armed", "Idle", |_| true, "Idle Release -"),
     ("Armed", "Arm", |_| true, "Armed None -"),
     ("Armed", "Track", |_| true, "Armed None NotHolding"),
-    ("Armed", "Hold", |e| e.fresh, "Holding Engage -"),
-    ("Armed", "Hold", |_| true, "Armed None NotFresh"),
+    ("Armed", "Hold", |e| !e.fresh, "Armed None NotFresh"),
+    ("Armed", "Hold", |e| e.outside_box, "Armed None OutsideBox"),
+    ("Armed", "Hold", |_| true, "Holding Engage -"),
     ("Holding", "Idle", |_| true, "Holding None NotStopped"),
     ("Holding", "Arm", |_| true, "Holding None AlreadyActive"),
     ("Holding", "Hold", |_| true, "Holding None -"),
@@ -75,6 +76,7 @@ fn events(request: ModeRequest, bits: u64) -> ModeEvents {
         fresh: bits & 4 != 0,
         at_rest: bits & 8 != 0,
         start_matches: bits & 16 != 0,
+        outside_box: bits & 32 != 0,
     }
 }
 
@@ -83,7 +85,7 @@ fn every_mode_request_and_fact_follows_the_rules() {
     let mut cases = 0;
     for mode in MODES {
         for request in REQUESTS {
-            for bits in 0..32 {
+            for bits in 0..64 {
                 let e = events(request, bits);
                 let (_, is) = answer(mode, e);
                 assert_eq!(is, oracle(mode, e), "{mode:?} {e:?}");
@@ -91,7 +93,7 @@ fn every_mode_request_and_fact_follows_the_rules() {
             }
         }
     }
-    assert_eq!(cases, 800);
+    assert_eq!(cases, 1600);
 }
 
 #[test]
@@ -103,7 +105,8 @@ fn f20_a_million_random_events_cover_every_transition_and_refusal() {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let draw = seed >> 33;
         // Facts are true most of the time, faults rare, so that deep modes are reached.
-        let mut bits = (draw >> 8) & 0b1_1111 | ((draw >> 13) & 0b1_1100);
+        let outside = (draw >> 18) & (draw >> 24) & 0b10_0000;
+        let mut bits = (draw >> 8) & 0b1_1111 | ((draw >> 13) & 0b1_1100) | outside;
         if (draw >> 18) & 7 != 0 {
             bits &= !2;
         }
@@ -122,7 +125,7 @@ fn f20_a_million_random_events_cover_every_transition_and_refusal() {
     }
     let mut all = BTreeSet::new();
     for (mode, request) in MODES.iter().flat_map(|m| REQUESTS.map(|r| (*m, r))) {
-        all.extend((0..32).map(|bits| {
+        all.extend((0..64).map(|bits| {
             let e = events(request, bits);
             format!("{mode:?} -> {}", oracle(mode, e))
         }));
@@ -148,6 +151,7 @@ fn names_in_files_are_what_they_were() {
         "frozen-sensor",
         "joint-limit",
         "tracking-error",
+        "error-bound",
         "overspeed",
         "oscillation",
         "actuation",
@@ -167,6 +171,7 @@ fn names_in_files_are_what_they_were() {
         (Refusal::NotFresh, "not-fresh"),
         (Refusal::NotAtRest, "not-at-rest"),
         (Refusal::StartMismatch, "start-mismatch"),
+        (Refusal::OutsideBox, "outside-box"),
     ];
     assert!(refusals.iter().all(|(refusal, name)| refusal.name() == *name));
 }

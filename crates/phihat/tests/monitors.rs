@@ -134,6 +134,38 @@ fn the_tracking_error_stops_beyond_its_bound() {
     }
 }
 
+/// Wrong if one or two bad readings stop an arm, if three do not, or if the share shown is another one.
+#[test]
+fn an_error_beyond_its_certified_bound_stops_after_three_samples() {
+    let options = JointOptions {
+        error_bound: Some(0.125),
+        error_stop: Some(0.25),
+        ..JointOptions::default()
+    };
+    for (q, leaves) in [(0.125, false), (-0.125, false), (0.125_001, true), (-0.125_001, true)] {
+        let mut joint = tracking(options, Measurement::default());
+        let m = Measurement { q, ..Measurement::default() };
+        for k in 1..=8 {
+            let told = joint.step(ModeRequest::Track, m, Reference::default()).report;
+            // The third sample beyond is answered, and the next one stops.
+            let stops = leaves && k >= 4;
+            assert_eq!(told.fault, stops.then_some((Fault::ErrorBound, 0)), "{q} {k}");
+            let share = if stops { 0.0 } else { q.abs() / 0.125 };
+            assert!((f64::from(told.error_share) - share).abs() < 1e-6, "{told:?}");
+        }
+        // Two beyond and one inside, for ever.
+        let mut joint = tracking(options, Measurement::default());
+        for k in 0..30 {
+            let m = if k % 3 == 2 { Measurement::default() } else { m };
+            assert_eq!(joint.step(ModeRequest::Track, m, Reference::default()).report.fault, None);
+        }
+    }
+    let mut joint = tracking(JointOptions::default(), Measurement::default());
+    let m = Measurement { q: 0.2, ..Measurement::default() };
+    let told = joint.step(ModeRequest::Track, m, Reference::default()).report;
+    assert_eq!((told.fault, told.error_share.to_bits()), (None, 0));
+}
+
 #[test]
 fn inside_the_dead_zone_at_rest_the_estimate_is_held() {
     let options = JointOptions { dead_zone: Some(0.01), ..JointOptions::default() };

@@ -82,9 +82,10 @@ fn an_option_of_a_joint_that_is_not_positive_is_refused_by_its_name() {
     const RANGE: JointRange = JointRange { lower: -1.0, upper: 1.0, soft: 0.1, braking: 5.0 };
     const FUNNEL: Funnel = Funnel { initial: 0.1, r#final: 0.05, decay_s: 0.1 };
     type Set = fn(&mut JointOptions<f64>, f64);
-    let all: [(&str, Set); 10] = [
+    let all: [(&str, Set); 11] = [
         ("velocity limit", |j, x| j.velocity_max = Some(x)),
         ("error limit", |j, x| j.error_stop = Some(x)),
+        ("error bound", |j, x| j.error_bound = Some(x)),
         ("frozen travel", |j, x| j.frozen_travel = Some(x)),
         ("dead zone", |j, x| j.dead_zone = Some(x)),
         ("oscillation", |j, x| j.oscillation = Some(x)),
@@ -117,6 +118,17 @@ fn an_option_of_a_joint_that_is_not_positive_is_refused_by_its_name() {
 #[test]
 fn limits_of_a_motion_or_of_a_stop_that_mean_nothing_are_refused() {
     const MOTION: MotionLimits = MotionLimits { velocity: 1.0, acceleration: 5.0, jerk: 100.0 };
+    // A box without limits of the motion, or without a width.
+    let reference_box = Some((-1.0, 1.0));
+    let error =
+        refused(JointOptions { reference_box, ..JointOptions::default() }, &Options::new(T_NS));
+    assert!(said(error).starts_with("joint 1: box of the reference is 2; it must be left out"));
+    for upper in [-1.0, -1.000_001, -2.0, f64::NAN, f64::INFINITY] {
+        let (motion, reference_box) = (Some(MOTION), Some((-1.0, upper)));
+        let joint = JointOptions { motion, reference_box, ..JointOptions::default() };
+        let error = refused(joint, &Options::new(T_NS));
+        assert!(matches!(error, Some(OptionError::Motion { joint: 1, .. })), "{upper}: {error:?}");
+    }
     for acceleration in NOT_POSITIVE {
         let limits = Some(MotionLimits { acceleration, ..MOTION });
         for joint in [

@@ -51,6 +51,8 @@ struct Case {
     event: Event,
     brakes: bool,
     speed: f64,
+    /// The error is compared with a bound that is below the error that stops.
+    watched: bool,
 }
 
 struct World {
@@ -200,6 +202,7 @@ fn play(case: &Case, dice: &mut Dice) -> Outcome {
     let joint = |i: usize| JointOptions {
         velocity_max: Some(6.0),
         error_stop: Some(0.05),
+        error_bound: case.watched.then_some(0.03),
         first_motion: Some(0.05 * (60.0 * inertia[i] + 20.0)),
         oscillation: None,
         ..JointOptions::default()
@@ -352,6 +355,7 @@ fn case(dice: &mut Dice) -> Case {
         event,
         brakes: dice.bits() % 2 == 0,
         speed: dice.within(0.0, 2.0),
+        watched: false,
     }
 }
 
@@ -404,4 +408,26 @@ fn f31_a_stop_takes_energy_out_of_the_arm_and_leaves_it_at_rest() {
          fastest joint {share:.2} of its printed bound"
     );
     assert!(stopped > cases / 3 && reversed < 12.0, "{stopped} {reversed}");
+}
+
+/// A push that nothing explains: the stop begins at the bound on the error, and takes energy out as any other does. Wrong
+/// if the arm goes on to the error that stops, or if this stop gives an arm more energy than others.
+#[test]
+fn f35_an_arm_pushed_beyond_its_bound_stops_there_and_gets_no_energy() {
+    let (mut at_bound, mut elsewhere) = (0, 0);
+    for seed in 0..150 {
+        let mut dice = Dice(1000 + seed);
+        let joint = usize::from(dice.bits().to_le_bytes()[0] % 3);
+        let push = 60.0 * if dice.bits().is_multiple_of(2) { 1.0 } else { -1.0 };
+        let event = Event::Push(joint, push, dice.within(0.1, 0.5));
+        let (watched, speed) = (true, dice.within(0.0, 0.5));
+        let case = Case { event, watched, speed, ..case(&mut dice) };
+        let outcome = play(&case, &mut dice);
+        judge(seed, &case, &outcome);
+        assert_ne!(outcome.fault, Some(Fault::TrackingError), "{case:?} {outcome:?}");
+        at_bound += u32::from(outcome.fault == Some(Fault::ErrorBound));
+        elsewhere += u32::from(outcome.fault.is_some_and(|fault| fault != Fault::ErrorBound));
+    }
+    println!("{at_bound} stopped at the bound, {elsewhere} by another fault");
+    assert!(at_bound > 75, "{at_bound} {elsewhere}");
 }

@@ -83,6 +83,13 @@ impl ClassBound {
                 yes(CLAIM, &format!("0 ≤ {name} < ∞"), *value, 0.0, fine)?;
             }
         }
+        let started = if self.is_supervised() { n } else { 0 };
+        let starts = self.start_nm.len();
+        yes(CLAIM, "one start per joint", starts as f64, started as f64, starts == started)?;
+        for value in self.start_nm.iter().chain([&self.start_s]) {
+            let fine = *value >= 0.0 && value.is_finite();
+            yes(CLAIM, "0 ≤ start out of balance < ∞", *value, 0.0, fine)?;
+        }
         let (low, high) = &self.box_rad;
         let same = low.len() == n && high.len() == n;
         yes(CLAIM, "one end of the box per joint", low.len() as f64, n as f64, same)?;

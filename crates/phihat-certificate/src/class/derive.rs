@@ -23,6 +23,9 @@ const SAME: f64 = 1e-9;
 const FRESH: usize = 8;
 const POINTS: usize = 1500;
 
+/// Samples for which a supervisor's start may be out of balance before the law acts, at least.
+const BEFORE: f64 = 4.0;
+
 /// Half the time over which a rate is a difference \[s\].
 const MOMENT: f64 = 3e-5;
 
@@ -114,7 +117,12 @@ struct Maxima {
     jerk: Vec<f64>,
     /// Rate of what is fed forward.
     fed: Vec<f64>,
+    /// Torque of gravity that the start leaves.
+    start: Vec<f64>,
 }
+
+/// Scratch memory of the arm, of what is fed forward, of what the robot adds.
+type Rooms = (Workspace<f64>, Workspace<f64>, Workspace<f64>);
 
 /// The sums at a posture, and its matrix on errors by forces: `|M'' − D'|` as far as first derivatives go.
 struct Played {
@@ -132,6 +140,59 @@ struct Setting<'a> {
     slope: Vec<f64>,
     reading: Vec<f64>,
     fed: Option<(Model, bool)>,
+    /// The arm whose torque of gravity the robot adds by itself.
+    added: Option<Model>,
+    /// Largest age of what is fed forward \[samples\].
+    late: f64,
+    start: Start,
+}
+
+/// Start of the law, as a study has it.
+struct Start {
+    /// True if a supervisor starts it.
+    supervised: bool,
+    /// Torque that it starts with \[N·m\].
+    preset: Vec<f64>,
+    /// Torque by which it is stated to be out of balance \[N·m\].
+    stated: Option<Vec<f64>>,
+}
+
+impl Start {
+    /// The arm starts in balance, on the reference, or a supervisor that leaves the law as it is starts it.
+    fn of(study: &Study) -> Result<Self, Refutation> {
+        let n = study.robot.joints.len();
+        let Some(own) = &study.supervisor else {
+            let balanced = study.world.held == Some(Held::InBalance) && study.world.start.is_none();
+            let what = "the arm starts in balance, on the reference";
+            Refutation::unless(CLAIM, what, 0.0, 1.0, balanced)?;
+            return Ok(Self { supervised: false, preset: vec![0.0; n], stated: None });
+        };
+        let changed = own.dead_zone.is_some()
+            || own.funnel.is_some()
+            || own.soft_zone.is_some()
+            || own.start_first_order
+            || own.start_factor.is_some();
+        let what = "the supervisor leaves the law as it is";
+        Refutation::unless(CLAIM, what, 1.0, 0.0, !changed && study.feedforward.is_none())?;
+        let preset = own.preset.clone().unwrap_or_else(|| vec![0.0; n]);
+        Ok(Self { supervised: true, preset, stated: own.start_imbalance.clone() })
+    }
+
+    /// A start that nobody stated is as far out of balance as what is found here, at least.
+    fn fits(
+        &self,
+        (maxima, claimed): (&Maxima, &ClassBound),
+        study: &Study,
+    ) -> Result<(), Refutation> {
+        if !self.supervised || self.stated.is_some() {
+            return Ok(());
+        }
+        let least = maxima.start.iter().zip(&study.design.coulomb.1);
+        for ((left, dry), claimed) in least.zip(&claimed.start_nm) {
+            at_most(CLAIM, "start out of balance ≤ claimed", left.max(*dry), *claimed)?;
+        }
+        Ok(())
+    }
 }
 
 impl Certificate {
@@ -180,14 +241,13 @@ impl Certificate {
             let model = model.with_gravity(study.world.gravity);
             all.push(setting.played(&loops, &model, &dice.place(class))?);
         }
-        let models: Vec<Model> = bodies
-            .iter()
-            .map(|(frame, body)| {
-                Ok(loaded(study, (Rotor::Stated, body), frame)?.with_gravity(study.world.gravity))
-            })
-            .collect::<Result<_, Refutation>>()?;
+        let stated = bodies.iter().map(|(frame, body)| {
+            Ok(loaded(study, (Rotor::Stated, body), frame)?.with_gravity(study.world.gravity))
+        });
+        let models: Vec<Model> = stated.collect::<Result<_, Refutation>>()?;
         let maxima = setting.maxima(&models, &mut dice);
-        let [error, velocity, step] = setting.solve(&all, &maxima)?;
+        setting.start.fits((&maxima, claimed), study)?;
+        let [error, velocity, step] = setting.solve(&all, &maxima, claimed)?;
         let lists = [
             ("derived |e| ≤ claimed", &error, &claimed.error_rad),
             ("derived |ė| ≤ claimed", &velocity, &claimed.velocity_error_rad_s),
@@ -219,12 +279,6 @@ fn bodies(study: &Study) -> Vec<(String, Body)> {
 
 fn rotors(study: &Study) -> &'static [Rotor] {
     if study.robot.has_rotor_interval() { &[Rotor::Least, Rotor::Most] } else { &[Rotor::Stated] }
-}
-
-/// The arm starts in balance, on the reference.
-fn in_balance(study: &Study) -> Result<(), Refutation> {
-    let balanced = study.world.held == Some(Held::InBalance) && study.world.start.is_none();
-    Refutation::unless(CLAIM, "the arm starts in balance, on the reference", 0.0, 1.0, balanced)
 }
 
 /// Level of forces of any course \[N·m\] per joint: dry friction, pushes.
@@ -278,7 +332,12 @@ impl<'a> Setting<'a> {
             1.0,
             plain,
         )?;
-        in_balance(study)?;
+        let start = Start::of(study)?;
+        let profile = &study.interface.profile;
+        let lone =
+            profile.adds_friction <= 0.0 && !(profile.adds_gravity && study.feedforward.is_some());
+        Refutation::unless(CLAIM, "nothing but gravity is added by the robot", 1.0, 0.0, lone)?;
+        let delay = models.iter().map(|m| m.delay_samples).max().unwrap_or(0);
         let mut dry = forces(study);
         let fed = fed_forward(study, &mut dry)?;
         let slope = |i: usize| {
@@ -304,6 +363,11 @@ impl<'a> Setting<'a> {
             reading: (0..n).map(reading).collect(),
             dry,
             fed,
+            added: profile
+                .adds_gravity
+                .then(|| study.robot.plant_model().with_gravity(study.world.gravity)),
+            late: if start.supervised { f64::from(delay) + 1.0 } else { 0.5 },
+            start,
         })
     }
 
@@ -324,6 +388,15 @@ impl<'a> Setting<'a> {
                 agrees(CLAIM, &format!("{what} of the study"), (*own, *right), SAME)?;
             }
         }
+        let same = claimed.is_supervised() == self.start.supervised;
+        Refutation::unless(CLAIM, "a supervisor, as in the study", 1.0, 0.0, same)?;
+        if self.start.supervised {
+            let least = BEFORE * self.period;
+            at_most(CLAIM, "time before the law ≤ claimed", least, claimed.start_s * (1.0 + SAME))?;
+        }
+        for (own, stated) in claimed.start_nm.iter().zip(self.start.stated.iter().flatten()) {
+            agrees(CLAIM, "start out of balance, as stated", (*own, *stated), SAME)?;
+        }
         let (own, set) = (&claimed.payload, &study.design.payload);
         let same = own.frame == set.frame && own.mass_kg == set.mass && own.com_m == set.com;
         let same = same && (own.gyration_m - set.gyration).abs() <= SAME * set.gyration;
@@ -336,7 +409,7 @@ impl<'a> Setting<'a> {
         model: &Model,
         q: &[f64],
     ) -> Result<Played, Refutation> {
-        let dynamics = Dynamics::at(model, &mut Workspace::new(model), q);
+        let dynamics = Dynamics::at(model, self.added.as_ref(), q);
         let inverse = crate::coupled::inverse(&dynamics.mass, self.n)?;
         let sums = PlayedSums::at(loops, (&dynamics, &inverse), self.period)?;
         let mut force = vec![vec![0.0; self.n]; self.n];
@@ -350,15 +423,20 @@ impl<'a> Setting<'a> {
         Ok(Played { sums, force })
     }
 
-    /// Torque of a motion without friction, and of what is fed forward for it.
+    /// Torque of a motion without friction, less what the robot adds, and of what is fed forward for it.
     fn torques(
         &self,
         model: &Model,
-        rooms: &mut (Workspace<f64>, Workspace<f64>),
+        rooms: &mut Rooms,
         (q, dq, ddq): (&[f64], &[f64], &[f64]),
     ) -> (Vec<f64>, Vec<f64>) {
         let mut tau = vec![0.0; self.n];
         model.inverse_dynamics(&mut rooms.0, q, dq, ddq, &mut tau);
+        if let Some(bare) = &self.added {
+            let (rest, mut weight) = (vec![0.0; self.n], vec![0.0; self.n]);
+            bare.bias(&mut rooms.2, q, &rest, &mut weight);
+            tau.iter_mut().zip(weight).for_each(|(tau, added)| *tau -= added);
+        }
         let mut fed: Vec<f64> = self.nominal.iter().zip(ddq).map(|(m, a)| m * a).collect();
         match &self.fed {
             Some((own, true)) => {
@@ -376,13 +454,20 @@ impl<'a> Setting<'a> {
     fn maxima(&self, models: &[Model], dice: &mut Dice) -> Maxima {
         let n = self.n;
         let zero = || vec![0.0_f64; n];
-        let mut most =
-            Maxima { whole: zero(), slow: zero(), size: zero(), jerk: zero(), fed: zero() };
+        let mut most = Maxima {
+            whole: zero(),
+            slow: zero(),
+            size: zero(),
+            jerk: zero(),
+            fed: zero(),
+            start: zero(),
+        };
         let mut fed_jerk = zero();
         for k in 0..POINTS {
             let model = &models[k % models.len()];
             let own = self.fed.as_ref().map_or(model, |(own, _)| own);
-            let mut rooms = (Workspace::new(model), Workspace::new(own));
+            let bare = self.added.as_ref().unwrap_or(model);
+            let mut rooms = (Workspace::new(model), Workspace::new(own), Workspace::new(bare));
             let q = dice.place(self.class);
             let dq: Vec<f64> = self.class.speed.iter().map(|v| v * dice.sign()).collect();
             let ddq: Vec<f64> = self.class.acceleration.iter().map(|a| a * dice.sign()).collect();
@@ -404,24 +489,12 @@ impl<'a> Setting<'a> {
             }
             // Every tenth point: what the acceleration and the jerk do by themselves.
             if k % 10 == 0 {
-                let rest = zero();
-                let (base, fed_base) = self.torques(model, &mut rooms, (&q, &rest, &rest));
-                let mut sums = vec![[0.0; 3]; n];
-                for j in 0..n {
-                    let mut unit = zero();
-                    unit[j] = 1.0;
-                    let (tau, fed) = self.torques(model, &mut rooms, (&q, &rest, &unit));
-                    for i in 0..n {
-                        let fed = fed[i] - fed_base[i];
-                        let left = (tau[i] - base[i] - fed).abs();
-                        sums[i][0] += left * self.class.acceleration[j];
-                        sums[i][1] += left * self.class.jerk[j];
-                        sums[i][2] += fed.abs() * self.class.jerk[j];
-                    }
-                }
-                for (i, [size, jerk, fed]) in sums.into_iter().enumerate() {
+                for (i, [size, jerk, fed, start]) in
+                    self.inertial(model, &mut rooms, &q).into_iter().enumerate()
+                {
                     most.size[i] = most.size[i].max(size);
                     most.jerk[i] = most.jerk[i].max(jerk);
+                    most.start[i] = most.start[i].max(start);
                     fed_jerk[i] = fed_jerk[i].max(fed);
                 }
             }
@@ -430,10 +503,45 @@ impl<'a> Setting<'a> {
         most
     }
 
-    /// The least solution over the postures: error, velocity, torque step.
-    fn solve(&self, all: &[Played], maxima: &Maxima) -> Result<[Vec<f64>; KINDS], Refutation> {
+    /// Of each joint at a posture: size and rate by the jerk of the part in the acceleration, rate by the jerk of what
+    /// is fed forward, and what the start leaves of gravity.
+    fn inertial(&self, model: &Model, rooms: &mut Rooms, q: &[f64]) -> Vec<[f64; 4]> {
         let n = self.n;
-        let held: Vec<f64> = maxima.fed.iter().map(|rate| 0.5 * self.period * rate).collect();
+        let rest = vec![0.0; n];
+        let (base, fed_base) = self.torques(model, rooms, (q, &rest, &rest));
+        let left = base.iter().zip(&self.start.preset).map(|(held, preset)| (held - preset).abs());
+        let mut sums: Vec<[f64; 4]> = left.map(|start| [0.0, 0.0, 0.0, start]).collect();
+        for j in 0..n {
+            let mut unit = vec![0.0; n];
+            unit[j] = 1.0;
+            let (tau, fed) = self.torques(model, rooms, (q, &rest, &unit));
+            for i in 0..n {
+                let fed = fed[i] - fed_base[i];
+                let left = (tau[i] - base[i] - fed).abs();
+                sums[i][0] += left * self.class.acceleration[j];
+                sums[i][1] += left * self.class.jerk[j];
+                sums[i][2] += fed.abs() * self.class.jerk[j];
+            }
+        }
+        sums
+    }
+
+    /// The least solution over the postures: error, velocity, torque step.
+    fn solve(
+        &self,
+        all: &[Played],
+        maxima: &Maxima,
+        claimed: &ClassBound,
+    ) -> Result<[Vec<f64>; KINDS], Refutation> {
+        let n = self.n;
+        let held: Vec<f64> = maxima.fed.iter().map(|rate| self.late * self.period * rate).collect();
+        let begun = |own: &Played, o: usize, i: usize| -> f64 {
+            let starts = claimed.start_nm.iter().enumerate();
+            let answers = starts.map(|(j, torque)| {
+                torque * (own.sums.lasting[o][i][j] + claimed.start_s * own.sums.impulse[o][i][j])
+            });
+            answers.sum()
+        };
         let along = |m: &Matrix, i: usize, x: &[f64]| -> f64 {
             m[i].iter().zip(x).map(|(m, x)| m * x).sum()
         };
@@ -456,7 +564,8 @@ impl<'a> Setting<'a> {
             let mut sum = along(&sums.torque[o], i, &torque)
                 + along(&sums.ramp[o], i, &ramp)
                 + along(&sums.reading[o], i, &self.reading)
-                + along(&sums.gravity[o], i, error);
+                + along(&sums.gravity[o], i, error)
+                + begun(own, o, i);
             for (c, speed) in self.class.speed.iter().enumerate() {
                 let moves = if o == E { error } else { velocity };
                 sum += speed * along(&sums.moving[o][c], i, moves);
@@ -479,7 +588,9 @@ impl<'a> Setting<'a> {
                 break;
             }
         }
-        let step = (0..n).map(|i| most(STEP, i, &error, &velocity) + 2.0 * held[i]).collect();
+        let step = (0..n)
+            .map(|i| most(STEP, i, &error, &velocity) + self.period * maxima.fed[i])
+            .collect();
         Ok([error, velocity, step])
     }
 }

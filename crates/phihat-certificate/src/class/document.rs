@@ -19,6 +19,11 @@ use crate::{FrozenPayload, PayloadSet};
 ///
 /// as long as no limit acts, and none can where `torque_step_nm` and `torque_nm` are within the limits.
 ///
+/// With a supervisor ([`Self::is_supervised`]) the same holds from each start of its law on, for every sequence of
+/// requests and of references, as long as the mode is holding or tracking: it keeps the reference in the class. The
+/// start may then be out of balance by `start_nm`, for at most `start_s` before the law's first sample. Samples come in
+/// time, and no fault is reported; in a safe stop the claim ends.
+///
 /// # Not claimed
 ///
 /// The maxima over box and payloads are the largest of a search, not proved. What the certificate lists as not counted.
@@ -37,6 +42,12 @@ pub struct ClassBound {
     pub payload: PayloadSet,
     /// Level of forces of any course in time \[N·m\] per joint: dry friction, pushes.
     pub force_nm: Vec<f64>,
+    /// Torque by which a start may be out of balance \[N·m\] per joint; empty: by none, and no supervisor.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub start_nm: Vec<f64>,
+    /// Time for which it may be so before the first sample of the law \[s\].
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub start_s: f64,
     /// Largest error of a reading \[rad\] per joint.
     pub reading_rad: Vec<f64>,
     /// Bound on `|e|` \[rad\] per joint.
@@ -93,9 +104,40 @@ pub struct ClassPace {
 }
 
 impl ClassBound {
+    /// Returns true if the bound is about an arm with a supervisor, which keeps the reference in the class.
+    pub fn is_supervised(&self) -> bool {
+        self.start_s > 0.0
+    }
+
+    /// Returns true if a supervisor that keeps references in this box, with these largest speeds, accelerations and
+    /// jerks, keeps them in the class.
+    pub fn covers(
+        &self,
+        reference_box: Option<&[Vec<f64>; 2]>,
+        motion: Option<&[Vec<f64>; 3]>,
+    ) -> bool {
+        let within = |own: &[f64], most: &[f64]| {
+            own.len() == most.len() && own.iter().zip(most).all(|(own, most)| own <= most)
+        };
+        let (Some([low, high]), Some([speed, acceleration, jerk])) = (reference_box, motion) else {
+            return false;
+        };
+        self.is_supervised()
+            && within(&self.box_rad.0, low)
+            && within(high, &self.box_rad.1)
+            && within(speed, &self.speed_max_rad_s)
+            && within(acceleration, &self.acceleration_max_rad_s2)
+            && within(jerk, &self.jerk_max_rad_s3)
+    }
+
     /// The largest bound on `|e|` of a joint \[rad\], and the joint's index.
     pub fn worst(&self) -> Option<(usize, f64)> {
         let all = self.error_rad.iter().copied().enumerate();
         all.max_by(|a, b| a.1.total_cmp(&b.1))
     }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_zero(x: &f64) -> bool {
+    x.to_bits() == 0
 }

@@ -20,7 +20,9 @@ pub(super) struct Dynamics {
 }
 
 impl Dynamics {
-    pub(super) fn at(model: &Model, room: &mut Workspace<f64>, q: &[f64]) -> Self {
+    /// Of an arm with its payload; `added` is the arm whose torque of gravity the robot adds by itself.
+    pub(super) fn at(model: &Model, added: Option<&Model>, q: &[f64]) -> Self {
+        let room = &mut Workspace::new(model);
         let n = q.len();
         let mut mass = |q: &[f64]| {
             let mut flat = vec![0.0; n * n];
@@ -61,12 +63,11 @@ impl Dynamics {
                 }
             }
         }
-        let mut gravity = vec![vec![0.0; n]; n];
-        for c in 0..n {
-            let (more, less) = (bias(&moved(c, STEP), &rest), bias(&moved(c, -STEP), &rest));
-            for i in 0..n {
-                gravity[i][c] = (more[i] - less[i]) / (2.0 * STEP);
-            }
+        let mut gravity = weights(model, q);
+        for (row, less) in
+            gravity.iter_mut().zip(added.into_iter().flat_map(|bare| weights(bare, q)))
+        {
+            row.iter_mut().zip(less).for_each(|(own, added)| *own -= added);
         }
         Self { n, mass: own, slopes, coriolis, gravity }
     }
@@ -76,4 +77,24 @@ impl Dynamics {
         let entry = |i: usize, j: usize| s * self.slopes[c][i][j] - self.coriolis[c][i][j];
         (0..self.n).map(|i| (0..self.n).map(|j| entry(i, j)).collect()).collect()
     }
+}
+
+/// `∂g/∂q` of a model.
+fn weights(model: &Model, q: &[f64]) -> Matrix {
+    let n = q.len();
+    let (mut room, rest) = (Workspace::new(model), vec![0.0; n]);
+    let mut weight = |c: usize, by: f64| {
+        let place: Vec<f64> = (0..n).map(|i| if i == c { q[i] + by } else { q[i] }).collect();
+        let mut tau = vec![0.0; n];
+        model.bias(&mut room, &place, &rest, &mut tau);
+        tau
+    };
+    let mut slopes = vec![vec![0.0; n]; n];
+    for c in 0..n {
+        let (more, less) = (weight(c, STEP), weight(c, -STEP));
+        for (row, (more, less)) in slopes.iter_mut().zip(more.iter().zip(&less)) {
+            row[c] = (more - less) / (2.0 * STEP);
+        }
+    }
+    slopes
 }

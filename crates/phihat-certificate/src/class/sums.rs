@@ -2,7 +2,7 @@
 
 use super::dynamics::Dynamics;
 use crate::coupled::played::{OUTPUTS, Played};
-use crate::extremes::Extremes as _;
+use crate::extremes::{Extremes as _, larger};
 use crate::{JointRecord, LoopModel, Matrix, Refutation};
 
 /// Longest run \[samples\], and how often it is looked at.
@@ -26,6 +26,9 @@ pub(super) struct PlayedSums {
     pub(super) torque: Each,
     pub(super) ramp: Each,
     pub(super) reading: Each,
+    /// Largest answer to a torque that goes on from the start, and to an impulse there.
+    pub(super) lasting: Each,
+    pub(super) impulse: Each,
     /// `Σ ∫|g ∂g/∂q|`.
     pub(super) gravity: Each,
     /// Twice integrated of `e`, once integrated of the others, per unit of each joint's speed.
@@ -75,6 +78,8 @@ impl PlayedSums {
             torque: each(n),
             ramp: each(n),
             reading: each(n),
+            lasting: each(n),
+            impulse: each(n),
             gravity: each(n),
             moving: core::array::from_fn(|_| vec![zero(n); n]),
         };
@@ -142,6 +147,8 @@ impl PlayedSums {
                     let next = whole[o][i][j] + 0.5 * t * (end[j] + start[j]);
                     self.ramp[o][i][j] += t * straight(whole[o][i][j], next);
                     whole[o][i][j] = next;
+                    self.lasting[o][i][j] = larger(self.lasting[o][i][j], next.abs());
+                    self.impulse[o][i][j] = larger(self.impulse[o][i][j], end[j].abs());
                 }
                 let middle: Vec<f64> = end.iter().zip(start).map(|(a, b)| 0.5 * (a + b)).collect();
                 let slope: Vec<f64> = end.iter().zip(start).map(|(a, b)| (b - a) / t).collect();

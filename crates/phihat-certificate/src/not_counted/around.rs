@@ -45,8 +45,9 @@ impl List {
         }
     }
 
-    /// Nothing of a supervisor is in the loop model: what adds nothing until it acts, and what acts always.
-    pub(super) fn supervisor(&mut self, request: &SupervisorRequest) {
+    /// Nothing of a supervisor is in the loop model: what adds nothing until it acts, and what acts always. The bound for
+    /// a class of motions counts its modes, its references and its start.
+    pub(super) fn supervisor(&mut self, request: &SupervisorRequest, class: bool) {
         let SupervisorRequest {
             velocity_max,
             error_stop,
@@ -62,6 +63,10 @@ impl List {
             // The funnel's.
             funnel_decay: _,
             preset,
+            // In the bound for a class, and what it says: beyond it the arm stops.
+            reference_box: _,
+            start_imbalance: _,
+            error_bound: _,
             start_first_order,
             start_factor,
             // When the start gains end, and whether they come back.
@@ -88,13 +93,13 @@ impl List {
         self.acting("supervisor.first_motion_nm", first_motion.as_ref());
         self.acting("supervisor.dead_zone_rad", dead_zone.as_ref());
         self.acting("supervisor.soft_zone_rad", soft_zone.as_ref());
-        if let Some([velocity, ..]) = motion {
+        if let Some([velocity, ..]) = motion.as_ref().filter(|_| !class) {
             // Outside of the loop: it is the reference that is another one.
             let text = format!("{velocity:?}");
             self.add("supervisor.reference_velocity_max_rad_s", text, LeftOut::Bounds);
         }
         self.acting("supervisor.funnel_initial_rad", funnel.as_ref().map(|[initial, _]| initial));
-        if let Some(torque) = preset {
+        if let Some(torque) = preset.as_ref().filter(|_| !class) {
             self.add("supervisor.preset_nm", format!("{torque:?}"), LeftOut::Bounds);
         }
         if *start_first_order {
@@ -104,6 +109,10 @@ impl List {
         }
         if let Some(factor) = start_factor {
             self.add("supervisor.start_estimator_factor", factor, LeftOut::Bounds);
+        }
+        if class {
+            let text = "ends the claim about the class; docs/theory/stop.md says what holds in it";
+            return self.add("supervisor: a safe stop", text, LeftOut::Bounds);
         }
         // The arm is armed, holds, and then tracks: the reference begins some samples late.
         let modes = requests.iter().map(|(t, mode)| format!("{mode:?} at {t} s"));

@@ -8,7 +8,7 @@ mod list;
 mod world;
 
 use phihat_model::{Robot, Rotor};
-use phihat_study::{Control, Fault, Sensor, Study};
+use phihat_study::{Control, Fault, Reference, Sensor, Study};
 
 pub use list::{LeftOut, NotCounted};
 use list::{List, text};
@@ -40,8 +40,8 @@ impl NotCounted {
             interface,
             supervisor,
             faults,
-            // In φ, and in what its motion costs.
-            reference: _,
+            // In φ, and in what its motion costs; a supervisor keeps a class of motions.
+            reference,
             // In what the search takes for φ, and in the tube.
             feedforward: _,
         } = study;
@@ -52,7 +52,7 @@ impl NotCounted {
         list.world(world);
         list.interface(interface);
         if let Some(request) = supervisor {
-            list.supervisor(request);
+            list.supervisor(request, matches!(reference, Reference::Any { .. }));
         }
         for fault in faults {
             list.fault(fault);

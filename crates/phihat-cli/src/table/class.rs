@@ -40,8 +40,8 @@ pub(crate) fn class(gains: &Gains) -> Option<String> {
     let mut lines = vec![
         table.to_string(),
         format!(
-            "any motion of the class, for as long as it lasts, from a start in balance: payload {} … {} kg on {}, \
-             no limit acts; spectral radius {:.3} (closes below 1); {} postures, {}",
+            "any motion of the class, for as long as it lasts, {}: payload {} … {} kg on {}, no limit acts; spectral radius {:.3} (closes below 1); {} postures, {}",
+            start(class),
             class.payload.mass_kg.0,
             class.payload.mass_kg.1,
             class.payload.frame,
@@ -52,6 +52,19 @@ pub(crate) fn class(gains: &Gains) -> Option<String> {
     ];
     lines.extend(paces(class, gains));
     Some(lines.join("\n"))
+}
+
+/// Start that a bound is about.
+fn start(class: &ClassBound) -> String {
+    if !class.is_supervised() {
+        return "from a start in balance".to_owned();
+    }
+    let most = class.start_nm.iter().copied().fold(0.0, f64::max);
+    format!(
+        "whatever is requested while the supervisor holds or tracks, from a start out of balance by at most {most:.2} N·m \
+         a joint for {} ms, every sample in time, no fault",
+        1e3 * class.start_s
+    )
 }
 
 /// How fast one may go for an error.

@@ -185,6 +185,9 @@ fn proved(certificate: &Certificate) -> String {
             "the specification is kept by every run in the tube: payload {} … {} kg on {}, dry friction as stated, from t = 0, no limit acts",
             tube.payload.mass_kg.0, tube.payload.mass_kg.1, tube.payload.frame
         ),
+        None if certificate.class.as_ref().is_some_and(|class| class.is_supervised()) => {
+            "the specification is kept by every motion of the class while the supervisor holds or tracks".to_owned()
+        }
         None if certificate.class.is_some() => {
             "the specification is kept by every motion of the class, from a start in balance"
                 .to_owned()

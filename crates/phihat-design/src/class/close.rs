@@ -184,9 +184,21 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Half a sample's change of what is fed forward: it is held over the sample.
+    /// Change of what is fed forward over a sample.
+    fn fed(&self, i: usize) -> f64 {
+        self.scene.period * self.rates.fed[i]
+    }
+
+    /// Largest deviation of what is fed forward from what the motion is: it is held over the sample, and is older than
+    /// that where it comes through a supervisor.
     fn held(&self, i: usize) -> f64 {
-        0.5 * self.scene.period * self.rates.fed[i]
+        self.scene.late * self.fed(i)
+    }
+
+    /// Rate of the torque of gravity that the robot adds at each sample \[N·m/s\], which is that of the sample.
+    fn moved_gravity(&self, i: usize, velocity: &[f64]) -> f64 {
+        let (n, bent) = (self.scene.n, self.bent);
+        (0..n).map(|j| bent.added[i * n + j] * (self.pace.v[j] + velocity[j])).sum()
     }
 
     /// Joints whose inertia term is a force of any course, in place of one with a rate: where that costs less.
@@ -215,7 +227,14 @@ impl<'a> Problem<'a> {
             let turning = bilinear(&bent.mass, i, velocity, velocity)
                 + bilinear(&self.over.masses, i, error, velocity);
             let size = if boxed[i] { rates.size[i] } else { 0.0 };
-            scene.dry[i] + size + self.held(i) + scene.slope[i] * velocity[i] + second + turning
+            let added = scene.period * self.moved_gravity(i, velocity);
+            scene.dry[i]
+                + added
+                + size
+                + self.held(i)
+                + scene.slope[i] * velocity[i]
+                + second
+                + turning
         };
         let ramp = |i: usize| {
             let own = if boxed[i] { rates.slow[i] } else { rates.whole[i] + rates.jerk[i] };
@@ -236,6 +255,9 @@ impl<'a> Problem<'a> {
         add(&mut out, &sums.ramp[o], &inputs.ramp);
         add(&mut out, &sums.reading[o], &self.scene.reading);
         add(&mut out, &sums.start[o], &self.scene.reading);
+        add(&mut out, &sums.lasting[o], &self.scene.start);
+        let impulse: Vec<f64> = self.scene.start.iter().map(|b| self.scene.before * b).collect();
+        add(&mut out, &sums.impulse[o], &impulse);
         add(&mut out, &sums.slope[o], &inputs.shift);
         if o == E {
             // The start's error, at the other end of the two integrations by parts.
@@ -296,10 +318,17 @@ impl<'a> Problem<'a> {
     }
 
     /// The least solution of (CM5) over some postures, by iteration from 0; `None`: there is none.
-    fn least(&self, (all, maps): (&[Sums], &[Maps]), boxed: &[bool]) -> Option<[Vec<f64>; 2]> {
+    /// With a factor above 1 on every step of it, a solution that keeps (CM5) strictly.
+    fn least(
+        &self,
+        (all, maps): (&[Sums], &[Maps]),
+        boxed: &[bool],
+        factor: f64,
+    ) -> Option<[Vec<f64>; 2]> {
         let n = self.scene.n;
-        let sizes =
-            |list: Vec<(f64, usize)>| list.into_iter().map(|(x, _)| x).collect::<Vec<f64>>();
+        let sizes = |list: Vec<(f64, usize)>| {
+            list.into_iter().map(|(x, _)| factor * x).collect::<Vec<f64>>()
+        };
         let moved = |a: &[f64], b: &[f64]| {
             a.iter().zip(b).map(|(a, b)| (a - b).abs() / b.max(f64::MIN_POSITIVE)).largest()
         };
@@ -348,22 +377,30 @@ impl<'a> Problem<'a> {
         let Some(first) = all.first() else { return Err(radius) };
         let boxed = self.boxed(first);
         let resting: Vec<Maps> = all.iter().map(|sums| self.resting(sums)).collect();
-        let [frozen, _] = self.least((all, &resting), &boxed).ok_or(radius)?;
-        let [mut error, mut velocity] = self.least((all, &maps), &boxed).ok_or(radius)?;
+        let [frozen, _] = self.least((all, &resting), &boxed, 1.0).ok_or(radius)?;
+        let [mut error, mut velocity] = self.least((all, &maps), &boxed, 1.0).ok_or(radius)?;
         let most = |o: usize, error: &[f64], velocity: &[f64]| {
             self.most((all, &maps), &boxed, o, (error, velocity))
         };
         error.iter_mut().chain(&mut velocity).for_each(|x| *x *= INFLATED);
-        let (errors, velocities) = (most(E, &error, &velocity), most(V, &error, &velocity));
         let below = |list: &[(f64, usize)], x: &[f64]| list.iter().zip(x).all(|((a, _), x)| a < x);
-        if !below(&errors, &error) || !below(&velocities, &velocity) {
-            return Err(radius);
+        let strict = |error: &[f64], velocity: &[f64]| {
+            let errors = most(E, error, velocity);
+            let holds = below(&errors, error) && below(&most(V, error, velocity), velocity);
+            holds.then_some(errors)
+        };
+        let mut errors = strict(&error, &velocity);
+        if errors.is_none() {
+            // Where what is of second order in them is most of a bound, another 1 % of it is more than 1 %.
+            [error, velocity] = self.least((all, &maps), &boxed, INFLATED).ok_or(radius)?;
+            errors = strict(&error, &velocity);
         }
+        let errors = errors.ok_or(radius)?;
         let steps = most(STEP, &error, &velocity);
         let inputs = self.inputs(&boxed, &error, &velocity);
         let torque = self.torques((all, &maps), (&inputs, &error, &velocity));
         Ok(Closed {
-            step: steps.iter().enumerate().map(|(i, (x, _))| x + 2.0 * self.held(i)).collect(),
+            step: steps.iter().enumerate().map(|(i, (x, _))| x + self.fed(i)).collect(),
             torque,
             at: errors.iter().map(|(_, at)| *at).collect(),
             error,
@@ -375,7 +412,7 @@ impl<'a> Problem<'a> {
 
     /// The largest torque of each joint: of the motion, of friction, and of the error.
     fn torques(&self, (all, maps): (&[Sums], &[Maps]), at: (&Inputs, &[f64], &[f64])) -> Vec<f64> {
-        let (scene, n) = (self.scene, self.scene.n);
+        let (scene, n, velocity) = (self.scene, self.scene.n, at.2);
         let mut most = vec![0.0_f64; n];
         for (sums, maps) in all.iter().zip(maps) {
             let free = self.output((sums, maps), FREE, at);
@@ -388,7 +425,8 @@ impl<'a> Problem<'a> {
         }
         for (i, most) in most.iter_mut().enumerate() {
             let friction = scene.dry[i] + scene.slope[i] * self.pace.v[i];
-            *most += self.rates.torque[i] + friction + 2.0 * self.held(i);
+            let added = scene.period * self.moved_gravity(i, velocity);
+            *most += self.rates.torque[i] + friction + 2.0 * self.held(i) + scene.start[i] + added;
         }
         most
     }

@@ -44,7 +44,7 @@ impl ClassDemand {
         let gains = of(&inertia);
         let scene = Scene::new(study, &gains)?;
         if let Some(case) = scene.cases.first() {
-            let slopes = Slopes::at(&case.model, &mut scene.room(case).arm, &scene.class.center);
+            let slopes = Slopes::at(&mut scene.posed(case), &scene.class.center);
             for (i, inertia) in inertia.iter_mut().enumerate() {
                 *inertia = slopes.mass[i * scene.n + i];
             }

@@ -3,8 +3,8 @@
 use phihat_certificate::extremes::larger;
 use phihat_model::evenly;
 
-use super::scene::{Case, Room, Scene};
-use super::slopes::{Bends, Slopes};
+use super::scene::{Room, Scene};
+use super::slopes::{Bends, Posed, Slopes};
 
 /// Points of box and signs at which a search looks first, with every payload together.
 const POINTS: u32 = 1200;
@@ -154,7 +154,7 @@ impl<'a> Search<'a> {
             let (q, dq) = (moved(&place.q, &place.dq, sign), moved(&place.dq, &place.ddq, sign));
             scene.unknown(case, room, (&q, &dq, &place.ddq), &mut end[0]);
             scene.unknown(case, room, (&q, &dq, &zero), &mut end[1]);
-            case.model.inverse_dynamics(&mut room.arm, &q, &dq, &place.ddq, &mut end[2]);
+            scene.commanded(case, room, (&q, &dq, &place.ddq), &mut end[2]);
         }
         let rate = |kind: usize, i: usize| (ends[0][kind][i] - ends[1][kind][i]) / (2.0 * MOMENT);
         let mut values = vec![0.0; KINDS * n];
@@ -267,6 +267,8 @@ pub(super) struct Bent {
     pub(super) second: [Vec<Vec<f64>>; 4],
     /// `|∂_b ∂g/∂q|`.
     pub(super) gravity: Vec<Vec<f64>>,
+    /// `|∂g/∂q|` of the arm whose gravity the robot adds; 0 where it adds none.
+    pub(super) added: Vec<f64>,
     pub(super) postures: u32,
 }
 
@@ -282,33 +284,43 @@ impl Bent {
             coriolis: zero(n),
             second: [zero(n * n), zero(n * n), zero(n * n), zero(n * n)],
             gravity: zero(n),
+            added: vec![0.0; n * n],
             postures: 0,
         };
         // Rotors change no derivative: cases differ in it by payload alone.
         let share = (BENT / u32::try_from(scene.cases.len()).unwrap_or(1).max(1)).max(12);
         let ends = scene.ends();
+        let mut bare = scene.added.as_ref().map(|bare| Posed::of(bare, None, n));
         for case in &scene.cases {
-            let mut room = scene.room(case);
+            let mut arm = scene.posed(case);
             for (k, mut q) in evenly(&ends, share).enumerate() {
                 if k % 2 == 0 {
                     for (q, (low, high)) in q.iter_mut().zip(&ends) {
                         *q = if *q < 0.5 * (low + high) { *low } else { *high };
                     }
                 }
-                own.take(case, &mut room, &q);
+                own.take(&mut arm, &q);
+                if let Some(bare) = &mut bare {
+                    let slopes = bare.gravity_slopes(&q);
+                    own.added
+                        .iter_mut()
+                        .zip(slopes)
+                        .for_each(|(most, x)| *most = larger(*most, x.abs()));
+                }
             }
         }
+        own.added.iter_mut().for_each(|entry| *entry *= MARGIN);
         let lists = [&mut own.mass, &mut own.less, &mut own.coriolis, &mut own.gravity];
         let all = lists.into_iter().chain(&mut own.second);
         all.flatten().flatten().for_each(|entry| *entry *= MARGIN);
         own
     }
 
-    fn take(&mut self, case: &Case, room: &mut Room, q: &[f64]) {
+    fn take(&mut self, arm: &mut Posed<'_>, q: &[f64]) {
         let n = self.n;
         self.postures += 1;
-        let slopes = Slopes::at(&case.model, &mut room.arm, q);
-        let bends = Bends::at(&case.model, &mut room.arm, q);
+        let slopes = Slopes::at(arm, q);
+        let bends = Bends::at(arm, q);
         let most = |into: &mut [f64], of: &dyn Fn(usize) -> f64| {
             for (k, into) in into.iter_mut().enumerate() {
                 *into = larger(*into, of(k).abs());

@@ -189,6 +189,8 @@ fn document(
             gyration_m: set.gyration,
         },
         force_nm: scene.dry.clone(),
+        start_nm: if scene.before > 0.0 { scene.start.clone() } else { Vec::new() },
+        start_s: scene.before,
         reading_rad: scene.reading.clone(),
         error_rad: written(&closed.error),
         velocity_error_rad_s: written(&closed.velocity),

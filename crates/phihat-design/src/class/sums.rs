@@ -4,7 +4,7 @@ use phihat_certificate::Refutation;
 use phihat_certificate::extremes::larger;
 
 use super::refusal::ClassRefusal;
-use super::scene::{Case, Scene};
+use super::scene::Scene;
 use super::slopes::Slopes;
 use crate::coupled::linear::{Horizon, LEFT, Linear, Lines, OUTPUTS};
 
@@ -38,6 +38,9 @@ pub(super) struct Sums {
     pub(super) ramp: Each,
     /// Γ from errors of readings.
     pub(super) reading: Each,
+    /// Largest answer to a torque that goes on from the start, and to an impulse of torque at the start.
+    pub(super) lasting: Each,
+    pub(super) impulse: Each,
     /// Largest answer to a start off by an angle, law and arm, beyond what later readings can add.
     pub(super) start: Each,
     /// Largest `(age + T) |g'|`, and `|g|`, of `e`: the start's part in what moves.
@@ -106,8 +109,7 @@ impl Sums {
     /// [`ClassRefusal`]: the loop is not stable there, or its law has no integrator.
     pub(super) fn at(scene: &Scene<'_>, case: usize, q: &[f64]) -> Result<Self, ClassRefusal> {
         let n = scene.n;
-        let Case { model, .. } = &scene.cases[case];
-        let slopes = Slopes::at(model, &mut phihat_model::Workspace::new(model), q);
+        let slopes = Slopes::at(&mut scene.posed(&scene.cases[case]), q);
         let inverse = slopes.inverse().ok_or_else(|| unstable("M(q) is positive definite"))?;
         let loops = scene.loops();
         let linear = Linear::new(&loops, &inverse);
@@ -124,6 +126,8 @@ impl Sums {
             torque: each(),
             ramp: each(),
             reading: each(),
+            lasting: each(),
+            impulse: each(),
             start: each(),
             start_moves: [Vec::new(), Vec::new()],
             slope: each(),
@@ -153,6 +157,8 @@ impl Sums {
         into(&mut self.torque, row.torque);
         into(&mut self.ramp, row.ramp);
         into(&mut self.reading, row.reading);
+        into(&mut self.lasting, row.lasting);
+        into(&mut self.impulse, row.impulse);
         into(&mut self.start, row.start);
         into(&mut self.slope, row.slope);
         into(&mut self.aged, row.aged);
@@ -228,6 +234,8 @@ struct Row {
     torque: Each,
     ramp: Each,
     reading: Each,
+    lasting: Each,
+    impulse: Each,
     start: Each,
     begun: Begun,
     start_moves: [Vec<f64>; 2],
@@ -289,6 +297,8 @@ impl Row {
             torque: each(),
             ramp: each(),
             reading: each(),
+            lasting: each(),
+            impulse: each(),
             start: each(),
             begun: Begun::default(),
             start_moves: [vec![0.0; n], vec![0.0; n]],
@@ -336,6 +346,8 @@ impl Row {
                 // What is left of a torque that goes on moves the arm.
                 let net = self.whole[o][j] + if o == FREE { own[j] } else { 0.0 };
                 self.ramp[o][j] += half * t * net.abs();
+                self.lasting[o][j] = larger(self.lasting[o][j], net.abs());
+                self.impulse[o][j] = larger(self.impulse[o][j], size);
             }
         }
         let early = k < self.long;
@@ -459,6 +471,7 @@ impl Row {
                 self.late_torque[o][j] += torque;
                 self.aged[o][j] += age * torque;
                 self.slope[o][j] += slope;
+                self.impulse[o][j] = larger(self.impulse[o][j], slope);
                 self.late_age[o][j] += if o == E { age * 2.0 * slope / t } else { age * slope };
                 self.late_slope[o][j] += slope;
                 self.bent[o][j] += 0.5 * age * age * if o == E { 2.0 * slope / t } else { slope };
@@ -477,6 +490,7 @@ impl Row {
                     return Err(ClassRefusal::NoIntegrator { joint: i + 1 });
                 }
                 self.ramp[o][j] += age * torque;
+                self.lasting[o][j] = larger(self.lasting[o][j], left + torque);
             }
         }
         Ok(())
@@ -488,8 +502,10 @@ impl Row {
         let eighth = t * t / 8.0;
         for o in 0..KINDS {
             for j in 0..n {
-                // Within an interval a step response is off its chord by T²/12 times its curvature in the mean.
+                // Within an interval a step response is off its chord by T²/12 times its curvature in the mean, and by
+                // T²/8 times it at most.
                 self.ramp[o][j] += t * t / 12.0 * self.slope[o][j];
+                self.lasting[o][j] += t / 8.0 * self.slope[o][j];
             }
         }
         for c in 0..n {
@@ -521,6 +537,8 @@ impl Row {
             self.torque[E][j] += eighth * self.torque[FREE][j];
             self.ramp[E][j] += eighth * self.ramp[FREE][j];
             self.reading[E][j] += eighth * self.reading[FREE][j];
+            self.lasting[E][j] += eighth * self.lasting[FREE][j];
+            self.impulse[E][j] += eighth * self.impulse[FREE][j];
             self.start[E][j] += eighth * self.start[FREE][j];
         }
     }

@@ -617,6 +617,9 @@ class Supervisor:
         start_mismatch_max: largest distance between pose and reference at which tracking starts [rad].
         saturation: how long a torque may stay at its limit before the arm is stopped [s]; by default for ever.
         brake_closing: how long the brakes take to hold the arm [s]; by default it has none, and the law holds it.
+        error_bound: certified bound on the measured ``|e|`` per joint in holding and tracking, half a quantum of the
+            encoder included [rad]; an error beyond it in three samples in a row stops the arm.
+        reference_box: ends of the box per joint that every reference is kept in [rad]; with ``reference_limits``.
     """
 
     def __new__(
@@ -642,6 +645,8 @@ class Supervisor:
         start_mismatch_max: float = 0.05,
         saturation: float | None = None,
         brake_closing: float | None = None,
+        error_bound: Sequence[float] | None = None,
+        reference_box: Sequence[tuple[float, float]] | None = None,
     ) -> Supervisor: ...
     def step(
         self,
@@ -692,6 +697,10 @@ class Supervisor:
     @property
     def refusal(self) -> str | None:
         """Why the last request was not granted."""
+
+    @property
+    def error_share(self) -> float:
+        """Largest measured error of a joint at the last step, as a share of ``error_bound``; 0 where there is none."""
 
     @property
     def events(self) -> list[str]:

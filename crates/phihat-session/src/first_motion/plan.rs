@@ -79,7 +79,8 @@ pub fn first_study(
     if let Some(supervisor) = table.get_mut("supervisor").and_then(Value::as_table_mut) {
         // Under gains that nobody designed, it goes nowhere else.
         let elsewhere = |key: &str| ["reference_", "park"].iter().any(|own| key.starts_with(own));
-        supervisor.retain(|key, _| !elsewhere(key) && key != "request");
+        let others = ["request", "start_imbalance_nm"];
+        supervisor.retain(|key, _| !elsewhere(key) && !others.contains(&key));
     }
     let mut put = |keys: &[&str], value: Value| set(&mut table, keys, value);
     put(&["title"], Value::from(format!("First motion of {}", study.robot.name)));

@@ -5,7 +5,7 @@ use super::memory::{JointMemory, whole};
 use super::monitor::{Actuation, Oscillation};
 use super::rules::JointRules;
 use super::stopping::Stopping;
-use crate::{Action, JointState, Measurement, Real, Reference};
+use crate::{Action, Braking, JointState, Measurement, Real, Reference};
 
 impl<R: Real> JointRules<R> {
     /// Enters a mode.
@@ -34,6 +34,8 @@ impl<R: Real> JointRules<R> {
                 memory.home = here.q;
                 memory.reference = here;
                 memory.blend = Blend::default();
+                memory.braking = Braking::default();
+                memory.beyond = 0;
                 memory.fade_out(R::ZERO);
                 memory.mismatch = R::ZERO;
                 memory.mismatch_square = R::ZERO;
@@ -41,8 +43,12 @@ impl<R: Real> JointRules<R> {
                 memory.funnel = self.funnel.map_or(R::ZERO, |f| f.excess);
                 let tau = memory.law.tau;
                 memory.law = JointState::new();
+                let gains = self.in_force(false);
+                // A law that takes positions alone begins at rest: a velocity would be a difference of two readings.
+                let begins =
+                    Measurement { dq: if gains.hears_velocity() { m.dq } else { R::ZERO }, ..*m };
                 // The held torque becomes φ̂; what damping adds to it at this sample is the law's too.
-                self.in_force(false).resume(&mut memory.law, m, &here, memory.held);
+                gains.resume(&mut memory.law, &begins, &here, memory.held);
                 memory.law.tau = tau;
                 memory.oscillation = Oscillation::restart(memory.held);
                 memory.steady = memory.held;

@@ -19,6 +19,8 @@ pub(crate) struct JointNews {
     pub(crate) events: Events,
     /// Fault that stops the arm at the next sample.
     pub(crate) fault: Option<Fault>,
+    /// Measured error as a share of its bound.
+    pub(crate) share: f32,
 }
 
 impl<R: Real> JointRules<R> {
@@ -38,6 +40,9 @@ impl<R: Real> JointRules<R> {
             self.begin_to_stop(gains, memory, m, now);
         }
         let reference = self.refer(memory, now, &mut news.events);
+        if !now.stops() {
+            self.compare_with_bound(memory, m.q - reference.q, &mut news);
+        }
         let told = match S::FORM {
             Form::Observer | Form::Literal => Told::bare(&reference),
             Form::Positions => memory.tell(gains, &reference, now),
@@ -86,13 +91,23 @@ impl<R: Real> JointRules<R> {
     /// The reference in force.
     #[allow(clippy::inline_always, reason = "one copy per form of the law, each without a call")]
     #[inline(always)]
-    fn refer(&self, memory: &JointMemory<R>, now: &Moment<R>, events: &mut Events) -> Reference<R> {
+    fn refer(
+        &self,
+        memory: &mut JointMemory<R>,
+        now: &Moment<R>,
+        events: &mut Events,
+    ) -> Reference<R> {
         if now.stops() {
             return self.stopping_reference(memory);
         }
         let base =
             if now.aim == Aim::Track { memory.asked } else { Reference::at_rest(memory.home) };
         let kept = self.keep(base, events);
+        if let Some(boxed) = &self.boxed {
+            let shaped = boxed.step(&memory.reference, &kept, &mut memory.braking);
+            *events |= Events::SHAPED.when(shaped != kept);
+            return shaped;
+        }
         if let Some(shaper) = &self.shaper {
             let shaped = shaper.step(&memory.reference, &kept);
             *events |= Events::SHAPED.when(shaped != kept);

@@ -4,7 +4,7 @@ use super::arrivals::Arrivals;
 use super::blend::{Blend, fade};
 use super::monitor::{Actuation, Frozen, Oscillation};
 use super::stopping::Stopping;
-use crate::{Command, Fault, JointState, Measurement, Mode, ModeRequest, Real, Reference};
+use crate::{Braking, Command, Fault, JointState, Measurement, Mode, ModeRequest, Real, Reference};
 
 /// State of the arm as a whole: mode, fault, counters.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -44,6 +44,8 @@ pub struct ArmState {
     pub(crate) regains: Trust,
     /// Samples of a stop in a row whose positions and velocities agree.
     pub(crate) sound: u32,
+    /// Largest error of a joint at this sample, as a share of its bound.
+    pub(crate) error_share: f32,
 }
 
 /// Control that may still act on the joints' torque in a stop.
@@ -75,6 +77,7 @@ impl Fault {
             | Self::Clock => false,
             Self::JointLimit
             | Self::TrackingError
+            | Self::ErrorBound
             | Self::Overspeed
             | Self::Oscillation
             | Self::Actuation
@@ -115,6 +118,8 @@ pub struct JointMemory<R> {
     pub(crate) measured: Measurement<R>,
     /// The reference in force: shaped and blended.
     pub(crate) reference: Reference<R>,
+    /// Rest of the braking motion by which the reference stays in its box.
+    pub(crate) braking: Braking<R>,
     /// The caller's last finite reference.
     pub(crate) asked: Reference<R>,
     /// The caller's last finite feed-forward \[N·m\].
@@ -136,6 +141,8 @@ pub struct JointMemory<R> {
     /// Samples in a row in which the joint was too fast, and in which its torque was at its limit.
     pub(crate) fast: u32,
     pub(crate) saturated: u32,
+    /// Samples in a row in which the error was beyond its bound.
+    pub(crate) beyond: u32,
     pub(crate) blend: Blend<R>,
     /// `M̄, K_d, K_p` that were in force until this sample, when they have changed.
     pub(crate) before: Option<[R; 3]>,

@@ -66,6 +66,8 @@ pub struct ModeEvents {
     pub at_rest: bool,
     /// The reference starts near the pose.
     pub start_matches: bool,
+    /// The pose is outside of the box that references are kept in.
+    pub outside_box: bool,
 }
 
 /// Action on entering a mode.
@@ -112,6 +114,8 @@ pub enum Refusal {
     NotAtRest,
     /// The reference is too far from the pose.
     StartMismatch,
+    /// The pose is outside of the box that references are kept in.
+    OutsideBox,
 }
 
 impl Refusal {
@@ -128,6 +132,7 @@ impl Refusal {
             Self::NotFresh => "not-fresh",
             Self::NotAtRest => "not-at-rest",
             Self::StartMismatch => "start-mismatch",
+            Self::OutsideBox => "outside-box",
         }
     }
 }
@@ -182,9 +187,11 @@ pub fn next_mode(mode: Mode, events: ModeEvents) -> Transition {
         (Mode::SafeStop, ModeRequest::Hold | ModeRequest::Track) => refuse(Refusal::Latched),
         (Mode::Armed | Mode::SafeStop, ModeRequest::Idle) => go(Mode::Idle, Action::Release),
         (Mode::Armed, ModeRequest::Track) => refuse(Refusal::NotHolding),
-        (Mode::Armed, ModeRequest::Hold) if events.fresh => go(Mode::Holding, Action::Engage),
-        (Mode::Armed, ModeRequest::Hold) => refuse(Refusal::NotFresh),
-        (Mode::Holding, ModeRequest::Track) if !events.fresh => refuse(Refusal::NotFresh),
+        (Mode::Armed, ModeRequest::Hold) | (Mode::Holding, ModeRequest::Track) if !events.fresh => {
+            refuse(Refusal::NotFresh)
+        }
+        (Mode::Armed, ModeRequest::Hold) if events.outside_box => refuse(Refusal::OutsideBox),
+        (Mode::Armed, ModeRequest::Hold) => go(Mode::Holding, Action::Engage),
         (Mode::Holding, ModeRequest::Track) if !events.start_matches => {
             refuse(Refusal::StartMismatch)
         }

@@ -111,11 +111,18 @@ pub struct JointOptions<R> {
     pub range: Option<JointRange>,
     /// Largest |e| while the law runs \[rad\]; beyond it the arm stops.
     pub error_stop: Option<f64>,
+    /// Certified bound on the measured |e| in holding and tracking \[rad\]: the bound on |e|, and half a quantum of the
+    /// encoder. An error that is beyond it in [three samples](crate::Fault::ErrorBound) in a row stops the arm;
+    /// [`Report::error_share`](crate::Report) is the error as a share of it.
+    pub error_bound: Option<f64>,
     /// A position that stands still while the joint should have moved this far is frozen \[rad\]: some
     /// quanta of the encoder.
     pub frozen_travel: Option<f64>,
     /// Limits that every reference is shaped to.
     pub motion: Option<MotionLimits>,
+    /// Ends of the box that every reference is kept in \[rad\], as by [`BoxedShaper`](crate::BoxedShaper); only with
+    /// `motion`. An arm that is not inside is not engaged.
+    pub reference_box: Option<(f64, f64)>,
     /// Deceleration and jerk of a stop; `velocity` does not count. `None`: a quarter of what the torque
     /// limits give the nominal inertia, or what the outer loop gives it at an error of 0.2 rad.
     pub stop: Option<MotionLimits>,

@@ -125,8 +125,11 @@ pub enum Fault {
     Frozen,
     /// A joint is beyond its range.
     JointLimit,
-    /// The tracking error is beyond its bound.
+    /// The tracking error is beyond its limit.
     TrackingError,
+    /// The measured error was beyond its certified bound in three samples in a row: something acts that the
+    /// certificate does not count.
+    ErrorBound,
     /// A joint is faster than its limit.
     Overspeed,
     /// The torque demand oscillates near the sample rate, or the law drives a joint that it should stop.
@@ -143,7 +146,7 @@ pub enum Fault {
 
 impl Fault {
     /// All faults.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::LinkLost,
         Self::LinkQuality,
         Self::BadSample,
@@ -151,6 +154,7 @@ impl Fault {
         Self::Frozen,
         Self::JointLimit,
         Self::TrackingError,
+        Self::ErrorBound,
         Self::Overspeed,
         Self::Oscillation,
         Self::Actuation,
@@ -169,6 +173,7 @@ impl Fault {
             Self::Frozen => "frozen-sensor",
             Self::JointLimit => "joint-limit",
             Self::TrackingError => "tracking-error",
+            Self::ErrorBound => "error-bound",
             Self::Overspeed => "overspeed",
             Self::Oscillation => "oscillation",
             Self::Actuation => "actuation",
@@ -180,7 +185,7 @@ impl Fault {
 }
 
 /// Report of a supervisor on one sample, in addition to the torques.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Report {
     /// The mode from this sample on.
@@ -198,4 +203,7 @@ pub struct Report {
     pub misses: u32,
     /// Samples missed of the last 64.
     pub lost: u32,
+    /// Largest measured |e| of a joint as a share of its [bound](crate::JointOptions::error_bound), in holding and
+    /// tracking; 0 where there is none.
+    pub error_share: f32,
 }

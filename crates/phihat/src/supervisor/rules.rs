@@ -6,7 +6,7 @@ use super::option_error::{positive, value};
 use super::range::RangeRules;
 use super::stopping::StopRules;
 use crate::joint::Interval;
-use crate::{JointGains, JointOptions, OptionError, Options, Real, Shaper};
+use crate::{BoxedShaper, JointGains, JointOptions, OptionError, Options, Real, Shaper};
 
 /// Averaging time of the mean `φ̂` that a shaken arm holds, and of the mean mismatch of a schedule \[s\]:
 /// long against the noise of a differentiated velocity, short against the 0.1 s for which a schedule waits. A
@@ -70,8 +70,12 @@ pub struct JointRules<R> {
     pub(crate) velocity_max: R,
     pub(crate) range: Option<RangeRules<R>>,
     pub(crate) error_stop: R,
+    /// One over the bound on the measured error; 0 without one.
+    pub(crate) bound_inverse: R,
     pub(crate) frozen_travel: Option<R>,
     pub(crate) shaper: Option<Shaper<R>>,
+    /// The same with a box.
+    pub(crate) boxed: Option<BoxedShaper<R>>,
     pub(crate) stop: StopRules<R>,
     /// Largest deviation of a measured torque from the commanded one \[N·m\].
     pub(crate) torque_slack: R,
@@ -145,6 +149,22 @@ impl<R: Real> ArmRules<R> {
     }
 }
 
+/// Keeps the reference in the box that the options state.
+fn boxed<R: Real>(
+    joint: usize,
+    options: &JointOptions<R>,
+    period: f64,
+) -> Result<Option<BoxedShaper<R>>, OptionError> {
+    let Some((lower, upper)) = options.reference_box else { return Ok(None) };
+    let Some(limits) = &options.motion else {
+        let (option, valid) =
+            ("box of the reference", "left out where the reference is not shaped");
+        return Err(OptionError::Value { option, value: upper - lower, valid, joint });
+    };
+    let boxed = BoxedShaper::new(limits, (lower, upper), period);
+    boxed.map(Some).map_err(|error| OptionError::Motion { joint, error })
+}
+
 /// A moderate positive number as a count, at least 1.
 fn count(x: f64) -> u32 {
     #[allow(
@@ -177,8 +197,6 @@ impl<R: Real> JointRules<R> {
         }
         if let Some(start) = &options.start {
             plain.fits(joint, start)?;
-        }
-        if let Some(start) = &options.start {
             if gains.form != start.form {
                 return Err(OptionError::Form { joint });
             }
@@ -197,6 +215,7 @@ impl<R: Real> JointRules<R> {
                     .map_err(|error| OptionError::Motion { joint, error })?,
             ),
         };
+        let boxed = boxed(joint, options, period)?;
         if let Some(limits) = &options.stop {
             Shaper::<R>::new(limits, period)
                 .map_err(|error| OptionError::Motion { joint, error })?;
@@ -218,6 +237,9 @@ impl<R: Real> JointRules<R> {
             error_stop: optional(options.error_stop, "error limit")?.unwrap_or(plain.error_stop),
             frozen_travel: optional(options.frozen_travel, "frozen travel")?,
             shaper,
+            boxed,
+            bound_inverse: optional(options.error_bound, "error bound")?
+                .map_or(R::ZERO, |bound| R::from_f64(1.0) / bound),
             stop: StopRules::new(gains, options.stop.as_ref()),
             torque_slack: plain.torque_slack,
             stopping: stopping.map(R::from_f64),
@@ -239,6 +261,8 @@ impl<R: Real> JointRules<R> {
             error_stop: infinite,
             frozen_travel: None,
             shaper: None,
+            boxed: None,
+            bound_inverse: R::ZERO,
             stop: StopRules::new(gains, None),
             torque_slack: gains.torque_slack(),
             stopping: [R::ZERO; 2],

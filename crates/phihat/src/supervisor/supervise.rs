@@ -39,6 +39,7 @@ pub fn supervise<R: Real>(
     let Rules { arm, joints } = rules;
     let Memories { arm: state, joints: memories } = memories;
     let mut events = Events::NONE;
+    state.error_share = 0.0;
     let arrival = admit(&rules, state, memories, sample, &mut events);
     ask(state, joints.len(), memories, request, &mut events);
     let seen = watch(&rules, state, memories, sample, arrival.fresh);
@@ -60,6 +61,7 @@ pub fn supervise<R: Real>(
         fresh: arrival.fresh,
         at_rest: still && at_rest(),
         start_matches: state.mode == Mode::Holding && memories.iter().all(starts_here),
+        outside_box: state.mode == Mode::Armed && is_outside(joints, sample),
     };
     let step = next_mode(state.mode, facts);
     state.request = request.mode;
@@ -90,7 +92,14 @@ pub fn supervise<R: Real>(
         brake: stopped || state.mode == Mode::Idle,
         misses: state.arrivals.misses,
         lost: state.arrivals.lost(),
+        error_share: state.error_share,
     }
+}
+
+/// Returns true if a joint is outside of the box that its reference is kept in.
+fn is_outside<R: Real>(rules: &[JointRules<R>], sample: &Sample<'_, R>) -> bool {
+    let joints = rules.iter().zip(sample.joints);
+    joints.filter_map(|(rule, m)| Some(!rule.boxed.as_ref()?.contains(m.q))).any(|outside| outside)
 }
 
 impl<R: Real> ArmRules<R> {
@@ -428,6 +437,9 @@ fn note<R: Real>(
 ) -> Events {
     if let Some(fault) = news.fault {
         state.pending = state.pending.or(Some((fault, joint)));
+    }
+    if news.share > state.error_share {
+        state.error_share = news.share;
     }
     news.events
         | Events::SATURATED.when(command.status.saturated)

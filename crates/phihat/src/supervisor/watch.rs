@@ -1,5 +1,6 @@
 //! Faults in one joint's sample before the law runs, and the check of its measured torque.
 
+use super::follow::JointNews;
 use super::memory::JointMemory;
 use super::monitor::Frozen;
 use super::rules::JointRules;
@@ -11,6 +12,9 @@ const FOLLOWED_SHARE: f64 = 0.2;
 
 /// Samples in a row above the velocity limit that make a joint too fast: one may be noise.
 const FAST_SAMPLES: u32 = 3;
+
+/// Samples in a row beyond a certified bound that stop the arm: one or two may be readings that no noise explains.
+const BEYOND_SAMPLES: u32 = 3;
 
 /// Share per sample by which a torque commanded earlier is forgotten, as one that the drive may still give: a
 /// drive of 5 Hz at 1 kHz.
@@ -52,6 +56,26 @@ impl<R: Real> JointRules<R> {
         let asked = R::from_f64(FOLLOWED_SHARE) * memory.reference.dq.abs();
         let speed = if m.dq.abs() > asked { m.dq.abs() } else { asked };
         memory.frozen.stay(speed * period, travel).then_some(Fault::Frozen)
+    }
+
+    /// Compares the measured error with its certified bound: beyond it for some samples, something acts that the
+    /// certificate does not count.
+    #[inline]
+    pub(crate) fn compare_with_bound(
+        &self,
+        memory: &mut JointMemory<R>,
+        error: R,
+        news: &mut JointNews,
+    ) {
+        let share = error.abs() * self.bound_inverse;
+        let beyond = share > R::from_f64(1.0);
+        memory.beyond = if beyond { memory.beyond.saturating_add(1) } else { 0 };
+        if memory.beyond >= BEYOND_SAMPLES {
+            news.fault = Some(Fault::ErrorBound);
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "a share for people")]
+        let shown = share.to_f64() as f32;
+        news.share = shown;
     }
 
     /// The sample with a torque that the drive can have given.
