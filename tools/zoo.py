@@ -302,7 +302,7 @@ class Runs:
         gains = out / "gains.json"
         certified = gains.exists() and json.loads(gains.read_text()).get("certificate") is not None
         found = judged(document, code, certified)
-        if promised := begun.get("error_max_rad"):
+        if promised := begun.get("error_bound_rad"):
             found["promised_mrad"] = float(f"{1e3 * max(promised):.2g}")
         return found
 
@@ -329,7 +329,7 @@ def judged(document: dict[str, Any], code: int, certified: bool) -> dict[str, An
     'not armed'
     >>> judged({"error": "s.toml:3: nonsense", "exit_code": 2}, 2, False)["outcome"]
     'refused'
-    >>> joint = {"name": "a", "error_spec_rad": 1e-3, "error_steady_max_rad": 2.5e-3}
+    >>> joint = {"name": "a", "error_bound_rad": 1e-3, "error_steady_max_rad": 2.5e-3}
     >>> run = {"diverged": None, "stopped": None, "verdict": "within_spec", "metrics": {"joints": [joint]}}
     >>> judged(run, 0, True)["outcome"], judged(run, 0, False)["outcome"]
     ('certified, within spec', 'within spec, uncertified')
@@ -347,9 +347,9 @@ def judged(document: dict[str, Any], code: int, certified: bool) -> dict[str, An
     if verdict in ("within_spec", "within_spec_limited"):
         return {"outcome": "certified, within spec" if certified else "within spec, uncertified", "why": None}
     over = [
-        f"{joint['name']}: {joint['error_steady_max_rad'] / joint['error_spec_rad']:.2g} times the error allowed"
+        f"{joint['name']}: {joint['error_steady_max_rad'] / joint['error_bound_rad']:.2g} times the error allowed"
         for joint in document["metrics"]["joints"]
-        if joint["error_spec_rad"] and joint["error_steady_max_rad"] > joint["error_spec_rad"]
+        if joint["error_bound_rad"] and joint["error_steady_max_rad"] > joint["error_bound_rad"]
     ]
     named = {"outside_spec": "out of spec", "certificate_broken": "certificate broken"}
     told = json.dumps(document[verdict]) if document.get(verdict) else None

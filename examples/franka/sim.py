@@ -35,7 +35,7 @@ name = "franka"
 {more}
 [spec]
 settle_s = 1.5
-error_max_rad = 5e-3
+error_bound_rad = 5e-3
 {law}
 [loop]
 rate_hz = 1000.0

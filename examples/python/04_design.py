@@ -19,7 +19,7 @@ try:
         {
             "duration_s": 3.0,
             "robot": {"name": "planar3r"},
-            "spec": {"error_max_rad": 1e-7},
+            "spec": {"error_bound_rad": 1e-7},
             "design": {"payload_max_kg": 1.0},
             "reference": {
                 "kind": "sines",

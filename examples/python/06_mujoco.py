@@ -43,7 +43,7 @@ with tempfile.TemporaryDirectory() as folder:
         {
             "duration_s": 6.0,
             "robot": {"file": str(Path(folder) / "arm.toml")},
-            "spec": {"settle_s": 2.0, "error_max_rad": 4e-3},
+            "spec": {"settle_s": 2.0, "error_bound_rad": 4e-3},
             "design": {"payload_max_kg": 1.0},
             "world": {"substeps": 20},
             "reference": {

@@ -20,7 +20,7 @@ duration_s = 5.0
 name = "planar3r"
 [spec]
 settle_s = 1.5
-error_max_rad = 5e-3
+error_bound_rad = 5e-3
 [design]
 payload_max_kg = 0.5
 [loop]

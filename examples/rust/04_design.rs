@@ -20,7 +20,7 @@ name = "planar3r"
 
 [spec]
 settle_s = 1.5
-error_max_rad = ERROR
+error_bound_rad = ERROR
 
 [design]
 payload_max_kg = 0.5
@@ -48,8 +48,8 @@ amplitude_rad = [0.3, 0.3, 0.3]
 frequency_hz = [0.3, 0.4, 0.5]
 "#;
 
-fn study(error_max: &str) -> Result<Box<Study>, Box<dyn Error>> {
-    let text = STUDY.replace("ERROR", error_max);
+fn study(error_bound: &str) -> Result<Box<Study>, Box<dyn Error>> {
+    let text = STUDY.replace("ERROR", error_bound);
     Ok(Box::new(Study::from_text(&text, "planar.toml", Path::new("."))?))
 }
 
@@ -65,7 +65,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut bounds = Vec::new();
     for (i, joint) in certificate.joints.iter().enumerate() {
         let window = joint.window.ok_or("no window")?;
-        let bound = certificate.error_bound(i).ok_or("no bound")?.error_rad;
+        let bound = certificate.error_bound(i).ok_or("no bound")?.error_bound_rad;
         println!(
             "{}: stable while the inertia is {:.2} to {:.2} times M̄; |e| ≤ {:.3} mrad",
             joint.name,

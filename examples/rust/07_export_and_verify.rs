@@ -22,7 +22,7 @@ name = "planar3r"
 
 [spec]
 settle_s = 1.5
-error_max_rad = 0.02
+error_bound_rad = 0.02
 
 [design]
 payload_max_kg = 0.3

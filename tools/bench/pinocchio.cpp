@@ -201,7 +201,7 @@ struct Loop {
   const pin::Model& model;
   pin::Data data;
   Vector q, qd, reference, d_reference, dd_reference, frequency, tau, k1, k2, k3, k4, mid, d_mid;
-  double error_max = 0.0;
+  double error_peak = 0.0;
   long steps = 0;
 
   explicit Loop(const pin::Model& m) : model(m), data(m) {
@@ -221,7 +221,7 @@ struct Loop {
       d_reference[i] = amplitude * w * c;
       dd_reference[i] = -amplitude * w * w * s;
     }
-    error_max = std::max(error_max, (q - reference).cwiseAbs().maxCoeff());
+    error_peak = std::max(error_peak, (q - reference).cwiseAbs().maxCoeff());
     mid = dd_reference - kd * (qd - d_reference) - kp * (q - reference);
     tau = pin::rnea(model, data, q, qd, mid);
     runge_kutta();
@@ -246,9 +246,9 @@ struct Loop {
 static void time_loop(const Arm& arm, const std::vector<State>& states, int blocks) {
   Loop loop(arm.model);
   const double ns = median_ns(blocks, states, [&](const State&) { loop.advance(); });
-  if (!(loop.error_max < 1e-3)) {
+  if (!(loop.error_peak < 1e-3)) {
     std::fprintf(stderr, "%s: the closed loop lost its reference by %g rad\n", arm.name.c_str(),
-                 loop.error_max);
+                 loop.error_peak);
     std::exit(1);
   }
   std::printf("{\"robot\":\"%s\",\"algorithm\":\"closed_loop_rk4\",\"times_real_time\":%.2f}\n",

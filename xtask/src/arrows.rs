@@ -9,9 +9,9 @@ use std::process::Command;
 use serde_json::Value;
 
 /// A crate: its name, the crates of ours that it may use, and why it is one.
-type Row = (&'static str, &'static [&'static str], &'static str);
+type CrateRow = (&'static str, &'static [&'static str], &'static str);
 
-const CRATES: [Row; 24] = [
+const CRATES: [CrateRow; 24] = [
     (
         "phihat",
         &[],

@@ -92,7 +92,7 @@ impl Block {
 
 /// Part of a page that is run.
 #[derive(Clone, Copy, PartialEq)]
-enum Part<'a> {
+enum PagePart<'a> {
     Commands,
     /// The commands, and the output that the page shows is replaced by the present one.
     Renewed,
@@ -123,7 +123,7 @@ fn checked(root: &Path, chosen: impl Fn(&Path) -> bool) -> Result<(), String> {
     pages
         .iter()
         .filter(|page| chosen(page))
-        .try_for_each(|page| run(root, page, Part::Commands, &program))
+        .try_for_each(|page| run(root, page, PagePart::Commands, &program))
 }
 
 /// Runs the book's Python with an interpreter, and the package in a folder beside it.
@@ -131,12 +131,12 @@ pub(crate) fn python(root: &Path, interpreter: &str, package: &Path) -> Result<(
     let program = program(root)?;
     pages(root)?
         .iter()
-        .try_for_each(|page| run(root, page, Part::Python(interpreter, package), &program))
+        .try_for_each(|page| run(root, page, PagePart::Python(interpreter, package), &program))
 }
 
 /// Runs the commands of the tutorial with a program that may come from elsewhere.
 pub(crate) fn tutorial(root: &Path, program: &Path) -> Result<(), String> {
-    run(root, Path::new("tutorial.md"), Part::Commands, program)
+    run(root, Path::new("tutorial.md"), PagePart::Commands, program)
 }
 
 /// Writes what is made of the program: the numbers in the output that pages show, and the figures that the
@@ -144,7 +144,7 @@ pub(crate) fn tutorial(root: &Path, program: &Path) -> Result<(), String> {
 pub(crate) fn bless(root: &Path) -> Result<(), String> {
     let program = program(root)?;
     for page in pages(root)? {
-        run(root, &page, Part::Renewed, &program)?;
+        run(root, &page, PagePart::Renewed, &program)?;
     }
     figures(root).iter().try_for_each(|(made, kept)| write(kept, &read(made)?))
 }
@@ -307,13 +307,13 @@ fn flat(path: &Path) -> PathBuf {
 }
 
 /// Runs the blocks of a page in its scratch folder.
-fn run(root: &Path, page: &Path, part: Part<'_>, program: &Path) -> Result<(), String> {
+fn run(root: &Path, page: &Path, part: PagePart<'_>, program: &Path) -> Result<(), String> {
     let path = root.join(SOURCE).join(page);
     let mut markdown = read(&path)?;
     let blocks = blocks(&markdown);
     let wanted = |block: &Block| match part {
-        Part::Commands | Part::Renewed => block.language == "sh",
-        Part::Python(..) => block.language == "python",
+        PagePart::Commands | PagePart::Renewed => block.language == "sh",
+        PagePart::Python(..) => block.language == "python",
     };
     for block in &blocks {
         understood(block).map_err(|why| format!("{}:{}: {why}", page.display(), block.line))?;
@@ -334,20 +334,20 @@ fn run(root: &Path, page: &Path, part: Part<'_>, program: &Path) -> Result<(), S
                 write(&folder.join(name), &block.text)?;
             }
             match (block.language.as_str(), part) {
-                ("sh", Part::Commands | Part::Renewed) if !block.has("not-run") => {
+                ("sh", PagePart::Commands | PagePart::Renewed) if !block.has("not-run") => {
                     Ok(Some(shell(program, &folder, block)?))
                 }
-                ("text", Part::Commands | Part::Renewed) if block.has("output") => {
+                ("text", PagePart::Commands | PagePart::Renewed) if block.has("output") => {
                     let printed: Option<&String> = printed.as_ref();
                     let printed = printed.ok_or("no commands stand before this output")?;
-                    if part == Part::Renewed {
+                    if part == PagePart::Renewed {
                         markdown =
                             markdown.replacen(&block.text, &renewed(&block.text, printed), 1);
                         return Ok(None);
                     }
                     in_order(&block.text, printed).map(|()| None)
                 }
-                ("python", Part::Python(interpreter, package)) => {
+                ("python", PagePart::Python(interpreter, package)) => {
                     let mut python = Command::new(interpreter);
                     python.args(["-c", &block.text]).env("PYTHONPATH", package);
                     let status = python.current_dir(&folder).status();
@@ -360,7 +360,7 @@ fn run(root: &Path, page: &Path, part: Part<'_>, program: &Path) -> Result<(), S
         let what = done().map_err(|why| format!("{}:{}: {why}", page.display(), block.line))?;
         printed = what.or(printed);
     }
-    if part == Part::Renewed { write(&path, &markdown) } else { Ok(()) }
+    if part == PagePart::Renewed { write(&path, &markdown) } else { Ok(()) }
 }
 
 /// Checks that a block is of a known kind.

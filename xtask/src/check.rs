@@ -31,7 +31,7 @@ struct Package {
     tests_use: BTreeSet<String>,
 }
 
-type Workspace = BTreeMap<String, Package>;
+type CratesOfWorkspace = BTreeMap<String, Package>;
 
 /// Format, house rules, then lints and unit tests of the crates that were changed.
 pub(crate) fn run(root: &Path) -> Result<(), String> {
@@ -96,7 +96,7 @@ fn changed_files(root: &Path) -> Result<Vec<String>, String> {
     Ok(files)
 }
 
-fn workspace(root: &Path) -> Result<Workspace, String> {
+fn workspace(root: &Path) -> Result<CratesOfWorkspace, String> {
     let output = Command::new("cargo")
         .args(["metadata", "--format-version", "1", "--no-deps"])
         .current_dir(root)
@@ -139,11 +139,11 @@ fn workspace(root: &Path) -> Result<Workspace, String> {
 }
 
 /// The crates that files belong to.
-fn changed_crates(workspace: &Workspace, files: &[String]) -> BTreeSet<String> {
+fn changed_crates(workspace: &CratesOfWorkspace, files: &[String]) -> BTreeSet<String> {
     files.iter().filter_map(|file| crate_of(workspace, file)).map(str::to_owned).collect()
 }
 
-fn crate_of<'a>(workspace: &'a Workspace, file: &str) -> Option<&'a str> {
+fn crate_of<'a>(workspace: &'a CratesOfWorkspace, file: &str) -> Option<&'a str> {
     let owner = workspace
         .iter()
         .find(|(_, package)| !package.folder.is_empty() && file.starts_with(&package.folder));
@@ -158,7 +158,7 @@ fn modules(main: &str) -> Vec<String> {
 }
 
 /// Integration tests that are among the files: their crate's name and their own.
-fn edited_tests<'a>(workspace: &'a Workspace, files: &[String]) -> Vec<(&'a str, &'a str)> {
+fn edited_tests<'a>(workspace: &'a CratesOfWorkspace, files: &[String]) -> Vec<(&'a str, &'a str)> {
     let all = workspace
         .iter()
         .flat_map(|(name, package)| package.tests.iter().map(move |test| (name, package, test)));
@@ -170,7 +170,7 @@ fn edited_tests<'a>(workspace: &'a Workspace, files: &[String]) -> Vec<(&'a str,
 /// The crates that can be tested soon; and those that cannot, since their tests use crates that are built on
 /// them and would all be built again.
 fn testable(
-    workspace: &Workspace,
+    workspace: &CratesOfWorkspace,
     changed: &BTreeSet<String>,
 ) -> (BTreeSet<String>, BTreeSet<String>) {
     let with_units = changed.iter().filter(|name| workspace[*name].units).cloned();
@@ -181,7 +181,7 @@ fn testable(
 }
 
 /// Every crate that is built on one of these, without them.
-fn users(workspace: &Workspace, below: &BTreeSet<String>) -> BTreeSet<String> {
+fn users(workspace: &CratesOfWorkspace, below: &BTreeSet<String>) -> BTreeSet<String> {
     let mut reached = below.clone();
     loop {
         let next: Vec<_> = workspace
@@ -200,7 +200,7 @@ fn users(workspace: &Workspace, below: &BTreeSet<String>) -> BTreeSet<String> {
 
 /// Parts that were not checked, one line each.
 fn left_out(
-    workspace: &Workspace,
+    workspace: &CratesOfWorkspace,
     files: &[String],
     changed: &BTreeSet<String>,
     circular: &BTreeSet<String>,
@@ -240,8 +240,8 @@ fn left_out(
 #[cfg(test)]
 mod tests {
     use super::{
-        BTreeSet, Package, Workspace, changed_crates, crate_of, edited_tests, left_out, testable,
-        users,
+        BTreeSet, CratesOfWorkspace, Package, changed_crates, crate_of, edited_tests, left_out,
+        testable, users,
     };
 
     fn package(folder: &str, uses: &[&str], tests_use: &[&str]) -> Package {
@@ -258,7 +258,7 @@ mod tests {
     }
 
     /// `top` → `middle` → `base`; the tests of `base` use `top`.
-    fn three() -> Workspace {
+    fn three() -> CratesOfWorkspace {
         let all = [
             ("phihat-model", package("crates/phihat-model/", &[], &["top"])),
             ("middle", package("crates/middle/", &["phihat-model"], &[])),

@@ -13,14 +13,14 @@ const SCRIPT: &str = "tools/zoo.py";
 
 /// Arguments of the chore; the rest goes to the script.
 #[derive(Debug, Default, PartialEq)]
-struct Told {
+struct ZooOptions {
     folder: Option<PathBuf>,
     no_run: bool,
     debug: bool,
     rest: Vec<String>,
 }
 
-impl Told {
+impl ZooOptions {
     fn of(arguments: &[String]) -> Result<Self, String> {
         let mut told = Self::default();
         let mut words = arguments.iter();
@@ -50,7 +50,7 @@ impl Told {
 
 /// Makes what is missing, measures, and keeps the tables; of a part it prints them alone.
 pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
-    let told = Told::of(arguments)?;
+    let told = ZooOptions::of(arguments)?;
     let folder = root.join(told.folder.as_deref().unwrap_or(Path::new("target/zoo")));
     let python = venv::python(root, &folder.join("venv"), &PACKAGES)?;
     let place = folder.display().to_string();
@@ -79,8 +79,8 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
 mod tests {
     use super::*;
 
-    fn told(words: &str) -> Result<Told, String> {
-        Told::of(&words.split_whitespace().map(str::to_owned).collect::<Vec<_>>())
+    fn told(words: &str) -> Result<ZooOptions, String> {
+        ZooOptions::of(&words.split_whitespace().map(str::to_owned).collect::<Vec<_>>())
     }
 
     #[test]

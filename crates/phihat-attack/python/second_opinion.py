@@ -382,7 +382,7 @@ def examine(folder: Path) -> dict[str, Any]:
             worst = against(claim, t, errors, speeds)
             steady = t >= claim["settle_s"] - 1e-12
             entry = {"world": path.name, "engine": engine.__name__, "limited": limited, "worst": worst}
-            entry["error_max_rad"] = [float(x) for x in np.abs(errors[steady]).max(axis=0)] if steady.any() else []
+            entry["error_peak_rad"] = [float(x) for x in np.abs(errors[steady]).max(axis=0)] if steady.any() else []
             outside = limited and not claim["limits_silent"]
             left = not outside and (limited or worst["ratio"] > 1.0 + ROUNDING)
             entry["left"] = left

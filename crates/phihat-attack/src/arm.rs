@@ -4,7 +4,7 @@ use phihat_model::{Robot, RobotError};
 use phihat_session::Dice;
 
 use crate::chain_text::{toml, urdf};
-use crate::link::{Part, moved};
+use crate::link::{LinkOfJoint, moved};
 
 /// An arm as its user has it.
 #[derive(Debug, Clone)]
@@ -91,7 +91,7 @@ fn chain(dice: &mut Dice, n: usize, rotors: (f64, f64)) -> UserArm {
         let along = dice.pick(&[[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]]);
         let along = if odd { dice.direction() } else { along };
         let mass = first * taper.powi(i32::try_from(i).unwrap_or(0)) * dice.between(0.6, 1.4);
-        let part = Part::draw(dice, (prismatic, odd), before, (length, along, mass));
+        let part = LinkOfJoint::draw(dice, (prismatic, odd), before, (length, along, mass));
         before = along.map(|x| x * length);
         parts.push(part);
     }
@@ -104,7 +104,7 @@ fn chain(dice: &mut Dice, n: usize, rotors: (f64, f64)) -> UserArm {
 }
 
 /// Rotor inertia: a share of what the joint moves at most; none at all now and then.
-fn rotor_inertia(dice: &mut Dice, parts: &[Part], (low, high): (f64, f64)) -> Vec<f64> {
+fn rotor_inertia(dice: &mut Dice, parts: &[LinkOfJoint], (low, high): (f64, f64)) -> Vec<f64> {
     let share = if dice.chance(0.06) { 0.0 } else { dice.log_between(low, high) };
     let even = dice.chance(0.5);
     let at = |i: usize, dice: &mut Dice| {

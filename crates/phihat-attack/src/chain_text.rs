@@ -5,9 +5,9 @@ use core::fmt::Write as _;
 use phihat_model::JointKind;
 use phihat_session::Dice;
 
-use crate::link::{Part, weight};
+use crate::link::{LinkOfJoint, weight};
 
-pub(crate) fn urdf(dice: &mut Dice, parts: &[Part], tool: [f64; 3]) -> String {
+pub(crate) fn urdf(dice: &mut Dice, parts: &[LinkOfJoint], tool: [f64; 3]) -> String {
     let v = |x: [f64; 3]| format!("{} {} {}", x[0], x[1], x[2]);
     let strong = dice.log_between(2.0, 12.0);
     let mut text =
@@ -54,7 +54,7 @@ pub(crate) fn urdf(dice: &mut Dice, parts: &[Part], tool: [f64; 3]) -> String {
     text
 }
 
-pub(crate) fn toml(dice: &mut Dice, parts: &[Part], rotor: &[f64]) -> String {
+pub(crate) fn toml(dice: &mut Dice, parts: &[LinkOfJoint], rotor: &[f64]) -> String {
     let n = parts.len();
     let names: Vec<String> = (1..=n).map(|i| format!("\"joint{i}\"")).collect();
     let mut text = format!(

@@ -11,7 +11,7 @@ use crate::start::held_at_start;
 
 /// Bounds on error and velocity error of every joint, until the end of the run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Claim {
+pub struct AttackClaim {
     /// Joints, in the robot's order.
     pub joints: Vec<JointClaim>,
     /// When the steady part begins \[s\].
@@ -68,7 +68,7 @@ pub enum NoClaim {
 /// # Errors
 ///
 /// [`NoClaim`], the reason as the certificate has it.
-pub fn claimed(gains: &Gains, study: &Study) -> Result<Claim, NoClaim> {
+pub fn claimed(gains: &Gains, study: &Study) -> Result<AttackClaim, NoClaim> {
     let certificate = gains.certificate.as_ref().ok_or(NoClaim::NoCertificate)?;
     if let Some(refused) = certificate.refused() {
         return Err(NoClaim::Refused(refused));
@@ -87,7 +87,7 @@ pub fn claimed(gains: &Gains, study: &Study) -> Result<Claim, NoClaim> {
     // Without a tube: bounds on the steady error of each joint by itself.
     let joints = certificate.joints.iter().enumerate().map(|(i, joint)| {
         let bounds = certificate.own_bounds(i).ok_or(NoClaim::NoBounds)?;
-        let (e, v) = (bounds.error_rad, bounds.velocity_error_rad_s);
+        let (e, v) = (bounds.error_bound_rad, bounds.velocity_error_bound_rad_s);
         Ok(JointClaim {
             name: joint.name.clone(),
             from_s: study.spec.settle,
@@ -100,11 +100,11 @@ pub fn claimed(gains: &Gains, study: &Study) -> Result<Claim, NoClaim> {
         })
     });
     let joints = joints.collect::<Result<_, NoClaim>>()?;
-    Ok(Claim { joints, settle_s: study.spec.settle, limits_silent: false })
+    Ok(AttackClaim { joints, settle_s: study.spec.settle, limits_silent: false })
 }
 
 /// Bounds of a tube in a certificate.
-fn documented(tube: &Tube, study: &Study) -> Claim {
+fn documented(tube: &Tube, study: &Study) -> AttackClaim {
     let before = held_at_start(study).ok().flatten();
     let zip = |low: &[f64], high: &[f64]| low.iter().copied().zip(high.iter().copied()).collect();
     let joint = |(i, joint): (usize, &TubeJoint)| JointClaim {
@@ -117,7 +117,7 @@ fn documented(tube: &Tube, study: &Study) -> Claim {
         step: joint.torque_step_nm.clone(),
         held: before.as_ref().map_or(0.0, |held| held[i]),
     };
-    Claim {
+    AttackClaim {
         joints: tube.joints.iter().enumerate().map(joint).collect(),
         settle_s: tube.settle_s,
         limits_silent: tube.limits_silent,

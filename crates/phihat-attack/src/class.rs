@@ -3,7 +3,7 @@
 use phihat_certificate::ClassBound;
 use phihat_design::Gains;
 use phihat_session::Dice;
-use phihat_study::{Payload, Reference, Study};
+use phihat_study::{Payload, ReferenceRequest, Study};
 use serde::Serialize;
 
 use crate::run::{NoRun, run};
@@ -67,7 +67,7 @@ pub fn class_run(
     let mut own = varied(study, seed, &mut dice);
     phihat_sim::derive_substeps(&mut own);
     let fed = study.feedforward.is_some();
-    let phase: Vec<f64> = bound.error_rad.iter().map(|_| dice.between(-0.5, 0.5)).collect();
+    let phase: Vec<f64> = bound.error_bound_rad.iter().map(|_| dice.between(-0.5, 0.5)).collect();
     // What is fed forward is added by the study's own loop, which has no displaced encoders.
     let outcome = run(&own, gains, if fed { &[] } else { &phase })?;
     let lost = outcome.divergence.is_some() || outcome.abort.is_some();
@@ -76,8 +76,8 @@ pub fn class_run(
     let mut found = ClassRuns { runs: 1, ..ClassRuns::default() };
     for (i, joint) in trace.joints.iter().enumerate() {
         let (error, velocity) = (largest(&joint.e), largest(&joint.de));
-        found.errors.push(error / bound.error_rad[i]);
-        found.velocities.push(velocity / bound.velocity_error_rad_s[i]);
+        found.errors.push(error / bound.error_bound_rad[i]);
+        found.velocities.push(velocity / bound.velocity_error_bound_rad_s[i]);
         let step = outcome.told_step_max.get(i).copied().unwrap_or(0.0);
         found.steps.push(step / bound.torque_step_nm[i]);
     }
@@ -94,7 +94,7 @@ pub fn class_run(
 /// The study with another motion of its class, payload and dry friction.
 pub(crate) fn varied(study: &Study, seed: u64, dice: &mut Dice) -> Study {
     let mut own = study.clone();
-    if let Reference::Any { seed: drawn, .. } = &mut own.reference {
+    if let ReferenceRequest::Any { seed: drawn, .. } = &mut own.reference {
         *drawn = seed;
     }
     own.world.payload = payload(study, dice);

@@ -5,7 +5,7 @@ use phihat_certificate::ClassBound;
 use phihat_design::Gains;
 use phihat_session::Dice;
 use phihat_sim::{ControlSide, Simulation};
-use phihat_study::{MotionClass, Reference, RequestedMode, Study};
+use phihat_study::{MotionClass, ReferenceRequest, RequestedMode, Study};
 
 use crate::class::{ClassRuns, varied};
 use crate::run::NoRun;
@@ -80,7 +80,7 @@ pub fn supervised_run(
             more(&mut found.errors, (at.q - reference.q).abs() / bound.error_rad[i]);
             more(
                 &mut found.velocities,
-                (at.dq - reference.dq).abs() / bound.velocity_error_rad_s[i],
+                (at.dq - reference.dq).abs() / bound.velocity_error_bound_rad_s[i],
             );
             more(&mut found.steps, (tau[i] - before[i]).abs() / bound.torque_step_nm[i]);
         }
@@ -135,7 +135,7 @@ struct Targets {
 impl Targets {
     fn of(study: &Study, dice: &mut Dice) -> Self {
         let (at, low, high, speed, turn) = match &study.reference {
-            Reference::Any {
+            ReferenceRequest::Any {
                 class: MotionClass { center, low, high, speed, acceleration, .. },
                 ..
             } => {

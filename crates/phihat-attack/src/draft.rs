@@ -9,7 +9,7 @@ use crate::arm::UserArm;
 
 /// A body that the arm carries.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Load {
+pub struct DraftLoad {
     /// Mass \[kg\].
     pub mass: f64,
     /// Centre of mass \[m\].
@@ -20,9 +20,9 @@ pub struct Load {
 
 /// Payload, friction and encoder phase of one run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct World {
+pub struct DraftWorld {
     /// Body that the arm carries, if any.
-    pub load: Option<Load>,
+    pub load: Option<DraftLoad>,
     /// Dry friction on top of the robot's \[N·m\] per joint.
     pub coulomb: Vec<f64>,
     /// By how much of a quantum the encoders' steps are displaced, per joint; empty: not at all.
@@ -31,7 +31,7 @@ pub struct World {
 
 /// Scope of the study: payloads and friction that a run may have.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Scope {
+pub struct DraftScope {
     /// Frame that carries the payload; `None`: the tip.
     pub frame: Option<String>,
     /// Mass \[kg\].
@@ -46,7 +46,7 @@ pub struct Scope {
 
 /// Source of a study's laws.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Laws {
+pub enum DraftLaws {
     /// From its design.
     Designed,
     /// From its `[gains]`.
@@ -76,7 +76,7 @@ pub struct Draft {
     /// Lines of `[design]` besides those of the scope.
     pub design: String,
     /// Source of the laws.
-    pub laws: Laws,
+    pub laws: DraftLaws,
     /// Lines of `[loop]`.
     pub control: String,
     /// Lines of `[sensor]`.
@@ -88,16 +88,16 @@ pub struct Draft {
     /// `[[world.push]]` and all sections after `[world]`.
     pub rest: String,
     /// Payloads and friction that runs may have.
-    pub scope: Scope,
+    pub scope: DraftScope,
     /// Payload and friction of the study itself.
-    pub nominal: World,
+    pub nominal: DraftWorld,
     /// Names of its features.
     pub tags: Vec<String>,
 }
 
 impl Draft {
     /// Text of the study, in some world.
-    pub fn text(&self, world: &World) -> String {
+    pub fn text(&self, world: &DraftWorld) -> String {
         let mut text = String::new();
         if !world.phase.is_empty() {
             // No key of a study: the attack's own loop, and the second opinion, read it.
@@ -107,10 +107,14 @@ impl Draft {
         line("duration_s", &self.duration);
         let (robot, _) = self.arm.section();
         let _ = writeln!(text, "\n[robot]\n{robot}\n\n[spec]\nsettle_s = {:?}", self.settle);
-        let _ =
-            writeln!(text, "error_max_rad = {:?}\n\n[design]\n{}", self.error_bound, self.known());
+        let _ = writeln!(
+            text,
+            "error_bound_rad = {:?}\n\n[design]\n{}",
+            self.error_bound,
+            self.known()
+        );
         self.ranges(&mut text);
-        if let Laws::Typed { gains, .. } = &self.laws {
+        if let DraftLaws::Typed { gains, .. } = &self.laws {
             text += gains;
         }
         let _ = write!(text, "\n[loop]\n{}", self.control);
@@ -118,7 +122,7 @@ impl Draft {
         let _ = write!(text, "beyond_drives = \"allow\"\n\n[sensor]\n{}\n[world]\n", self.sensor);
         let _ = writeln!(text, "{}coulomb_extra_nm = {:?}", self.world, world.coulomb);
         let _ = writeln!(text, "substeps = {}", self.substeps);
-        if let Some(Load { mass, com, inertia }) = world.load {
+        if let Some(DraftLoad { mass, com, inertia }) = world.load {
             let _ = writeln!(text, "\n[world.payload]\nmass_kg = {mass:?}\ncom_m = {com:?}");
             let _ = writeln!(text, "inertia_kg_m2 = {inertia:?}");
             if let Some(frame) = &self.scope.frame {
@@ -130,7 +134,7 @@ impl Draft {
 
     /// Lines of `[design]`, without those for a search where the laws are typed.
     fn known(&self) -> String {
-        let typed = matches!(self.laws, Laws::Typed { .. });
+        let typed = matches!(self.laws, DraftLaws::Typed { .. });
         let kept = self.design.lines().filter(|line| !(typed && line.starts_with("orders")));
         kept.fold(String::new(), |text, line| text + line + "\n")
     }
@@ -159,7 +163,7 @@ impl Draft {
     /// # Errors
     ///
     /// [`StudyError`]: this draft is no study.
-    pub fn study(&self, world: &World, folder: &Path) -> Result<Study, StudyError> {
+    pub fn study(&self, world: &DraftWorld, folder: &Path) -> Result<Study, StudyError> {
         Study::from_text(&self.text(world), "study.toml", folder)
     }
 }

@@ -6,7 +6,7 @@ use phihat_model::{JointKind, RobotError};
 use phihat_session::Dice;
 
 use crate::arm::UserArm;
-use crate::draft::{Draft, Laws, Load, Scope, World};
+use crate::draft::{Draft, DraftLaws, DraftLoad, DraftScope, DraftWorld};
 use crate::hand::Hand;
 
 /// A random draft of a study, which may not be valid; a share of them have laws from positions, and a share
@@ -35,7 +35,7 @@ pub fn draw(dice: &mut Dice, (positions, searched): (f64, f64)) -> Result<Draft,
     let settle = hand.duration * hand.dice.between(0.3, 0.7);
     let error_bound = hand.error_bound();
     let design = if positions { hand.positions_design() } else { hand.design() };
-    let laws = if positions { hand.laws(searched) } else { Laws::Designed };
+    let laws = if positions { hand.laws(searched) } else { DraftLaws::Designed };
     let (duration, tags) = (hand.duration, hand.tags);
     Ok(Draft {
         arm,
@@ -163,9 +163,9 @@ impl Hand<'_> {
     }
 
     /// Draws the scope of the runs, and payload and friction of the study's own run.
-    fn scope(&mut self) -> (Scope, World) {
+    fn scope(&mut self) -> (DraftScope, DraftWorld) {
         let n = self.count();
-        let mut scope = Scope {
+        let mut scope = DraftScope {
             frame: None,
             mass: (0.0, 0.0),
             com: [(0.0, 0.0); 3],
@@ -199,7 +199,7 @@ impl Hand<'_> {
             scope.coulomb = (high.iter().map(|c| c * least).collect(), high);
         }
         let (low, high) = scope.mass;
-        let load = (high > 0.0 && self.dice.chance(0.7)).then(|| Load {
+        let load = (high > 0.0 && self.dice.chance(0.7)).then(|| DraftLoad {
             mass: self.dice.between(low, high),
             com: scope.com.map(|(low, high)| 0.5 * (low + high)),
             inertia: [0.0; 6],
@@ -207,9 +207,9 @@ impl Hand<'_> {
         // A payload that must be there has to be in the study.
         let load = load.filter(|load| load.mass > 0.0).or_else(|| {
             let com = scope.com.map(|(low, high)| 0.5 * (low + high));
-            (low > 0.0).then_some(Load { mass: low, com, inertia: [0.0; 6] })
+            (low > 0.0).then_some(DraftLoad { mass: low, com, inertia: [0.0; 6] })
         });
-        let nominal = World { load, coulomb: scope.coulomb.1.clone(), phase: Vec::new() };
+        let nominal = DraftWorld { load, coulomb: scope.coulomb.1.clone(), phase: Vec::new() };
         (scope, nominal)
     }
 

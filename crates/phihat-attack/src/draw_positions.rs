@@ -6,7 +6,7 @@ use core::fmt::Write as _;
 use phihat_model::Workspace;
 use phihat_session::Dice;
 
-use crate::draft::Laws;
+use crate::draft::DraftLaws;
 use crate::filtered::seed;
 use crate::hand::Hand;
 use crate::spectrum::inverse;
@@ -86,7 +86,7 @@ impl Hand<'_> {
 
     /// Source of laws from positions. Most are typed: a search takes a hundred times as long as a tube of
     /// typed laws. One in five of the searched ones is a whole design.
-    pub(crate) fn laws(&mut self, searched: f64) -> Laws {
+    pub(crate) fn laws(&mut self, searched: f64) -> DraftLaws {
         let share = self.dice.share();
         if share >= searched {
             let gains = self.typed();
@@ -94,17 +94,17 @@ impl Hand<'_> {
             if filter.is_some() {
                 self.tag("filtered");
             }
-            return Laws::Typed { gains, filter };
+            return DraftLaws::Typed { gains, filter };
         }
         if share < 0.2 * searched {
             self.tag("designed");
-            return Laws::Designed;
+            return DraftLaws::Designed;
         }
         self.tag("sketched");
         let loud = self.dice.log_between(0.02, 1.0);
         let even = self.dice.chance(0.4);
         let one = |dice: &mut Dice| if even { loud } else { loud * dice.between(0.5, 1.0) };
-        Laws::Sketched((0..self.count()).map(|_| one(self.dice)).collect())
+        DraftLaws::Sketched((0..self.count()).map(|_| one(self.dice)).collect())
     }
 
     /// `[gains]`, typed by a hand that knows the arm a little.

@@ -25,20 +25,24 @@ const FLOOR: f64 = 1e-9;
 const OUTPUTS: [&str; 3] = ["e", "de", "torque step"];
 
 /// Outputs of one sample, per joint.
-type Seen = [Vec<f64>; 3];
+type JointOutputs = [Vec<f64>; 3];
 
 /// A frozen arm and its laws.
-struct Frozen<'a> {
+struct FrozenAttack<'a> {
     laws: &'a [JointGains<f64>],
     inverse: Vec<Vec<f64>>,
     period: f64,
     delay: usize,
 }
 
-impl Frozen<'_> {
+impl FrozenAttack<'_> {
     /// Simulates torques `d` \[N·m\] and reading errors `n` \[rad\] from rest, one of each per joint and
     /// sample; returns the outputs at each sample. The loop runs for a sample before the first of them.
-    fn play(&self, samples: usize, input: &dyn Fn(usize) -> (Vec<f64>, Vec<f64>)) -> Vec<Seen> {
+    fn play(
+        &self,
+        samples: usize,
+        input: &dyn Fn(usize) -> (Vec<f64>, Vec<f64>),
+    ) -> Vec<JointOutputs> {
         let n = self.laws.len();
         let mut states = vec![JointState::new(); n];
         let mut commands = vec![Command::default(); n];
@@ -80,7 +84,7 @@ impl Frozen<'_> {
             let input =
                 |k: usize| (if k == 0 { kick.to_vec() } else { still.clone() }, still.clone());
             let seen = self.play(samples, &input);
-            let most = |part: &[Seen]| {
+            let most = |part: &[JointOutputs]| {
                 let all = part.iter().flat_map(|seen| &seen[0]);
                 all.fold(0.0_f64, |a, x| if x.is_finite() { a.max(x.abs()) } else { f64::INFINITY })
             };
@@ -114,7 +118,7 @@ pub(crate) fn at_rest(study: &Study, gains: &Gains, dice: &mut Dice) -> AtRest {
     let (Ok(laws), false, true) = (laws, heard, study.world.drive_bandwidth_hz.is_none()) else {
         return found;
     };
-    let own = |inverse| Frozen {
+    let own = |inverse| FrozenAttack {
         laws: &laws,
         inverse,
         period: study.control.period_ns as f64 * 1e-9,
@@ -132,7 +136,7 @@ pub(crate) fn at_rest(study: &Study, gains: &Gains, dice: &mut Dice) -> AtRest {
 /// Any inertia with its spectrum in the claimed range, not only those that the arm has.
 fn stable<'a>(
     certificate: &Certificate,
-    own: &dyn Fn(Vec<Vec<f64>>) -> Frozen<'a>,
+    own: &dyn Fn(Vec<Vec<f64>>) -> FrozenAttack<'a>,
     dice: &mut Dice,
     found: &mut AtRest,
 ) {
@@ -163,7 +167,7 @@ fn stable<'a>(
 /// signs of the time-reversed response.
 fn coupled(
     (certificate, at): (&Certificate, usize),
-    frozen: &Frozen<'_>,
+    frozen: &FrozenAttack<'_>,
     dice: &mut Dice,
     found: &mut AtRest,
 ) {
@@ -181,7 +185,7 @@ fn coupled(
     for (encoder, bounds) in [(false, by_torque), (true, by_encoder)] {
         let given = |values: Vec<f64>| if encoder { (still(), values) } else { (values, still()) };
         // Responses to one sample of one input.
-        let kicks: Vec<Vec<Seen>> = (0..n)
+        let kicks: Vec<Vec<JointOutputs>> = (0..n)
             .map(|j| {
                 let one = |k: usize| {
                     let mut values = still();

@@ -1,9 +1,9 @@
 //! Comparison of a run with the bounds that are claimed of it.
 
-use phihat_sim::{JointTrace, Outcome};
+use phihat_sim::{JointTrace, SimulationOutcome};
 use serde::{Deserialize, Serialize};
 
-use crate::claim::{Claim, JointClaim};
+use crate::claim::{AttackClaim, JointClaim};
 
 /// Rounding that no claim is broken by.
 const ROUNDING: f64 = 1e-9;
@@ -14,11 +14,11 @@ pub struct JointFound {
     /// Its name.
     pub name: String,
     /// Largest bound on |e| in the steady part \[rad\].
-    pub bound_rad: f64,
+    pub error_bound_rad: f64,
     /// Largest |e| in the steady part \[rad\].
-    pub error_rad: f64,
+    pub error_peak_rad: f64,
     /// Likewise |ė| \[rad/s\].
-    pub velocity_bound_rad_s: f64,
+    pub velocity_error_bound_rad_s: f64,
     /// Likewise |ė| \[rad/s\].
     pub velocity_rad_s: f64,
     /// Largest bound on the change of the commanded torque per sample in the steady part \[N·m\]; 0: not claimed.
@@ -48,7 +48,7 @@ pub struct Violation {
 
 /// One run against a claim.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Found {
+pub struct ClaimOutcome {
     /// Joints, in the robot's order.
     pub joints: Vec<JointFound>,
     /// Bounds that were left.
@@ -58,8 +58,8 @@ pub struct Found {
 }
 
 /// Holds a run against a claim.
-pub fn held(claim: &Claim, outcome: &Outcome, run: &str) -> Found {
-    let mut found = Found::default();
+pub fn held(claim: &AttackClaim, outcome: &SimulationOutcome, run: &str) -> ClaimOutcome {
+    let mut found = ClaimOutcome::default();
     let trace = &outcome.trace;
     let limited = |joint: &JointTrace| {
         joint.saturated.iter().chain(&joint.rate_limited).any(|limited| *limited)
@@ -158,7 +158,7 @@ fn bin(claimed: &JointClaim, t: f64, bins: usize) -> Option<usize> {
 }
 
 fn steady(
-    claim: &Claim,
+    claim: &AttackClaim,
     claimed: &JointClaim,
     (joint, step): (&JointTrace, &[f64]),
     t: &[f64],
@@ -173,9 +173,9 @@ fn steady(
     };
     JointFound {
         name: joint.name.clone(),
-        bound_rad: bound(&claimed.error),
-        error_rad: most(&joint.e),
-        velocity_bound_rad_s: bound(&claimed.velocity),
+        error_bound_rad: bound(&claimed.error),
+        error_peak_rad: most(&joint.e),
+        velocity_error_bound_rad_s: bound(&claimed.velocity),
         velocity_rad_s: most(&joint.de),
         step_bound_nm: claimed.step.iter().skip(first).fold(0.0_f64, |a, b| a.max(*b)),
         step_nm: most(step),
@@ -185,11 +185,11 @@ fn steady(
 #[cfg(test)]
 mod tests {
     use super::held;
-    use crate::claim::{Claim, JointClaim};
-    use phihat_sim::{JointTrace, Outcome, Trace};
+    use crate::claim::{AttackClaim, JointClaim};
+    use phihat_sim::{JointTrace, SimulationOutcome, Trace};
 
     /// Ten samples at 1 kHz in bins of 5 ms; the error is 0.5, then 1.5.
-    fn run(saturated: bool) -> Outcome {
+    fn run(saturated: bool) -> SimulationOutcome {
         let mut joint = JointTrace { name: "j".to_owned(), ..JointTrace::default() };
         for k in 0..10 {
             joint.e.push(if k < 5 { 0.5 } else { 1.5 });
@@ -201,10 +201,10 @@ mod tests {
         let t_ns = (0..10).map(|k| k * 1_000_000).collect();
         let trace = Trace { period_ns: 1_000_000, t_ns, joints: vec![joint], supervision: None };
         let (divergence, abort) = (None, None);
-        Outcome { trace, divergence, abort, told_max: vec![], told_step_max: vec![] }
+        SimulationOutcome { trace, divergence, abort, told_max: vec![], told_step_max: vec![] }
     }
 
-    fn claim(first: (f64, f64), second: (f64, f64)) -> Claim {
+    fn claim(first: (f64, f64), second: (f64, f64)) -> AttackClaim {
         let joint = JointClaim {
             name: "j".to_owned(),
             from_s: 0.0,
@@ -215,15 +215,15 @@ mod tests {
             step: vec![1.0; 2],
             held: 0.0,
         };
-        Claim { joints: vec![joint], settle_s: 0.0, limits_silent: true }
+        AttackClaim { joints: vec![joint], settle_s: 0.0, limits_silent: true }
     }
 
     #[test]
     fn every_sample_is_held_against_its_own_bin() {
         let found = held(&claim((0.4, 0.6), (1.4, 1.6)), &run(false), "r");
         assert!(found.violations.is_empty(), "{:?}", found.violations);
-        assert!((found.joints[0].bound_rad - 1.6).abs() < 1e-12);
-        assert!((found.joints[0].error_rad - 1.5).abs() < 1e-12);
+        assert!((found.joints[0].error_bound_rad - 1.6).abs() < 1e-12);
+        assert!((found.joints[0].error_peak_rad - 1.5).abs() < 1e-12);
         let found = held(&claim((0.4, 0.6), (1.6, 1.8)), &run(false), "r");
         assert_eq!(found.violations.len(), 1);
         let left = &found.violations[0];

@@ -38,17 +38,17 @@ mod typed;
 mod vary;
 
 pub use arm::UserArm;
-pub use claim::{Claim, JointClaim, NoClaim, claimed};
+pub use claim::{AttackClaim, JointClaim, NoClaim, claimed};
 pub use class::{ClassRuns, class_run};
 pub use class_supervised::supervised_run;
-pub use draft::{Draft, Laws, Load, Scope, World};
+pub use draft::{Draft, DraftLaws, DraftLoad, DraftScope, DraftWorld};
 pub use draw::draw;
-pub use held::{Found, JointFound, Violation, held};
-pub use judged::{Verdict, judged, judged_as_typed};
-pub use record::{Ended, Record};
+pub use held::{ClaimOutcome, JointFound, Violation, held};
+pub use judged::{DesignVerdict, judged, judged_as_typed};
+pub use record::{AttackRecord, TrialEnded};
 pub use run::{NoRun, run};
-pub use second::Second;
-pub use summary::Summary;
+pub use second::SecondOpinion;
+pub use summary::AttackSummary;
 pub use trial::Trial;
 pub use vary::worlds;
 

@@ -8,7 +8,7 @@ use phihat_session::Dice;
 const GRAVITY: f64 = 9.81;
 
 /// One joint and its link.
-pub(crate) struct Part {
+pub(crate) struct LinkOfJoint {
     pub(crate) kind: JointKind,
     pub(crate) axis: [f64; 3],
     /// Pose of the joint in the link before.
@@ -24,7 +24,7 @@ pub(crate) struct Part {
     pub(crate) speed: f64,
 }
 
-impl Part {
+impl LinkOfJoint {
     pub(crate) fn draw(
         dice: &mut Dice,
         (prismatic, odd): (f64, bool),
@@ -66,7 +66,7 @@ impl Part {
 }
 
 /// Largest inertia that joint `i` moves: \[kg·m²\] of a stretched chain, \[kg\] along a slide.
-pub(crate) fn moved(parts: &[Part], i: usize) -> f64 {
+pub(crate) fn moved(parts: &[LinkOfJoint], i: usize) -> f64 {
     let mut far = 0.0;
     let mut sum = 0.0;
     for part in &parts[i..] {
@@ -83,7 +83,7 @@ pub(crate) fn moved(parts: &[Part], i: usize) -> f64 {
 }
 
 /// Largest torque or force of gravity.
-pub(crate) fn weight(parts: &[Part], i: usize) -> f64 {
+pub(crate) fn weight(parts: &[LinkOfJoint], i: usize) -> f64 {
     let mut far = 0.0;
     let mut sum = 0.0;
     for part in &parts[i..] {

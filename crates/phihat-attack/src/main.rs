@@ -9,8 +9,10 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
-use phihat_attack::{ClassRuns, NoRun, Record, Summary, Trial, class_run, supervised_run};
-use phihat_campaign::{Ended, Journal, run_all};
+use phihat_attack::{
+    AttackRecord, AttackSummary, ClassRuns, NoRun, Trial, class_run, supervised_run,
+};
+use phihat_campaign::{Journal, RunEnded, run_all};
 
 /// Draws studies and tries to break what is certified about them.
 #[derive(Debug, Parser)]
@@ -19,7 +21,7 @@ use phihat_campaign::{Ended, Journal, run_all};
     after_help = "Exit code 1: a run left what was claimed of it. Its study, gains and claim are kept in \
                   OUT/seed-S/NUMBER."
 )]
-struct Arguments {
+struct AttackArguments {
     /// Number of studies.
     #[arg(default_value_t = 300)]
     count: u64,
@@ -72,7 +74,7 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = AttackArguments::parse();
     let done = match (&arguments.class, &arguments.gains) {
         (Some(study), Some(gains)) => attack_class(&arguments, study, gains),
         _ => attack(&arguments),
@@ -88,7 +90,11 @@ fn main() -> ExitCode {
 }
 
 /// Attacks one class of motions; returns true if no run left its bound.
-fn attack_class(arguments: &Arguments, study: &Path, gains: &Path) -> Result<bool, Box<dyn Error>> {
+fn attack_class(
+    arguments: &AttackArguments,
+    study: &Path,
+    gains: &Path,
+) -> Result<bool, Box<dyn Error>> {
     let study = phihat_session::read(study)?;
     let text = fs::read_to_string(gains).map_err(|e| format!("{}: {e}", gains.display()))?;
     let gains = phihat_design::Gains::from_json(&text)?;
@@ -140,15 +146,22 @@ fn attack_class(arguments: &Arguments, study: &Path, gains: &Path) -> Result<boo
 }
 
 /// Attacks the studies; returns true if no claim was broken.
-fn attack(arguments: &Arguments) -> Result<bool, Box<dyn Error>> {
+fn attack(arguments: &AttackArguments) -> Result<bool, Box<dyn Error>> {
     let folder = arguments.out.join(format!("seed-{}", arguments.seed));
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let path = folder.join("journal.jsonl");
     let journal = if arguments.fresh { Journal::afresh(&path) } else { Journal::open(&path) };
     let mut journal = journal?;
     let program = program()?;
-    let Arguments {
-        seed, runs, keep_every, derive_every, whole_every, positions, searched, ..
+    let AttackArguments {
+        seed,
+        runs,
+        keep_every,
+        derive_every,
+        whole_every,
+        positions,
+        searched,
+        ..
     } = *arguments;
     let python = arguments.python.as_deref();
     let trial = Trial {
@@ -184,23 +197,23 @@ fn attack(arguments: &Arguments) -> Result<bool, Box<dyn Error>> {
         bar.set_position(progress.done as u64);
     });
     bar.finish_and_clear();
-    let (mut records, mut panics): (Vec<Record>, Vec<String>) = (Vec::new(), Vec::new());
+    let (mut records, mut panics): (Vec<AttackRecord>, Vec<String>) = (Vec::new(), Vec::new());
     for (index, ended) in places.iter().zip(done?) {
         match ended {
-            Ended::With(record) => records.push(record),
-            Ended::Panicked(why) => panics.push(format!("study {index}: {why}")),
+            RunEnded::With(record) => records.push(record),
+            RunEnded::Panicked(why) => panics.push(format!("study {index}: {why}")),
         }
     }
     report(arguments, &records, panics, &folder)
 }
 
 fn report(
-    arguments: &Arguments,
-    records: &[Record],
+    arguments: &AttackArguments,
+    records: &[AttackRecord],
     panics: Vec<String>,
     folder: &Path,
 ) -> Result<bool, Box<dyn Error>> {
-    let summary = Summary::of(records, panics);
+    let summary = AttackSummary::of(records, panics);
     println!("{summary}");
     for record in records.iter().filter(|record| !record.violations.is_empty()) {
         let worst = record.violations.iter().max_by(|a, b| a.ratio.total_cmp(&b.ratio));

@@ -3,7 +3,7 @@
 use core::f64::consts::TAU;
 
 use phihat::{Command, JointGains, JointState, Measurement, update_joints};
-use phihat_sim::{Driver, Moment, Outcome, SimError, Simulation};
+use phihat_sim::{Driver, Moment, SimError, Simulation, SimulationOutcome};
 use phihat_study::Study;
 
 use crate::start::held_at_start;
@@ -56,7 +56,7 @@ pub(crate) fn run(
     study: &Study,
     law: &[JointGains<f64>],
     phase: &[f64],
-) -> Result<Outcome, SimError> {
+) -> Result<SimulationOutcome, SimError> {
     let bits = study.sensor.encoder_bits.as_ref().filter(|_| study.supervisor.is_none());
     let Some(bits) = bits.filter(|_| !phase.is_empty()) else {
         return Ok(Simulation::new(study, law)?.run(|_| ()));

@@ -3,12 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use crate::held::{JointFound, Violation};
-use crate::second::Second;
+use crate::second::SecondOpinion;
 
 /// Outcome of a trial.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Ended {
+pub enum TrialEnded {
     /// No study could be drawn.
     NoStudy,
     /// No gains.
@@ -21,7 +21,7 @@ pub enum Ended {
 
 /// Recorded result of a trial.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Record {
+pub struct AttackRecord {
     /// Its number in the attack.
     pub index: u64,
     /// Names of the study's features.
@@ -29,7 +29,7 @@ pub struct Record {
     /// Number of joints.
     pub joints: usize,
     /// Outcome of the trial.
-    pub ended: Ended,
+    pub ended: TrialEnded,
     /// Why, where it was not certified.
     pub reason: String,
     /// Why drafts before it were no studies.
@@ -41,7 +41,7 @@ pub struct Record {
     /// Bounds that were left.
     pub violations: Vec<Violation>,
     /// Result of other simulators, where requested.
-    pub second: Option<Second>,
+    pub second: Option<SecondOpinion>,
     /// At frozen postures: reached over claimed coupled gains, the most; `None`: not looked at.
     pub at_rest: Option<f64>,
     /// Result of `verify --study`, where requested.

@@ -1,7 +1,7 @@
 //! A study run with gains.
 
 use phihat_design::{Gains, GainsError};
-use phihat_sim::{Outcome, SimError};
+use phihat_sim::{SimError, SimulationOutcome};
 use phihat_study::Study;
 use thiserror::Error;
 
@@ -23,7 +23,7 @@ pub enum NoRun {
 /// # Errors
 ///
 /// [`NoRun`]: the gains are none of this study, or it cannot be simulated.
-pub fn run(study: &Study, gains: &Gains, shares: &[f64]) -> Result<Outcome, NoRun> {
+pub fn run(study: &Study, gains: &Gains, shares: &[f64]) -> Result<SimulationOutcome, NoRun> {
     let mut study = study.clone();
     gains.complete(&mut study)?;
     let names = study.robot.joint_names();

@@ -14,7 +14,7 @@ const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/python/second_opinion
 
 /// Result of other simulators.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Second {
+pub struct SecondOpinion {
     /// Runs made.
     pub runs: usize,
     /// Part of the study that they do not support.
@@ -24,22 +24,22 @@ pub struct Second {
 }
 
 #[derive(Deserialize)]
-struct Answer {
-    runs: Vec<Run>,
+struct SecondAnswer {
+    runs: Vec<SecondRun>,
     skipped: Option<String>,
 }
 
 #[derive(Deserialize)]
-struct Run {
+struct SecondRun {
     world: String,
     engine: String,
-    worst: Worst,
+    worst: WorstOfSecond,
     left: bool,
 }
 
 #[derive(Deserialize, Default)]
 #[serde(default)]
-struct Worst {
+struct WorstOfSecond {
     ratio: f64,
     joint: String,
     signal: String,
@@ -74,15 +74,17 @@ pub(crate) enum NoOpinion {
 /// # Errors
 ///
 /// [`NoOpinion`]: the program does not start, or gives no answer.
-pub(crate) fn opinion(python: &Path, folder: &Path) -> Result<(Second, Vec<Violation>), NoOpinion> {
+pub(crate) fn opinion(
+    python: &Path,
+    folder: &Path,
+) -> Result<(SecondOpinion, Vec<Violation>), NoOpinion> {
     let mut command = Command::new(python);
     command.arg(SCRIPT).arg(folder).env("OMP_NUM_THREADS", "1");
     let output =
         command.output().map_err(|why| NoOpinion::Start { python: python.to_owned(), why })?;
     let text = String::from_utf8_lossy(&output.stdout);
-    let answer: Answer = serde_json::from_str(text.trim()).map_err(|why| NoOpinion::Answer {
-        why,
-        said: String::from_utf8_lossy(&output.stderr).trim().to_owned(),
+    let answer: SecondAnswer = serde_json::from_str(text.trim()).map_err(|why| {
+        NoOpinion::Answer { why, said: String::from_utf8_lossy(&output.stderr).trim().to_owned() }
     })?;
     let worst = answer.runs.iter().map(|run| run.worst.ratio).fold(0.0, f64::max);
     let left = answer.runs.iter().filter(|run| run.left).map(|run| Violation {
@@ -95,5 +97,5 @@ pub(crate) fn opinion(python: &Path, folder: &Path) -> Result<(Second, Vec<Viola
         ratio: run.worst.ratio,
     });
     let violations = left.collect();
-    Ok((Second { runs: answer.runs.len(), skipped: answer.skipped, worst }, violations))
+    Ok((SecondOpinion { runs: answer.runs.len(), skipped: answer.skipped, worst }, violations))
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use phihat_campaign::statistics::quantile;
 use serde::{Deserialize, Serialize};
 
-use crate::record::{Ended, Record};
+use crate::record::{AttackRecord, TrialEnded};
 
 /// Share of the largest error of an arm below which a joint's is small.
 const SMALL: f64 = 0.15;
@@ -26,7 +26,7 @@ pub struct RatioSpread {
 
 /// An attack in figures.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Summary {
+pub struct AttackSummary {
     /// Trials by how they ended.
     pub ended: BTreeMap<String, usize>,
     /// Trials that were not certified, by reason.
@@ -59,9 +59,9 @@ pub struct Summary {
     pub panics: Vec<String>,
 }
 
-impl Summary {
+impl AttackSummary {
     /// The figures of some records.
-    pub fn of(records: &[Record], panics: Vec<String>) -> Self {
+    pub fn of(records: &[AttackRecord], panics: Vec<String>) -> Self {
         let mut summary = Self {
             ended: BTreeMap::new(),
             reasons: BTreeMap::new(),
@@ -83,7 +83,7 @@ impl Summary {
         for record in records {
             let ended = format!("{:?}", record.ended);
             *summary.ended.entry(ended).or_default() += 1;
-            if record.ended != Ended::Certified {
+            if record.ended != TrialEnded::Certified {
                 *summary.reasons.entry(short(&record.reason)).or_default() += 1;
                 summary.broken.extend((!record.violations.is_empty()).then_some(record.index));
             }
@@ -100,7 +100,7 @@ impl Summary {
             summary.runs.1 += record.runs.1;
             summary.seconds.0 += record.seconds.0;
             summary.seconds.1 += record.seconds.1;
-            if record.ended == Ended::Certified {
+            if record.ended == TrialEnded::Certified {
                 let broken = !record.violations.is_empty();
                 if broken {
                     summary.broken.push(record.index);
@@ -111,10 +111,11 @@ impl Summary {
                     entry.1 += usize::from(broken);
                 }
             }
-            let most = record.found.iter().map(|j| j.error_rad).fold(0.0, f64::max);
-            for joint in record.found.iter().filter(|j| j.error_rad > 0.0) {
-                let list = if joint.error_rad < SMALL * most { &mut small } else { &mut large };
-                list.push(joint.bound_rad / joint.error_rad);
+            let most = record.found.iter().map(|j| j.error_peak_rad).fold(0.0, f64::max);
+            for joint in record.found.iter().filter(|j| j.error_peak_rad > 0.0) {
+                let list =
+                    if joint.error_peak_rad < SMALL * most { &mut small } else { &mut large };
+                list.push(joint.error_bound_rad / joint.error_peak_rad);
             }
         }
         summary.positions(records);
@@ -124,10 +125,12 @@ impl Summary {
     }
 
     /// Adds the figures of laws from positions alone.
-    fn positions(&mut self, records: &[Record]) {
+    fn positions(&mut self, records: &[AttackRecord]) {
         let own = || records.iter().filter(|r| r.tags.iter().any(|tag| tag == "positions"));
         let joints = || own().flat_map(|record| &record.found);
-        let errors = joints().filter(|j| j.error_rad > 0.0).map(|j| j.bound_rad / j.error_rad);
+        let errors = joints()
+            .filter(|j| j.error_peak_rad > 0.0)
+            .map(|j| j.error_bound_rad / j.error_peak_rad);
         self.ratio_positions = spread(&errors.collect::<Vec<_>>());
         let steps = joints().filter(|j| j.step_nm > 0.0 && j.step_bound_nm > 0.0);
         self.ratio_step = spread(&steps.map(|j| j.step_bound_nm / j.step_nm).collect::<Vec<_>>());
@@ -160,7 +163,7 @@ fn short(reason: &str) -> String {
     text
 }
 
-impl fmt::Display for Summary {
+impl fmt::Display for AttackSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let list = |f: &mut fmt::Formatter<'_>, title: &str, map: &BTreeMap<String, usize>| {
             if map.is_empty() {

@@ -8,14 +8,14 @@ use phihat_design::claims::Refutation;
 use phihat_design::{Clause, Gains};
 use phihat_session::Dice;
 
-use crate::claim::Claim;
+use crate::claim::AttackClaim;
 use crate::derived::derived;
 use crate::draft::Draft;
 use crate::drawn::drawn;
 use crate::frozen::at_rest;
 use crate::held::{JointFound, Violation, held};
-use crate::judged::{Verdict, judged_by};
-use crate::record::{Ended, Record};
+use crate::judged::{DesignVerdict, judged_by};
+use crate::record::{AttackRecord, TrialEnded};
 use crate::run::run;
 use crate::second::opinion;
 use crate::typed::Claims;
@@ -54,14 +54,14 @@ pub struct Trial<'a> {
 
 impl Trial<'_> {
     /// Attacks one study.
-    pub fn attack(&self, index: u64) -> Record {
+    pub fn attack(&self, index: u64) -> AttackRecord {
         let mut dice = Dice::new(self.seed, index);
         let folder = self.folder.join(format!("{index}"));
-        let mut record = Record {
+        let mut record = AttackRecord {
             index,
             tags: Vec::new(),
             joints: 0,
-            ended: Ended::NoStudy,
+            ended: TrialEnded::NoStudy,
             reason: String::new(),
             redrawn: Vec::new(),
             runs: (0, 0),
@@ -82,8 +82,8 @@ impl Trial<'_> {
                 Err(why) => record.redrawn.push(why.to_string()),
             }
         }
-        let kept =
-            record.ended != Ended::NoStudy && self.asked(index) || !record.violations.is_empty();
+        let kept = record.ended != TrialEnded::NoStudy && self.asked(index)
+            || !record.violations.is_empty();
         if !kept {
             // What cannot be removed is left behind, and overwritten next time.
             let _ = std::fs::remove_dir_all(&folder);
@@ -96,7 +96,7 @@ impl Trial<'_> {
         one_of(self.keep_every, index)
     }
 
-    fn examine(&self, mut draft: Draft, dice: &mut Dice, folder: &Path, record: &mut Record) {
+    fn examine(&self, mut draft: Draft, dice: &mut Dice, folder: &Path, record: &mut AttackRecord) {
         let began = Instant::now();
         let path = folder.join("study.toml");
         let mut verdict = None;
@@ -117,7 +117,7 @@ impl Trial<'_> {
             write(folder, &[("study.toml".to_owned(), draft.text(&draft.nominal))], record);
             let judged = judged_by(&study, (&draft.laws, claims), &path);
             let worse = match &judged {
-                Verdict::Infeasible(clauses) => relief(clauses),
+                DesignVerdict::Infeasible(clauses) => relief(clauses),
                 _ => None,
             };
             verdict = Some(judged);
@@ -127,17 +127,17 @@ impl Trial<'_> {
         }
         record.seconds.0 = began.elapsed().as_secs_f64();
         match verdict {
-            Some(Verdict::Certified(gains, claim)) => {
-                record.ended = Ended::Certified;
+            Some(DesignVerdict::Certified(gains, claim)) => {
+                record.ended = TrialEnded::Certified;
                 self.run_all(&draft, (&gains, &claim), dice, folder, record);
                 record.seconds.1 = began.elapsed().as_secs_f64() - record.seconds.0;
             }
-            Some(Verdict::NotProved(why)) => {
-                record.ended = Ended::NotProved;
+            Some(DesignVerdict::NotProved(why)) => {
+                record.ended = TrialEnded::NotProved;
                 record.reason = why;
             }
-            Some(Verdict::Refuted(gains, why)) => {
-                record.ended = Ended::NotProved;
+            Some(DesignVerdict::Refuted(gains, why)) => {
+                record.ended = TrialEnded::NotProved;
                 record.reason = format!("verify refutes: {why}");
                 record.violations.push(refuted(&why));
                 write(
@@ -146,8 +146,8 @@ impl Trial<'_> {
                     record,
                 );
             }
-            Some(Verdict::Infeasible(clauses)) => {
-                record.ended = Ended::Infeasible;
+            Some(DesignVerdict::Infeasible(clauses)) => {
+                record.ended = TrialEnded::Infeasible;
                 let key = |clause: &Clause| clause.key.clone();
                 record.reason = clauses.iter().map(key).collect::<Vec<_>>().join(", ");
             }
@@ -158,10 +158,10 @@ impl Trial<'_> {
     fn run_all(
         &self,
         draft: &Draft,
-        (gains, claim): (&Gains, &Claim),
+        (gains, claim): (&Gains, &AttackClaim),
         dice: &mut Dice,
         folder: &Path,
-        record: &mut Record,
+        record: &mut AttackRecord,
     ) {
         let mut keep = Vec::new();
         for (name, world) in worlds(&draft.nominal, &draft.scope, dice, self.runs) {
@@ -215,7 +215,7 @@ impl Trial<'_> {
         (draft, gains): (&Draft, &Gains),
         dice: &mut Dice,
         folder: &Path,
-        record: &mut Record,
+        record: &mut AttackRecord,
     ) {
         let Ok(study) = draft.study(&draft.nominal, folder) else { return };
         if study.control.form != Form::Positions {
@@ -239,7 +239,7 @@ fn one_of(every: u64, index: u64) -> bool {
 }
 
 /// Files of a trial.
-fn write(folder: &Path, files: &[(String, String)], record: &mut Record) {
+fn write(folder: &Path, files: &[(String, String)], record: &mut AttackRecord) {
     for (name, text) in files {
         if let Err(why) = std::fs::write(folder.join(name), text) {
             record.redrawn.push(format!("{name}: {why}"));
@@ -262,7 +262,7 @@ fn refuted(why: &Refutation) -> Violation {
 
 /// By how much the error must be allowed to grow; `None` where that does not help.
 fn relief(clauses: &[Clause]) -> Option<f64> {
-    let clause = clauses.iter().find(|clause| clause.key == "spec.error_max_rad")?;
+    let clause = clauses.iter().find(|clause| clause.key == "spec.error_bound_rad")?;
     Some((clause.possible? / clause.wanted).max(1.02))
 }
 
@@ -272,7 +272,7 @@ fn worst(all: &mut Vec<JointFound>, one: &[JointFound]) {
         return;
     }
     for (all, one) in all.iter_mut().zip(one) {
-        all.error_rad = all.error_rad.max(one.error_rad);
+        all.error_peak_rad = all.error_peak_rad.max(one.error_peak_rad);
         all.velocity_rad_s = all.velocity_rad_s.max(one.velocity_rad_s);
         all.step_nm = all.step_nm.max(one.step_nm);
     }

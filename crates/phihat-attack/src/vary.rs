@@ -2,15 +2,15 @@
 
 use phihat_session::Dice;
 
-use crate::draft::{Load, Scope, World};
+use crate::draft::{DraftLoad, DraftScope, DraftWorld};
 
 /// The study's own world first; `count` in all, fewer where the scope is a single point.
 pub fn worlds(
-    nominal: &World,
-    scope: &Scope,
+    nominal: &DraftWorld,
+    scope: &DraftScope,
     dice: &mut Dice,
     count: usize,
-) -> Vec<(String, World)> {
+) -> Vec<(String, DraftWorld)> {
     let mut all = vec![("as the study says".to_owned(), nominal.clone())];
     let (light, heavy) = scope.mass;
     let free = heavy > 0.0 || scope.coulomb.0 != scope.coulomb.1;
@@ -18,7 +18,7 @@ pub fn worlds(
         |dice: &mut Dice| nominal.coulomb.iter().map(|_| dice.between(-0.5, 0.5)).collect();
     if !free {
         let phase = displaced(dice);
-        all.push(("1: encoders displaced".to_owned(), World { phase, ..nominal.clone() }));
+        all.push(("1: encoders displaced".to_owned(), DraftWorld { phase, ..nominal.clone() }));
         return all;
     }
     for k in 1..count {
@@ -37,13 +37,13 @@ pub fn worlds(
             low + (high - low) * share
         });
         let coulomb = coulomb.collect();
-        all.push((format!("{k}: {name}"), World { load, coulomb, phase: displaced(dice) }));
+        all.push((format!("{k}: {name}"), DraftWorld { load, coulomb, phase: displaced(dice) }));
     }
     all
 }
 
 /// A body inside the set: at a corner of the box, or anywhere in it.
-fn load(dice: &mut Dice, scope: &Scope, mass: f64, corner: bool) -> Load {
+fn load(dice: &mut Dice, scope: &DraftScope, mass: f64, corner: bool) -> DraftLoad {
     let com = scope.com.map(
         |(low, high)| {
             if corner { dice.pick(&[low, high]) } else { dice.between(low, high) }
@@ -66,5 +66,5 @@ fn load(dice: &mut Dice, scope: &Scope, mass: f64, corner: bool) -> Load {
     let trace = (0..3).map(|i| second(i, i)).sum::<f64>();
     let moment = |i: usize| trace - second(i, i);
     let inertia = [moment(0), -second(0, 1), -second(0, 2), moment(1), -second(1, 2), moment(2)];
-    Load { mass, com, inertia }
+    DraftLoad { mass, com, inertia }
 }

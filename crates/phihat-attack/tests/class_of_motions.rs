@@ -7,7 +7,7 @@ use phihat_attack::{ClassRuns, class_run, supervised_run};
 use phihat_certificate::{Certificate, ClassBound};
 use phihat_design::{ClassRefusal, Gains, Outcome, class_bound};
 use phihat_session::designed;
-use phihat_study::{Reference, Study};
+use phihat_study::{ReferenceRequest, Study};
 
 /// Three joints in a plane, under gravity, with a payload of up to 0.2 kg.
 const TEXT: &str = r#"
@@ -16,7 +16,7 @@ const TEXT: &str = r#"
     name = "planar3r"
     [spec]
     settle_s = 1.0
-    error_max_rad = 2e-3
+    error_bound_rad = 2e-3
     [design]
     payload_max_kg = 0.2
     window_margin = 1.1
@@ -91,7 +91,7 @@ fn a_bound_is_found_for_the_class_and_derived_a_second_time() {
     );
     // The second derivation leaves out what only adds.
     assert!((1.0..1.25).contains(&ratio), "{again:?}");
-    for (moving, frozen) in class.error_rad.iter().zip(&class.frozen_error_rad) {
+    for (moving, frozen) in class.error_bound_rad.iter().zip(&class.frozen_error_bound_rad) {
         assert!(moving > frozen && moving < &(3.0 * frozen), "{moving} {frozen}");
     }
 }
@@ -107,9 +107,9 @@ fn a_forged_bound_is_refuted() {
     };
     assert!(forged(|_| ()));
     for change in [
-        (|class| class.error_rad[0] *= 0.75) as fn(&mut ClassBound),
-        |class| class.error_rad[2] *= 0.75,
-        |class| class.velocity_error_rad_s[1] *= 0.75,
+        (|class| class.error_bound_rad[0] *= 0.75) as fn(&mut ClassBound),
+        |class| class.error_bound_rad[2] *= 0.75,
+        |class| class.velocity_error_bound_rad_s[1] *= 0.75,
         |class| class.torque_step_nm[1] *= 0.75,
         |class| class.speed_max_rad_s[0] *= 1.5,
         |class| class.jerk_max_rad_s3[2] *= 1.5,
@@ -140,7 +140,7 @@ fn no_motion_of_the_class_leaves_its_bound() {
 #[test]
 fn a_class_that_is_too_fast_does_not_close() {
     let mut study = study();
-    let Reference::Any { class, .. } = &mut study.reference else { panic!("no class") };
+    let ReferenceRequest::Any { class, .. } = &mut study.reference else { panic!("no class") };
     for list in [&mut class.speed, &mut class.acceleration, &mut class.jerk] {
         for most in list.iter_mut() {
             *most *= 30.0;
@@ -190,7 +190,7 @@ fn a_forged_start_is_refuted_and_what_changes_the_law_is_refused() {
         (|class| class.start_nm[0] *= 0.5) as fn(&mut ClassBound),
         |class| class.start_nm.clear(),
         |class| class.start_s *= 0.5,
-        |class| class.error_rad[1] *= 0.75,
+        |class| class.error_bound_rad[1] *= 0.75,
         |class| class.torque_step_nm[2] *= 0.75,
     ] {
         assert!(!forged(change));

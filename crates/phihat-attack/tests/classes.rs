@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use phihat_attack::{Dice, Verdict, held, judged, judged_as_typed, run};
+use phihat_attack::{DesignVerdict, Dice, held, judged, judged_as_typed, run};
 use phihat_design::{Gains, Outcome};
 use phihat_model::Workspace;
 use phihat_study::Study;
@@ -36,16 +36,16 @@ fn kept(name: &str) -> bool {
     let (study, path) = study(name);
     let judged = if name.ends_with("_typed") { judged_as_typed } else { judged };
     let (gains, claim) = match judged(&study, &path) {
-        Verdict::Certified(gains, claim) => (gains, claim),
-        Verdict::NotProved(why) => {
+        DesignVerdict::Certified(gains, claim) => (gains, claim),
+        DesignVerdict::NotProved(why) => {
             println!("{name}: not proved: {why}");
             return !why.is_empty();
         }
-        Verdict::Refuted(_, why) => {
+        DesignVerdict::Refuted(_, why) => {
             println!("{name}: does not verify: {why}");
             return false;
         }
-        Verdict::Infeasible(clauses) => {
+        DesignVerdict::Infeasible(clauses) => {
             println!("{name}: infeasible: {clauses:?}");
             return !clauses.is_empty();
         }
@@ -59,7 +59,7 @@ fn kept(name: &str) -> bool {
         ),
         None if found.outside => println!("{name}: a limit acted, nothing is claimed"),
         None => {
-            let ratio = |j: &phihat_attack::JointFound| j.bound_rad / j.error_rad;
+            let ratio = |j: &phihat_attack::JointFound| j.error_bound_rad / j.error_peak_rad;
             let ratios: Vec<_> = found.joints.iter().map(|j| format!("{:.2}", ratio(j))).collect();
             println!("{name}: kept; bound over measured {}", ratios.join(" "));
         }

@@ -3,7 +3,7 @@
 use core::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::error::{Refusal, Status, phihat_error};
+use crate::error::{RefusedCall, Status, phihat_error};
 
 /// A structure that begins with its own size, or what is wrong with the pointer to it.
 ///
@@ -11,9 +11,9 @@ use crate::error::{Refusal, Status, phihat_error};
 ///
 /// `at` is null, or points to a `repr(C)` structure whose first member is `size: usize`, initialised as
 /// far as that size says and not written to while the reference lives.
-pub(crate) unsafe fn structure<'a, T>(at: *const T) -> Result<&'a T, Refusal> {
+pub(crate) unsafe fn structure<'a, T>(at: *const T) -> Result<&'a T, RefusedCall> {
     if at.is_null() {
-        return Err(Refusal::new(Status::NullPointer, "a structure's pointer is null"));
+        return Err(RefusedCall::new(Status::NullPointer, "a structure's pointer is null"));
     }
     // SAFETY: not null, so it points to a structure that begins with its size.
     let size = unsafe { at.cast::<usize>().read() };
@@ -35,9 +35,9 @@ pub(crate) unsafe fn element<T: Copy>(
     first: *const T,
     index: usize,
     older: &[usize],
-) -> Result<T, Refusal> {
+) -> Result<T, RefusedCall> {
     if first.is_null() {
-        return Err(Refusal::new(Status::NullPointer, "an array's pointer is null"));
+        return Err(RefusedCall::new(Status::NullPointer, "an array's pointer is null"));
     }
     // SAFETY: one size, that of the first, is how far apart they all are; as much as that is read of each.
     unsafe {
@@ -55,9 +55,9 @@ pub(crate) unsafe fn element<T: Copy>(
     }
 }
 
-fn wrong_size() -> Refusal {
+fn wrong_size() -> RefusedCall {
     let why = "a structure's size is that of no header that this library reads";
-    Refusal::new(Status::WrongSize, why)
+    RefusedCall::new(Status::WrongSize, why)
 }
 
 /// Writes a structure whose size the caller has set.
@@ -78,9 +78,9 @@ pub(crate) unsafe fn write_structure<T>(at: *mut T, value: T) -> Status {
 }
 
 /// Refuses arrays that are missing.
-pub(crate) fn present<const N: usize>(arrays: [*const f64; N]) -> Result<(), Refusal> {
+pub(crate) fn present<const N: usize>(arrays: [*const f64; N]) -> Result<(), RefusedCall> {
     if arrays.iter().any(|at| at.is_null()) {
-        return Err(Refusal::new(Status::NullPointer, "an array's pointer is null"));
+        return Err(RefusedCall::new(Status::NullPointer, "an array's pointer is null"));
     }
     Ok(())
 }
@@ -92,12 +92,12 @@ pub(crate) fn present<const N: usize>(arrays: [*const f64; N]) -> Result<(), Ref
 /// `error` is null or points to a phihat_error of which at least `size` is initialised.
 pub(crate) unsafe fn answer(
     error: *mut phihat_error,
-    call: impl FnOnce() -> Result<Status, Refusal>,
+    call: impl FnOnce() -> Result<Status, RefusedCall>,
 ) -> Status {
     let refusal = match catch_unwind(AssertUnwindSafe(call)) {
         Ok(Ok(status)) => return status,
         Ok(Err(refusal)) => refusal,
-        Err(_) => Refusal::new(Status::Internal, "a mistake of the library: please report it"),
+        Err(_) => RefusedCall::new(Status::Internal, "a mistake of the library: please report it"),
     };
     if !error.is_null() {
         // SAFETY: not null, so its size can be read, and all of it be written if that is right.

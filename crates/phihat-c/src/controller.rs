@@ -3,7 +3,7 @@
 use phihat::{Command, JointGains, JointState, Measurement, Reference, update_joints};
 
 use crate::border::{answer, element, present, structure};
-use crate::error::{Refusal, Status, phihat_error};
+use crate::error::{RefusedCall, Status, phihat_error};
 use crate::laws::law;
 use crate::types::{
     PHIHAT_RATE_LIMITED, PHIHAT_REFUSED, PHIHAT_SATURATED, phihat_command, phihat_joint,
@@ -62,10 +62,13 @@ pub unsafe extern "C" fn phihat_controller_create(
 ) -> Status {
     let call = || {
         if controller.is_null() {
-            return Err(Refusal::new(Status::NullPointer, "the handle's pointer is null"));
+            return Err(RefusedCall::new(Status::NullPointer, "the handle's pointer is null"));
         }
         if count == 0 {
-            return Err(Refusal::new(Status::WrongJoints, "a controller has at least one joint"));
+            return Err(RefusedCall::new(
+                Status::WrongJoints,
+                "a controller has at least one joint",
+            ));
         }
         let mut made = phihat_controller {
             gains: room(count)?,
@@ -213,7 +216,7 @@ pub(crate) unsafe fn copy_sample(
     sample: &phihat_sample,
     measurements: &mut [Measurement<f64>],
     references: &mut [Reference<f64>],
-) -> Result<(), Refusal> {
+) -> Result<(), RefusedCall> {
     let phihat_sample { q, dq, tau_applied, q_des, dq_des, ddq_des, .. } = *sample;
     present([q, dq, tau_applied, q_des, dq_des, ddq_des])?;
     joints_match(measurements.len(), sample.joints)?;
@@ -258,20 +261,20 @@ pub(crate) unsafe fn give(commands: &[Command<f64>], to: &phihat_command) {
 /// Null, or a living handle that no other thread uses.
 unsafe fn handle<'a>(
     controller: *mut phihat_controller,
-) -> Result<&'a mut phihat_controller, Refusal> {
+) -> Result<&'a mut phihat_controller, RefusedCall> {
     // SAFETY: the caller's.
     let living = unsafe { controller.as_mut() };
-    living.ok_or_else(|| Refusal::new(Status::NullPointer, "the controller's handle is null"))
+    living.ok_or_else(|| RefusedCall::new(Status::NullPointer, "the controller's handle is null"))
 }
 
-pub(crate) fn joints_match(own: usize, given: usize) -> Result<(), Refusal> {
+pub(crate) fn joints_match(own: usize, given: usize) -> Result<(), RefusedCall> {
     let why = "the number of joints is not that of the controller";
-    if own == given { Ok(()) } else { Err(Refusal::new(Status::WrongJoints, why)) }
+    if own == given { Ok(()) } else { Err(RefusedCall::new(Status::WrongJoints, why)) }
 }
 
-pub(crate) fn room<T>(count: usize) -> Result<Vec<T>, Refusal> {
+pub(crate) fn room<T>(count: usize) -> Result<Vec<T>, RefusedCall> {
     let mut vec = Vec::new();
-    let short = |_| Refusal::new(Status::OutOfMemory, "there is no memory left");
+    let short = |_| RefusedCall::new(Status::OutOfMemory, "there is no memory left");
     vec.try_reserve_exact(count).map_err(short)?;
     Ok(vec)
 }

@@ -49,7 +49,7 @@ pub struct phihat_error {
 
 /// A refusal on its way to the border.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Refusal {
+pub(crate) struct RefusedCall {
     pub(crate) status: Status,
     pub(crate) joint: Option<usize>,
     member: Member,
@@ -68,7 +68,7 @@ enum Why {
 #[derive(Debug, Clone, Copy)]
 struct Member(&'static str, Option<usize>);
 
-impl Refusal {
+impl RefusedCall {
     pub(crate) fn new(status: Status, text: &'static str) -> Self {
         let (member, value) = (Member("", None), f64::NAN);
         Self { status, joint: None, member, value, why: Why::Text(text) }
@@ -125,7 +125,7 @@ impl Refusal {
             member: [0; 32],
             text: [0; 192],
         };
-        let mut text = Line::new(&mut error.text);
+        let mut text = MessageLine::new(&mut error.text);
         // A line that is too long is cut, which is no error here.
         let _ = match (self.joint, self.why) {
             (Some(joint), Why::Text(why)) => write!(text, "joint {joint}: {why}"),
@@ -135,7 +135,7 @@ impl Refusal {
             (Some(joint), Why::Gain(why)) => write!(text, "joint {joint}: {why}"),
             (None, Why::Gain(why)) => write!(text, "{why}"),
         };
-        let mut member = Line::new(&mut error.member);
+        let mut member = MessageLine::new(&mut error.member);
         let _ = match self.member {
             Member(name, Some(index)) => write!(member, "{name}[{index}]"),
             Member(name, None) => member.write_str(name),
@@ -186,18 +186,18 @@ fn named(gain: Gain) -> (&'static str, Option<usize>) {
 }
 
 /// Writes ASCII into a C string, cut to fit, always closed by a zero.
-struct Line<'a> {
+struct MessageLine<'a> {
     room: core::slice::IterMut<'a, c_char>,
 }
 
-impl<'a> Line<'a> {
+impl<'a> MessageLine<'a> {
     fn new(text: &'a mut [c_char]) -> Self {
         let room = text.split_last_mut().map_or(&mut [][..], |(_, room)| room);
         Self { room: room.iter_mut() }
     }
 }
 
-impl Write for Line<'_> {
+impl Write for MessageLine<'_> {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         for byte in text.bytes() {
             let Some(place) = self.room.next() else { return Err(fmt::Error) };

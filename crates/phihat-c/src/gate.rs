@@ -4,7 +4,7 @@ use phihat::{Command, Gate, Limits, Measurement, Outlet, Tank};
 
 use crate::border::{answer, present, structure};
 use crate::controller::{give, joints_match, room};
-use crate::error::{Refusal, Status, phihat_error};
+use crate::error::{RefusedCall, Status, phihat_error};
 use crate::types::phihat_command;
 
 /// A gate for an arm's torques, and room for one sample.
@@ -57,12 +57,12 @@ pub unsafe extern "C" fn phihat_gate_create(
 ) -> Status {
     let call = || {
         if gate.is_null() {
-            return Err(Refusal::new(Status::NullPointer, "the handle's pointer is null"));
+            return Err(RefusedCall::new(Status::NullPointer, "the handle's pointer is null"));
         }
         // SAFETY: the caller's.
         let of = unsafe { structure(limits) }?;
         if of.joints == 0 {
-            return Err(Refusal::new(Status::WrongJoints, "a gate has at least one joint"));
+            return Err(RefusedCall::new(Status::WrongJoints, "a gate has at least one joint"));
         }
         present([of.torque_max_nm, of.torque_rate_max_nm_s])?;
         let finite = |x: f64| (!(x.is_infinite() && x > 0.0)).then_some(x);
@@ -72,11 +72,11 @@ pub unsafe extern "C" fn phihat_gate_create(
             let (torque, rate) =
                 unsafe { (of.torque_max_nm.add(i).read(), of.torque_rate_max_nm_s.add(i).read()) };
             let limits = Limits::new(finite(torque), finite(rate), of.period_s);
-            outlets.push(Outlet::new(limits.map_err(|why| Refusal::gain(why).at(i))?));
+            outlets.push(Outlet::new(limits.map_err(|why| RefusedCall::gain(why).at(i))?));
         }
         let tank =
             finite(of.energy_max_j).map(|most| Tank::new(most, of.energy_window_s, of.period_s));
-        let tank = tank.transpose().map_err(Refusal::gain)?;
+        let tank = tank.transpose().map_err(RefusedCall::gain)?;
         let mut made = phihat_gate {
             gate: Gate::new(outlets, tank),
             measurements: room(of.joints)?,
@@ -177,8 +177,8 @@ pub unsafe extern "C" fn phihat_gate_release(
 /// # Safety
 ///
 /// Null, or a living handle that no other thread uses.
-unsafe fn handle<'a>(gate: *mut phihat_gate) -> Result<&'a mut phihat_gate, Refusal> {
+unsafe fn handle<'a>(gate: *mut phihat_gate) -> Result<&'a mut phihat_gate, RefusedCall> {
     // SAFETY: the caller's.
     let living = unsafe { gate.as_mut() };
-    living.ok_or_else(|| Refusal::new(Status::NullPointer, "the gate's handle is null"))
+    living.ok_or_else(|| RefusedCall::new(Status::NullPointer, "the gate's handle is null"))
 }

@@ -5,7 +5,7 @@ use core::mem::offset_of;
 use phihat::{JointOptions, JointRange, MotionLimits, Options};
 
 use crate::border::write_structure;
-use crate::error::{Refusal, Status};
+use crate::error::{RefusedCall, Status};
 
 /// Limits and monitors of one joint; phihat_guard_default() fills it with "nothing is judged".
 #[repr(C)]
@@ -187,7 +187,7 @@ impl phihat_supervision {
 }
 
 impl phihat_guard {
-    pub(crate) fn options(&self) -> Result<JointOptions<f64>, Refusal> {
+    pub(crate) fn options(&self) -> Result<JointOptions<f64>, RefusedCall> {
         let finite = |x: f64| (!is_none(x)).then_some(x);
         let range = match (is_none(-self.position_min_rad), is_none(self.position_max_rad)) {
             (true, true) => None,
@@ -199,7 +199,7 @@ impl phihat_guard {
             }),
             _ => {
                 let why = "position_min_rad and position_max_rad: one is infinite, the other not";
-                return Err(Refusal::new(Status::BadOption, why));
+                return Err(RefusedCall::new(Status::BadOption, why));
             }
         };
         let [velocity, acceleration, jerk] = [

@@ -10,7 +10,7 @@ use phihat::{
 
 use crate::border::{answer, element, present, structure, write_structure};
 use crate::controller::{copy_sample, give, joints_match, room};
-use crate::error::{Refusal, Status, phihat_error};
+use crate::error::{RefusedCall, Status, phihat_error};
 use crate::guard::{phihat_guard, phihat_supervision};
 use crate::laws::law;
 use crate::types::{phihat_command, phihat_joint, phihat_sample};
@@ -128,10 +128,10 @@ pub unsafe extern "C" fn phihat_supervisor_create(
 ) -> Status {
     let call = || {
         if supervisor.is_null() {
-            return Err(Refusal::new(Status::NullPointer, "the handle's pointer is null"));
+            return Err(RefusedCall::new(Status::NullPointer, "the handle's pointer is null"));
         }
         if count == 0 {
-            return Err(Refusal::new(Status::WrongJoints, "an arm has at least one joint"));
+            return Err(RefusedCall::new(Status::WrongJoints, "an arm has at least one joint"));
         }
         // SAFETY: the caller's.
         let options = unsafe { element(supervision, 0, phihat_supervision::OLDER) }?.options();
@@ -210,7 +210,7 @@ pub unsafe extern "C" fn phihat_supervisor_step(
         // SAFETY: null or a living handle.
         let living = unsafe { supervisor.as_mut() };
         let why = "the supervisor's handle is null";
-        let s = living.ok_or_else(|| Refusal::new(Status::NullPointer, why))?;
+        let s = living.ok_or_else(|| RefusedCall::new(Status::NullPointer, why))?;
         // SAFETY: the caller's.
         let (sample, request, to) = unsafe {
             let request = element(request, 0, phihat_request::OLDER)?;
@@ -222,7 +222,7 @@ pub unsafe extern "C" fn phihat_supervisor_step(
             PHIHAT_REQUEST_HOLD => ModeRequest::Hold,
             PHIHAT_REQUEST_TRACK => ModeRequest::Track,
             PHIHAT_REQUEST_STOP => ModeRequest::Stop,
-            _ => return Err(Refusal::new(Status::BadOption, "mode is no PHIHAT_REQUEST_...")),
+            _ => return Err(RefusedCall::new(Status::BadOption, "mode is no PHIHAT_REQUEST_...")),
         };
         present([to.tau.cast_const()])?;
         joints_match(s.rules.len(), to.joints)?;
@@ -359,8 +359,8 @@ fn denial_text(why: Denial) -> &'static core::ffi::CStr {
     }
 }
 
-fn refused(error: OptionError, joint: Option<usize>) -> Refusal {
-    Refusal::option(joint, error)
+fn refused(error: OptionError, joint: Option<usize>) -> RefusedCall {
+    RefusedCall::option(joint, error)
 }
 
 #[cfg(test)]

@@ -46,7 +46,7 @@ impl Shard {
 
 /// Division of the runs into chunks, and of the chunks among shards. No result depends on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Layout {
+pub struct ChunkLayout {
     /// All runs, of all shards.
     pub runs: u64,
     /// Runs of a chunk; the last one may have fewer.
@@ -55,7 +55,7 @@ pub struct Layout {
     pub shard: Shard,
 }
 
-impl Layout {
+impl ChunkLayout {
     /// Of so many runs: a thousand chunks or so, of eight runs at least where there are enough.
     pub fn new(runs: u64, shard: Shard) -> Self {
         let chunk =
@@ -251,7 +251,7 @@ impl RowFile {
 /// [`ChunksError`]: the disk does not take the rows; no further chunk is begun.
 pub fn run_chunks(
     (file, journal): (&mut RowFile, &mut Journal),
-    (plan, layout): (&str, &Layout),
+    (plan, layout): (&str, &ChunkLayout),
     threads: usize,
     work: &(impl Fn(Range<u64>) -> Vec<u8> + Sync),
     mut progress: impl FnMut(u64),
@@ -299,7 +299,7 @@ pub fn run_chunks(
 fn keep(
     file: &mut RowFile,
     journal: &mut Journal,
-    layout: &Layout,
+    layout: &ChunkLayout,
     group: &[(u64, Vec<u8>)],
     id: &impl Fn(u64) -> String,
 ) -> Result<(), ChunksError> {

@@ -55,14 +55,14 @@ pub enum JournalError {
 const SHOWN: usize = 10;
 
 #[derive(Serialize)]
-struct Written<'a> {
+struct JournalLine<'a> {
     id: &'a str,
     sum: String,
     entry: &'a RawValue,
 }
 
 #[derive(Deserialize)]
-struct Found {
+struct EntryOfId {
     id: String,
     sum: String,
     entry: Box<RawValue>,
@@ -211,7 +211,7 @@ impl Journal {
         for (id, entry) in runs {
             let refuse = |error| JournalError::Entry { id: id.to_owned(), error };
             let entry = serde_json::value::to_raw_value(entry).map_err(refuse)?;
-            let line = Written { id, sum: sum(id, entry.get()), entry: &entry };
+            let line = JournalLine { id, sum: sum(id, entry.get()), entry: &entry };
             serde_json::to_writer(&mut lines, &line).map_err(refuse)?;
             lines.push(b'\n');
             entries.push((id.to_owned(), entry.get().to_owned()));
@@ -254,7 +254,7 @@ fn io(path: &Path, what: &'static str, error: std::io::Error) -> JournalError {
 
 /// Id and entry of a line, if its checksum is right.
 fn read_line(line: &[u8]) -> Option<(String, String)> {
-    let found: Found = serde_json::from_slice(line).ok()?;
+    let found: EntryOfId = serde_json::from_slice(line).ok()?;
     let right = sum(&found.id, found.entry.get()) == found.sum;
     right.then(|| (found.id, found.entry.get().to_owned()))
 }

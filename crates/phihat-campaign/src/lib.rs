@@ -25,8 +25,8 @@ mod runner;
 pub mod statistics;
 pub mod sweep;
 
-pub use chunks::{ChunksError, Layout, RowFile, Shard, run_chunks};
+pub use chunks::{ChunkLayout, ChunksError, RowFile, Shard, run_chunks};
 pub use folder::{JOURNAL, results_of};
 pub use journal::{Journal, JournalError};
 pub use page::faults_page;
-pub use runner::{Ended, Progress, run_all};
+pub use runner::{Progress, RunEnded, run_all};

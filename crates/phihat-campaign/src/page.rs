@@ -1,6 +1,6 @@
 //! The page of a fault matrix: a heat map, and every run with the command that repeats it.
 
-use crate::faults::{Bar, End, FaultRecord, Miss, RunRecord, Summary};
+use crate::faults::{Bar, FaultRecord, FaultRunRecord, Miss, RequiredEnd, Summary};
 use maud::{Markup, html};
 
 use phihat_report::kit::MILLI;
@@ -115,7 +115,7 @@ fn level(fault: &FaultRecord, severity: usize) -> String {
 }
 
 fn cell(summary: &Summary, fault: &FaultRecord, severity: usize, at: (&str, usize)) -> Markup {
-    let of = |run: &&RunRecord| {
+    let of = |run: &&FaultRunRecord| {
         run.fault == fault.name && run.severity == severity && (run.arm.as_str(), run.order) == at
     };
     let runs: Vec<_> = summary.runs.iter().filter(of).collect();
@@ -180,9 +180,9 @@ fn runs(summary: &Summary, fault: &FaultRecord, command: &str) -> Markup {
     } }
 }
 
-fn row(run: &RunRecord, command: &str) -> Markup {
+fn row(run: &FaultRunRecord, command: &str) -> Markup {
     let missed: Vec<_> = run.missed.iter().map(|miss| miss.words()).collect();
-    let show = |value: fn(&crate::faults::Cell) -> f64| {
+    let show = |value: fn(&crate::faults::FaultCell) -> f64| {
         run.cell().map_or("–".to_owned(), |cell| number(value(cell)))
     };
     // Where it is not that of the heading.
@@ -200,7 +200,7 @@ fn row(run: &RunRecord, command: &str) -> Markup {
         td.outside[!missed.is_empty()] {
             @if missed.is_empty() { "kept" } @else { (missed.join(", ")) }
             @if let Some(why) = run.cell().and_then(|cell| cell.refused.as_deref()) { " " (line(why)) }
-            @if let crate::Ended::Panicked(why) = &run.ended { " " (line(why)) }
+            @if let crate::RunEnded::Panicked(why) = &run.ended { " " (line(why)) }
         }
         td { code { (line(command)) " --only " (line(&run.name)) " --trace" } }
     } }
@@ -221,9 +221,9 @@ fn levels(fault: &FaultRecord) -> String {
 fn bars(fault: &FaultRecord) -> String {
     let bar = |bar: &Bar| {
         let end = match bar.end {
-            End::Following => "goes on",
-            End::Stopped => "stops",
-            End::Either => "goes on or stops",
+            RequiredEnd::Following => "goes on",
+            RequiredEnd::Stopped => "stops",
+            RequiredEnd::Either => "goes on or stops",
         };
         let excursion =
             bar.excursion_rad.map(|most| format!(", within {} mrad (mm)", stated(MILLI * most)));

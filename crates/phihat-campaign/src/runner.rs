@@ -14,7 +14,7 @@ use crate::journal::{Journal, JournalError};
 /// Result of one run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Ended<E> {
+pub enum RunEnded<E> {
     /// It ran to its end.
     With(E),
     /// It panicked, saying this. A panic is a fault of this program.
@@ -48,7 +48,7 @@ pub fn run_all<E>(
     threads: usize,
     work: &(impl Fn(usize) -> E + Sync),
     mut progress: impl FnMut(Progress),
-) -> Result<Vec<Ended<E>>, JournalError>
+) -> Result<Vec<RunEnded<E>>, JournalError>
 where
     E: Serialize + DeserializeOwned + Send,
 {
@@ -101,18 +101,18 @@ pub(crate) fn group<T>(receiver: &mpsc::Receiver<T>) -> Option<Vec<T>> {
 }
 
 /// A run's record; `None` when there is none, or it has another shape.
-fn read<E: DeserializeOwned>(journal: &Journal, id: &str) -> Option<Ended<E>> {
+fn read<E: DeserializeOwned>(journal: &Journal, id: &str) -> Option<RunEnded<E>> {
     serde_json::from_str(journal.entry(id)?).ok()
 }
 
-pub(crate) fn attempt<E>(work: &(impl Fn(usize) -> E + Sync), place: usize) -> Ended<E> {
+pub(crate) fn attempt<E>(work: &(impl Fn(usize) -> E + Sync), place: usize) -> RunEnded<E> {
     // What a panicking run leaves half-done is its own and goes with it.
     match catch_unwind(AssertUnwindSafe(|| work(place))) {
-        Ok(entry) => Ended::With(entry),
+        Ok(entry) => RunEnded::With(entry),
         Err(cause) => {
             let text = cause.downcast_ref::<String>().map(String::as_str);
             let text = text.or_else(|| cause.downcast_ref::<&str>().copied());
-            Ended::Panicked(text.unwrap_or("a panic without words").to_owned())
+            RunEnded::Panicked(text.unwrap_or("a panic without words").to_owned())
         }
     }
 }

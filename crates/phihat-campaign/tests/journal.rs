@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use phihat_campaign::{Ended, Journal, JournalError, run_all};
+use phihat_campaign::{Journal, JournalError, RunEnded, run_all};
 
 fn file(name: &str) -> PathBuf {
     let folder =
@@ -24,7 +24,7 @@ fn work(i: usize) -> Vec<f64> {
     (0..5).map(|k| ((i * 31 + k) as f64).sqrt() / 3.0).collect()
 }
 
-fn answer(path: &Path, threads: usize) -> Vec<Ended<Vec<f64>>> {
+fn answer(path: &Path, threads: usize) -> Vec<RunEnded<Vec<f64>>> {
     run_all(&ids(40), &mut Journal::open(path).unwrap(), threads, &work, |_| ()).unwrap()
 }
 
@@ -32,8 +32,8 @@ fn answer(path: &Path, threads: usize) -> Vec<Ended<Vec<f64>>> {
 fn records_are_in_order_and_the_same_for_any_number_of_threads() {
     let one = answer(&file("one"), 1);
     assert_eq!(one.len(), 40);
-    assert_eq!(one[3], Ended::With(work(3)));
-    assert_eq!(one[7], Ended::Panicked("seven is unlucky".to_owned()));
+    assert_eq!(one[3], RunEnded::With(work(3)));
+    assert_eq!(one[7], RunEnded::Panicked("seven is unlucky".to_owned()));
     for threads in [2, 8, 100] {
         assert_eq!(answer(&file(&format!("threads-{threads}")), threads), one);
     }
@@ -135,7 +135,7 @@ fn ids_are_compared_in_no_time_and_short_runs_share_their_way_to_the_disk() {
     };
     let ended = run_all(&twice, &mut Journal::open(&path).unwrap(), 2, &work, |_| ()).unwrap();
     assert_eq!(done.into_inner(), count / 2);
-    assert!(ended.iter().enumerate().all(|(i, ended)| *ended == Ended::With(i / 2)));
+    assert!(ended.iter().enumerate().all(|(i, ended)| *ended == RunEnded::With(i / 2)));
 }
 
 #[test]

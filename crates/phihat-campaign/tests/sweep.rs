@@ -6,11 +6,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use phihat_campaign::sweep::{Plan, SweepAnswer, SweepError, SweepOptions, merge};
+use phihat_campaign::sweep::{SweepAnswer, SweepError, SweepOptions, SweepPlan, merge};
 use phihat_session::{Dice, Session};
 use phihat_sim::Metrics;
 
-const STUDY: &str = "duration_s = 0.3\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 0.1\nerror_max_rad = 2e-3\n\
+const STUDY: &str = "duration_s = 0.3\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 0.1\nerror_bound_rad = 2e-3\n\
     [gains]\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = [0.42, 0.18, 0.14]\n\
     [loop]\ndelay_samples = 1\n[sensor]\nencoder_bits = 16\nvelocity = \"differenced\"\n\
     [world]\npayload = { mass_kg = 0.3 }\n\
@@ -164,7 +164,7 @@ fn a_row_is_the_run_of_its_written_study_to_the_last_bit() {
     let place = folder("repeated");
     let options = options(&place, 40);
     let vary = VARY.map(str::to_owned);
-    let plan = Plan::new((&options.study, None), &vary, (5, 40), true).unwrap();
+    let plan = SweepPlan::new((&options.study, None), &vary, (5, 40), true).unwrap();
     let (mut ended, mut kept) = (0, 0);
     let (columns, together) = (plan.columns(), plan.chunk(0..40));
     for run in 0..40 {

@@ -117,9 +117,9 @@ pub(crate) const UNCOUPLED: &str =
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorBound {
     /// `|e|` \[rad\].
-    pub error_rad: f64,
+    pub error_bound_rad: f64,
     /// `|ė|` \[rad/s\].
-    pub velocity_error_rad_s: f64,
+    pub velocity_error_bound_rad_s: f64,
 }
 
 impl JointCertificate {
@@ -207,17 +207,17 @@ impl Certificate {
     pub fn error_bound(&self, joint: usize) -> Option<ErrorBound> {
         if let Some(tube) = &self.tube {
             let own = tube.joints.get(joint)?;
-            let (error_rad, velocity_error_rad_s) =
-                (own.error_max_rad, own.velocity_error_max_rad_s);
-            return Some(ErrorBound { error_rad, velocity_error_rad_s });
+            let (error_bound_rad, velocity_error_bound_rad_s) =
+                (own.error_bound_rad, own.velocity_error_bound_rad_s);
+            return Some(ErrorBound { error_bound_rad, velocity_error_bound_rad_s });
         }
         if let Some(class) = &self.class {
-            let error_rad = *class.error_rad.get(joint)?;
-            let velocity_error_rad_s = *class.velocity_error_rad_s.get(joint)?;
-            return Some(ErrorBound { error_rad, velocity_error_rad_s });
+            let error_bound_rad = *class.error_bound_rad.get(joint)?;
+            let velocity_error_bound_rad_s = *class.velocity_error_bound_rad_s.get(joint)?;
+            return Some(ErrorBound { error_bound_rad, velocity_error_bound_rad_s });
         }
-        let Bounds { error_rad, velocity_error_rad_s, .. } = *self.own_bounds(joint)?;
-        Some(ErrorBound { error_rad, velocity_error_rad_s })
+        let Bounds { error_bound_rad, velocity_error_bound_rad_s, .. } = *self.own_bounds(joint)?;
+        Some(ErrorBound { error_bound_rad, velocity_error_bound_rad_s })
     }
 
     /// The first claim that the certificate itself says does not hold.

@@ -11,7 +11,7 @@ pub struct CoarserEncoder {
     /// Number of bits that each encoder has less.
     pub bits_fewer: u32,
     /// Largest |e| of each joint from the settling time on \[rad\]; empty: there is no tube.
-    pub error_max_rad: Vec<f64>,
+    pub error_bound_rad: Vec<f64>,
     /// Largest change of each joint's torque from one sample to the next \[N·m\]; empty: there is no tube.
     pub torque_step_max_nm: Vec<f64>,
     /// True if no limit of torque rate can act, so that the errors hold with the study's limits too.

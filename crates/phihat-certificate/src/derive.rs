@@ -10,7 +10,7 @@ use crate::loaded::loaded;
 use crate::refutation::refuse;
 use crate::{
     ArmBasis, ArmInertia, Certificate, Gains, JointCertificate, LoopModel, Matrix, NotCounted,
-    PhiBasis, Refutation, Statement, TorqueNoise, Witness,
+    PhiBasis, Refutation, TorqueNoise, VerifiedStatement, Witness,
 };
 
 const CLAIM: &str = "study";
@@ -35,10 +35,14 @@ impl Certificate {
     /// # Errors
     ///
     /// [`Refutation`]: the study says otherwise; both values are named.
-    pub fn derive(&self, gains: &Gains, study: &Study) -> Result<Vec<Statement>, Refutation> {
+    pub fn derive(
+        &self,
+        gains: &Gains,
+        study: &Study,
+    ) -> Result<Vec<VerifiedStatement>, Refutation> {
         let mut told = Vec::new();
         let mut say = |what: &str, value: String| {
-            told.push(Statement { joint: None, what: what.to_owned(), value });
+            told.push(VerifiedStatement { joint: None, what: what.to_owned(), value });
         };
         text("study_sha256", &gains.study_sha256, &study.sha256)?;
         text("study", &gains.study, &study.name)?;

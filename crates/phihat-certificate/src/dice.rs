@@ -1,9 +1,9 @@
 //! Numbers for tests that look random and are the same in every run.
 
 /// A linear congruential generator.
-pub(crate) struct Dice(pub(crate) u64);
+pub(crate) struct CheckDice(pub(crate) u64);
 
-impl Dice {
+impl CheckDice {
     /// A number in [−1, 1].
     pub(crate) fn roll(&mut self) -> f64 {
         self.0 =

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::check::decay::{Decay, Output};
 use crate::check::linear;
 use crate::check::plausible::{self, at_most, enough};
-use crate::check::response::{Response, on_circle};
+use crate::check::response::{CheckedResponse, on_circle};
 use crate::check::sample::{Loop, Outside, Signals};
 use crate::{JointRecord, LoopModel, Refutation};
 
@@ -74,7 +74,7 @@ impl TorqueNoise {
         at_most(CLAIM, "0 < quantum", f64::MIN_POSITIVE, self.quantum_rad)?;
         at_most(CLAIM, "quantum < ∞", self.quantum_rad, f64::MAX)?;
         let unit = gains.inertia_kg_m2 * self.quantum_rad;
-        let response = Response::of(&linear::joint(CLAIM, gains, model)?);
+        let response = CheckedResponse::of(&linear::joint(CLAIM, gains, model)?);
         for mu in &self.mu {
             let of = Loop::new(gains, model, *mu);
             let misread = Outside { reading: 1.0, ..Outside::default() };
@@ -101,7 +101,7 @@ impl TorqueNoise {
 
 /// Means of `|H|²` and `|(1 − 1/z)H|²`, `H` from a misreading to the torque over `M̄`, over at least `least` even
 /// points of the circle.
-fn spectrum(response: &Response, (mu, inertia): (f64, f64), least: f64) -> (f64, f64) {
+fn spectrum(response: &CheckedResponse, (mu, inertia): (f64, f64), least: f64) -> (f64, f64) {
     let half = (0.5 * least).ceil().max(2.0);
     let (mut size, mut change) = (0.0, 0.0);
     for k in (0..u32::MAX).map(f64::from).take_while(|k| *k <= half) {

@@ -35,7 +35,7 @@ pub enum Optimality {
     /// The weights exist; here they are.
     Certified(Certified),
     /// The weights do not exist; this is the condition in the way.
-    Refuted(Refused),
+    Refuted(LevelRefused),
 }
 
 /// The evidence of inverse optimality.
@@ -57,7 +57,7 @@ pub struct Certified {
 /// Why there is no certificate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Refused {
+pub struct LevelRefused {
     /// `K̃` at which it was asked for \[1/s\].
     pub k_tilde: f64,
     /// The paper's name of the condition (A1 … A3, B1, B2), or `Q33` and so on for higher orders.
@@ -68,7 +68,7 @@ pub struct Refused {
     pub value: f64,
 }
 
-impl fmt::Display for Refused {
+impl fmt::Display for LevelRefused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "refused on {} with {} = {:.4}", self.condition, self.quantity, self.value)
     }
@@ -162,7 +162,7 @@ impl Certified {
     }
 }
 
-impl Refused {
+impl LevelRefused {
     /// The quantity that is named must be what it is said to be, not positive, and the condition one of the
     /// paper's that fails, or the quantity's own name.
     fn verify(&self, law: &UnitLaw) -> Result<(), Refutation> {

@@ -63,7 +63,7 @@ impl SampledPeaks {
         plausible::model(CLAIM, gains, model)?;
         plausible::ratios(CLAIM, &self.mu)?;
         for mu in &self.mu {
-            let found = Found::of(&Loop::new(gains, model, *mu))?;
+            let found = PeaksOfRatio::of(&Loop::new(gains, model, *mu))?;
             for (i, name) in ["∫e", "e", "ė"].into_iter().enumerate() {
                 let check = |what: &str, found: f64, claimed: Option<f64>| {
                     let inequality = format!("‖{name} ← {what}‖₁ ≤ claimed");
@@ -79,13 +79,13 @@ impl SampledPeaks {
 }
 
 /// The gains at one ratio; infinite where there is none.
-struct Found {
+struct PeaksOfRatio {
     jump: [f64; 3],
     ramp: [f64; 3],
     bend: [f64; 3],
 }
 
-impl Found {
+impl PeaksOfRatio {
     fn of(of: &Loop) -> Result<Self, Refutation> {
         let decay = Decay::of(CLAIM, of)?;
         let (t, mu) = (of.period, of.mu);

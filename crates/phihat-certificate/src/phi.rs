@@ -19,13 +19,13 @@ pub struct Phi {
     /// Bounds on the reference, whose motion costs an error of its own; `None`: not known, and not in the
     /// bounds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub motion: Option<Motion>,
+    pub motion: Option<ReferenceBounds>,
 }
 
 /// Bounds on one joint's reference.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Motion {
+pub struct ReferenceBounds {
     /// Largest |q̇_d| \[rad/s\].
     #[serde(default)]
     pub velocity_rad_s: f64,
@@ -35,7 +35,7 @@ pub struct Motion {
     pub jerk_rad_s3: f64,
 }
 
-impl Motion {
+impl ReferenceBounds {
     /// Error that the motion causes, through gains from acceleration and jerk.
     pub fn costs(&self, acceleration: f64, jerk: Option<f64>) -> f64 {
         let held = acceleration * self.acceleration_rad_s2;

@@ -3,7 +3,7 @@
 use phihat::Form;
 use serde::{Deserialize, Serialize};
 
-use crate::check::decay::{Decay, Layout, Output};
+use crate::check::decay::{Decay, Output, SignalLayout};
 use crate::check::integral::of_parabola;
 use crate::check::plausible::{self, enough};
 use crate::check::sample::{Loop, Outside, Signals};
@@ -139,7 +139,7 @@ fn jerk(
     decay: &Decay,
     (lasting, output): (&Outside, Output),
 ) -> Result<f64, Refutation> {
-    let follows = Layout::of(of).fixed_point(of, lasting);
+    let follows = SignalLayout::of(of).fixed_point(of, lasting);
     let off = if output == Output::Error { follows.q } else { follows.v };
     if off.is_nan() || off.abs() > NONE {
         return Err(refuse(CLAIM, "a lasting acceleration leaves no error", off.abs(), NONE));

@@ -3,7 +3,7 @@
 use phihat_model::{JointKind, Workspace};
 use phihat_study::Study;
 
-use crate::tube::Reference;
+use crate::tube::TubeReference;
 use crate::{Refutation, Tube, TubeTip};
 
 const CLAIM: &str = "tube of the tip";
@@ -24,7 +24,7 @@ impl TubeTip {
     pub fn is_of(
         &self,
         study: &Study,
-        reference: &Reference,
+        reference: &TubeReference,
         tube: &Tube,
     ) -> Result<(), Refutation> {
         let robot = &study.robot;

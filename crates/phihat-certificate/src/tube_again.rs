@@ -4,8 +4,8 @@ use phihat_study::{Spec, Study};
 use serde::Serialize;
 
 use crate::check::agree::agrees;
-use crate::tube::{self, Inputs, JointBeside, Reference, TubeRefusal};
-use crate::{Certificate, Gains, PayloadSet, Refutation, Tube};
+use crate::tube::{self, JointBeside, TubeInputs, TubeReference, TubeRefusal};
+use crate::{Certificate, Gains, Refutation, Tube, TubePayloadSet};
 
 const CLAIM: &str = "tube";
 
@@ -38,7 +38,7 @@ impl Certificate {
     pub fn derive_tube(
         &self,
         gains: &Gains,
-        (study, reference): (&Study, &Reference),
+        (study, reference): (&Study, &TubeReference),
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Option<TubeAgain>, Refutation> {
         let Some(claimed) = &self.tube else { return Ok(None) };
@@ -62,12 +62,12 @@ impl Certificate {
     pub fn tube_again(
         &self,
         gains: &Gains,
-        (study, reference): (&Study, &Reference),
+        (study, reference): (&Study, &TubeReference),
         progress: &(dyn Fn(f64) + Sync),
     ) -> Option<Result<Tube, TubeRefusal>> {
         let claimed = self.tube.as_ref()?;
         let (low, high) = &study.design.coulomb;
-        let inputs = Inputs {
+        let inputs = TubeInputs {
             study,
             joints: &gains.joints,
             velocity_filter_hz: self.joints.first().and_then(|j| j.model.velocity_filter_hz),
@@ -86,7 +86,7 @@ impl Certificate {
     /// # Errors
     ///
     /// The first [`Refutation`].
-    pub fn tip_is_of(&self, study: &Study, reference: &Reference) -> Result<(), Refutation> {
+    pub fn tip_is_of(&self, study: &Study, reference: &TubeReference) -> Result<(), Refutation> {
         let Some(tube) = &self.tube else { return Ok(()) };
         tube.tip.as_ref().map_or(Ok(()), |tip| tip.is_of(study, reference, tube))
     }
@@ -99,7 +99,7 @@ impl Certificate {
     pub fn tube_is_of(&self, study: &Study) -> Result<(), Refutation> {
         let Some(claimed) = &self.tube else { return Ok(()) };
         let same = |what: &str, truth| Refutation::unless(CLAIM, what, 0.0, 1.0, truth);
-        let payload = PayloadSet::from(&study.design.payload);
+        let payload = TubePayloadSet::from(&study.design.payload);
         same("payloads are the study's", claimed.payload == payload)?;
         let levels = claimed.coulomb_nm == study.design.coulomb;
         same("levels of dry friction are the study's", levels)?;
@@ -124,12 +124,12 @@ fn first_only(spec: &Spec, claimed: &Tube, own: &Tube) -> Vec<String> {
         let bins = joint.error_low_rad.iter().zip(&joint.error_high_rad);
         bins.map(|(low, high)| tube.bin_s * low.abs().max(high.abs())).sum()
     };
-    let clauses: [Clause<'_>; 3] = [
-        ("spec.error_max_rad", &spec.error_bound, &|tube, i| tube.joints[i].error_max_rad),
-        ("spec.velocity_error_max_rad_s", &spec.velocity_error_max, &|tube, i| {
-            tube.joints[i].velocity_error_max_rad_s
+    let clauses: [BoundClause<'_>; 3] = [
+        ("spec.error_bound_rad", &spec.error_bound, &|tube, i| tube.joints[i].error_bound_rad),
+        ("spec.velocity_error_bound_rad_s", &spec.velocity_error_bound, &|tube, i| {
+            tube.joints[i].velocity_error_bound_rad_s
         }),
-        ("spec.error_integral_max_rad_s", &spec.error_integral_max, &integral),
+        ("spec.error_integral_bound_rad_s", &spec.error_integral_bound, &integral),
     ];
     let mut list = Vec::new();
     for (key, limits, of) in clauses {
@@ -145,25 +145,25 @@ fn first_only(spec: &Spec, claimed: &Tube, own: &Tube) -> Vec<String> {
 }
 
 /// Key of a clause, its limits, and what a tube says of a joint.
-type Clause<'a> = (&'static str, &'a Option<Vec<f64>>, &'a dyn Fn(&Tube, usize) -> f64);
+type BoundClause<'a> = (&'static str, &'a Option<Vec<f64>>, &'a dyn Fn(&Tube, usize) -> f64);
 
 #[cfg(test)]
 mod tests {
     use phihat_study::Spec;
 
     use super::{Tube, first_only};
-    use crate::{PayloadSet, TubeJoint};
+    use crate::{TubeJoint, TubePayloadSet};
 
     /// One joint, ten bins of 0.1 s, at this error throughout.
-    fn tube(error_rad: f64) -> Tube {
+    fn tube(error_bound_rad: f64) -> Tube {
         let joint = TubeJoint {
             name: "joint1".to_owned(),
-            error_low_rad: vec![-0.5 * error_rad; 10],
-            error_high_rad: vec![error_rad; 10],
+            error_low_rad: vec![-0.5 * error_bound_rad; 10],
+            error_high_rad: vec![error_bound_rad; 10],
             velocity_low_rad_s: vec![0.0; 10],
             velocity_high_rad_s: vec![0.0; 10],
-            error_max_rad: error_rad,
-            velocity_error_max_rad_s: 0.0,
+            error_bound_rad,
+            velocity_error_bound_rad_s: 0.0,
             torque_max_nm: 1.0,
             torque_step_nm: vec![1.0; 10],
             torque_step_max_nm: 1.0,
@@ -175,7 +175,7 @@ mod tests {
             duration_s: 1.0,
             settle_s: 0.0,
             slices: 1,
-            payload: PayloadSet { frame, mass_kg: (0.0, 0.0), com_m, gyration_m: 0.0 },
+            payload: TubePayloadSet { frame, mass_kg: (0.0, 0.0), com_m, gyration_m: 0.0 },
             coulomb_nm: (vec![0.0], vec![0.0]),
             quantum_rad: vec![0.0],
             joints: vec![joint],
@@ -188,9 +188,9 @@ mod tests {
     fn a_clause_rests_on_the_first_tube_where_that_alone_keeps_it() {
         let spec = Spec {
             error_bound: Some(vec![2.0]),
-            velocity_error_max: None,
-            error_integral_max: Some(vec![2.5]),
-            tip_error_max: None,
+            velocity_error_bound: None,
+            error_integral_bound: Some(vec![2.5]),
+            tip_error_bound: None,
             settle: 0.0,
             settle_stated: true,
         };

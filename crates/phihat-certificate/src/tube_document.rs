@@ -30,7 +30,7 @@ pub struct Tube {
     /// Into how many slices, of mass and of where its centre is, the payloads were divided.
     pub slices: u32,
     /// The payloads.
-    pub payload: PayloadSet,
+    pub payload: TubePayloadSet,
     /// Lowest and highest level of dry friction \[N·m\] per joint.
     pub coulomb_nm: (Vec<f64>, Vec<f64>),
     /// Quantum of the position \[rad\] per joint; 0: exact.
@@ -47,7 +47,7 @@ pub struct Tube {
 /// Bodies of which one is welded to a frame of the arm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct PayloadSet {
+pub struct TubePayloadSet {
     /// Frame (link) name.
     pub frame: String,
     /// Smallest and largest mass \[kg\].
@@ -58,7 +58,7 @@ pub struct PayloadSet {
     pub gyration_m: f64,
 }
 
-impl From<&phihat_study::PayloadSet> for PayloadSet {
+impl From<&phihat_study::PayloadSet> for TubePayloadSet {
     fn from(set: &phihat_study::PayloadSet) -> Self {
         Self {
             frame: set.frame.clone(),
@@ -84,9 +84,9 @@ pub struct TubeJoint {
     /// Largest `ė` \[rad/s\].
     pub velocity_high_rad_s: Vec<f64>,
     /// Largest |e| of the bins from `settle_s` on \[rad\].
-    pub error_max_rad: f64,
+    pub error_bound_rad: f64,
     /// Largest |ė| of the bins from `settle_s` on \[rad/s\].
-    pub velocity_error_max_rad_s: f64,
+    pub velocity_error_bound_rad_s: f64,
     /// Largest commanded torque of the whole run \[N·m\].
     pub torque_max_nm: f64,
     /// Largest change of the commanded torque from one sample to the next \[N·m\], per bin.
@@ -111,8 +111,8 @@ impl Tube {
         };
         self.settle_s = settle_s;
         for joint in &mut self.joints {
-            joint.error_max_rad = largest(&joint.error_low_rad, &joint.error_high_rad);
-            joint.velocity_error_max_rad_s =
+            joint.error_bound_rad = largest(&joint.error_low_rad, &joint.error_high_rad);
+            joint.velocity_error_bound_rad_s =
                 largest(&joint.velocity_low_rad_s, &joint.velocity_high_rad_s);
             let steps = joint.torque_step_nm.iter().copied();
             joint.torque_step_steady_max_nm = steps.clone().skip(first).largest();
@@ -120,7 +120,7 @@ impl Tube {
         }
         let off: Vec<_> = (first..bins).filter_map(|bin| self.tip_in_bin(bin)).collect();
         if let Some(tip) = &mut self.tip {
-            tip.error_max_m = off.iter().map(|(off, _)| *off).largest();
+            tip.error_bound_m = off.iter().map(|(off, _)| *off).largest();
             tip.angle_max_rad = off.iter().map(|(_, turned)| *turned).largest();
         }
         self

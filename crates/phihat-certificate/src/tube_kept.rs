@@ -35,13 +35,13 @@ pub struct JointKept {
     /// Joint name.
     pub name: String,
     /// Largest |e| from the tube's `settle_s` on \[rad\].
-    pub error_max_rad: f64,
+    pub error_peak_rad: f64,
     /// Largest |e| that the tube allows there \[rad\].
-    pub error_tube_rad: f64,
+    pub error_bound_rad: f64,
     /// Largest |ė| there \[rad/s\].
-    pub velocity_error_max_rad_s: f64,
+    pub velocity_error_peak_rad_s: f64,
     /// Largest |ė| that the tube allows there \[rad/s\].
-    pub velocity_error_tube_rad_s: f64,
+    pub velocity_error_bound_rad_s: f64,
     /// Smallest distance of any sample from the edge of the tube \[rad\]; negative outside.
     pub room_rad: f64,
 }
@@ -102,13 +102,13 @@ impl Tube {
 
     /// To hold a run whose record comes in blocks against the tube; `None`: not as many joints.
     pub fn watch(&self, joints: usize) -> Option<TubeWatch> {
-        let watched = |joint: &TubeJoint| Watched {
+        let watched = |joint: &TubeJoint| WatchedSamples {
             kept: JointKept {
                 name: joint.name.clone(),
-                error_max_rad: 0.0,
-                error_tube_rad: joint.error_max_rad,
-                velocity_error_max_rad_s: 0.0,
-                velocity_error_tube_rad_s: joint.velocity_error_max_rad_s,
+                error_peak_rad: 0.0,
+                error_bound_rad: joint.error_bound_rad,
+                velocity_error_peak_rad_s: 0.0,
+                velocity_error_bound_rad_s: joint.velocity_error_bound_rad_s,
                 room_rad: f64::INFINITY,
             },
             left: None,
@@ -123,11 +123,11 @@ impl Tube {
 /// Comparison of a run with its tube, up to the last block.
 #[derive(Debug, Clone)]
 pub struct TubeWatch {
-    joints: Vec<Watched>,
+    joints: Vec<WatchedSamples>,
 }
 
 #[derive(Debug, Clone)]
-struct Watched {
+struct WatchedSamples {
     kept: JointKept,
     /// The first sample that is outside.
     left: Option<Left>,
@@ -141,7 +141,7 @@ impl TubeWatch {
     pub fn block(&mut self, tube: &Tube, t_ns: &[u64], runs: &[JointRun<'_>]) {
         let bins: Vec<usize> = t_ns.iter().map(|t| tube.bin_of(*t)).collect();
         let claimed = bins.partition_point(|bin| *bin < tube.bins());
-        let part = Part { tube, t_ns: &t_ns[..claimed], bins: &bins[..claimed] };
+        let part = ClaimedPart { tube, t_ns: &t_ns[..claimed], bins: &bins[..claimed] };
         for ((watched, joint), run) in self.joints.iter_mut().zip(&tube.joints).zip(runs) {
             part.measure(joint, run, &mut watched.kept);
             if watched.left.is_none() {
@@ -155,14 +155,14 @@ impl TubeWatch {
     /// The run beside its tube, after its last block. A limit that acted though none can is the last to be told: it has
     /// no moment.
     pub fn kept(self, tube: &Tube) -> TubeKept {
-        let limited = |watched: &Watched| Left {
+        let limited = |watched: &WatchedSamples| Left {
             joint: watched.kept.name.clone(),
             quantity: Quantity::LimitedSamples,
             t_s: tube.duration_s,
             value: watched.limited_samples as f64,
             bound: 0.0,
         };
-        let left = |watched: &Watched| {
+        let left = |watched: &WatchedSamples| {
             let acted = tube.limits_silent && watched.limited_samples > 0;
             watched.left.clone().or_else(|| acted.then(|| limited(watched)))
         };
@@ -176,13 +176,13 @@ impl TubeWatch {
 }
 
 /// The claimed part of some samples.
-struct Part<'a> {
+struct ClaimedPart<'a> {
     tube: &'a Tube,
     t_ns: &'a [u64],
     bins: &'a [usize],
 }
 
-impl Part<'_> {
+impl ClaimedPart<'_> {
     fn measure(&self, joint: &TubeJoint, run: &JointRun<'_>, kept: &mut JointKept) {
         let settle_ns = self.tube.settle_s * 1e9;
         let from = self.t_ns.partition_point(|t| (*t as f64) < settle_ns);
@@ -191,8 +191,8 @@ impl Part<'_> {
             let sizes = values.get(from..to).unwrap_or(&[]).iter().map(|value| value.abs());
             sizes.largest()
         };
-        kept.error_max_rad = larger(kept.error_max_rad, steady(run.e));
-        kept.velocity_error_max_rad_s = larger(kept.velocity_error_max_rad_s, steady(run.de));
+        kept.error_peak_rad = larger(kept.error_peak_rad, steady(run.e));
+        kept.velocity_error_peak_rad_s = larger(kept.velocity_error_peak_rad_s, steady(run.de));
         let room = |(bin, e): (&usize, &f64)| {
             (joint.error_high_rad[*bin] - e).min(e - joint.error_low_rad[*bin])
         };

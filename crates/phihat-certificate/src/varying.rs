@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::check::decay::Layout;
+use crate::check::decay::SignalLayout;
 use crate::check::definite::definite;
 use crate::check::plausible::{self, at_most};
 use crate::check::sample::Loop;
@@ -128,7 +128,7 @@ impl SampledVarying {
         range(CLAIM, (self.low, self.high))?;
         for (end, mu) in [("low", self.low), ("high", self.high)] {
             let of = Loop::new(gains, model, mu);
-            let layout = Layout::of(&of);
+            let layout = SignalLayout::of(&of);
             square(CLAIM, &self.p, layout.len())?;
             definite(CLAIM, "P ≻ 0", &self.p)?;
             let a = layout.matrix(&of);

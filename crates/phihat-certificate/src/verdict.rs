@@ -35,10 +35,10 @@ pub struct CheckedBound {
     /// Joint name.
     pub joint: String,
     /// Bound on `|e|` \[rad\]: the file's, or the wider one of a second derivation.
-    pub bound_rad: f64,
+    pub error_bound_rad: f64,
     /// Bound in the file \[rad\].
     pub claimed_rad: f64,
-    /// Standing of `bound_rad`.
+    /// Standing of `error_bound_rad`.
     pub verdict: Verdict,
     /// Basis of the bound, in words.
     pub basis: String,
@@ -59,8 +59,8 @@ impl Certificate {
         let joints = gains.joints.iter().enumerate();
         joints
             .filter_map(|(i, record)| {
-                let claimed_rad = self.error_bound(i)?.error_rad;
-                let (bound_rad, verdict, basis) = match (&self.tube, &self.class) {
+                let claimed_rad = self.error_bound(i)?.error_bound_rad;
+                let (error_bound_rad, verdict, basis) = match (&self.tube, &self.class) {
                     (Some(_), _) => tube_bound(claimed_rad, i, tube),
                     (None, Some(_)) => class_bound(claimed_rad, i, class),
                     (None, None) => {
@@ -69,7 +69,7 @@ impl Certificate {
                 };
                 Some(CheckedBound {
                     joint: record.name.clone(),
-                    bound_rad,
+                    error_bound_rad,
                     claimed_rad,
                     verdict,
                     basis,
@@ -92,7 +92,7 @@ fn tube_bound(claimed: f64, joint: usize, again: Option<&TubeAgain>) -> Standing
     if let Some(why) = &again.on_trust {
         return once(claimed, &format!("the tube could not be derived a second time, {why}"));
     }
-    match again.joints.get(joint).map(|own| own.derived_error_max_rad) {
+    match again.joints.get(joint).map(|own| own.derived_error_bound_rad) {
         Some(derived) if derived.is_finite() => {
             (larger(claimed, derived), Verdict::DerivedTwice, "the wider of two derivations".into())
         }

@@ -10,7 +10,7 @@ use crate::{
 
 /// One line of a checked certificate.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Statement {
+pub struct VerifiedStatement {
     /// The joint it is about; `None`: every joint, or the whole arm.
     pub joint: Option<String>,
     /// Name of the quantity or property, in words.
@@ -30,15 +30,15 @@ pub struct Verified {
     /// Standing of the bounds on the errors, and of the specification: the weakest of all.
     pub verdict: Verdict,
     /// Claims that exact arithmetic shows from the file.
-    pub proved: Vec<Statement>,
+    pub proved: Vec<VerifiedStatement>,
     /// Claims that the file states and the check derives again from the file, both in double precision.
-    pub derived_twice: Vec<Statement>,
+    pub derived_twice: Vec<VerifiedStatement>,
     /// Bound on the error of each joint that has one, with its standing.
     pub error_bounds: Vec<CheckedBound>,
     /// Basis of the proved claims that the file alone cannot show.
-    pub trusted: Vec<Statement>,
+    pub trusted: Vec<VerifiedStatement>,
     /// Statements of `trusted` that were derived again from a study.
-    pub derived: Vec<Statement>,
+    pub derived: Vec<VerifiedStatement>,
     /// Result of a second derivation of the tube from a study.
     pub tube: Option<TubeAgain>,
     /// Result of a second derivation of the bound for a class of motions from a study.
@@ -69,7 +69,8 @@ impl Certificate {
             .map(|joint| (name(joint), derived_twice(joint, alone, gains.slides(&joint.name))));
         let mut derived_twice = merged(twice);
         let range = |low: f64, high: f64| format!("μ in {low:.5} … {high:.5}");
-        let whole = |what: &str, value: String| Statement { joint: None, what: what.into(), value };
+        let whole =
+            |what: &str, value: String| VerifiedStatement { joint: None, what: what.into(), value };
         if let Some(frozen) = &self.frozen {
             let what = "coupled arm stable at every frozen posture";
             shown.push(whole(what, range(frozen.low, frozen.high)));
@@ -123,8 +124,9 @@ impl Certificate {
     }
 
     /// Statements that a file cannot show of itself, whether its claims hold or not.
-    pub fn trusted(&self, gains: &Gains) -> Vec<Statement> {
-        let whole = |what: &str, value: String| Statement { joint: None, what: what.into(), value };
+    pub fn trusted(&self, gains: &Gains) -> Vec<VerifiedStatement> {
+        let whole =
+            |what: &str, value: String| VerifiedStatement { joint: None, what: what.into(), value };
         let arm = &self.arm;
         let mut list = vec![
             whole("study", format!("{} (SHA-256 {})", gains.study, gains.study_sha256)),
@@ -165,12 +167,12 @@ impl Certificate {
             list.push(whole("the tube", found.to_owned()));
             for joint in &tube.joints {
                 let (way, _) = units(gains.slides(&joint.name));
-                list.push(Statement {
+                list.push(VerifiedStatement {
                     joint: Some(joint.name.clone()),
                     what: format!("tube from t = {} s on", tube.settle_s),
                     value: format!(
                         "|e| ≤ {:.4e} {way}, |ė| ≤ {:.4e} {way}/s",
-                        joint.error_max_rad, joint.velocity_error_max_rad_s
+                        joint.error_bound_rad, joint.velocity_error_bound_rad_s
                     ),
                 });
             }
@@ -189,10 +191,11 @@ impl Certificate {
     }
 
     /// The bound for a class of motions, which rests on a search.
-    fn class_found(&self, gains: &Gains) -> Vec<Statement> {
+    fn class_found(&self, gains: &Gains) -> Vec<VerifiedStatement> {
         let Some(class) = &self.class else { return Vec::new() };
         let set = &class.payload;
-        let whole = |what: &str, value: String| Statement { joint: None, what: what.into(), value };
+        let whole =
+            |what: &str, value: String| VerifiedStatement { joint: None, what: what.into(), value };
         let mut list = vec![
             whole("bound for every motion of the class", class.source.clone()),
             whole(
@@ -204,11 +207,13 @@ impl Certificate {
             ),
             whole("forces of any course in the class", format!("{:?} N·m", class.force_nm)),
         ];
-        for (joint, (error, velocity)) in
-            self.joints.iter().zip(class.error_rad.iter().zip(&class.velocity_error_rad_s))
+        for (joint, (error, velocity)) in self
+            .joints
+            .iter()
+            .zip(class.error_bound_rad.iter().zip(&class.velocity_error_bound_rad_s))
         {
             let (way, _) = units(gains.slides(&joint.name));
-            list.push(Statement {
+            list.push(VerifiedStatement {
                 joint: Some(joint.name.clone()),
                 what: "any motion of the class".to_owned(),
                 value: format!("|e| ≤ {error:.4e} {way}, |ė| ≤ {velocity:.4e} {way}/s"),
@@ -218,8 +223,9 @@ impl Certificate {
     }
 
     /// Results of searches, which are no better than the search.
-    fn looked_for(&self) -> Vec<Statement> {
-        let whole = |what: &str, value: String| Statement { joint: None, what: what.into(), value };
+    fn looked_for(&self) -> Vec<VerifiedStatement> {
+        let whole =
+            |what: &str, value: String| VerifiedStatement { joint: None, what: what.into(), value };
         let mut list = Vec::new();
         if let Some(coupled) = &self.coupled {
             let found = format!("the worst of {} looked at: {}", coupled.postures, coupled.source);
@@ -329,7 +335,7 @@ fn trusted(joint: &JointCertificate, uncoupled: bool, slides: bool) -> Vec<(Stri
         if let Some(bounds) = &joint.bounds {
             add(
                 "what follows if no joint moves another",
-                format!("|e| ≤ {:.5e} {way} once settled", bounds.error_rad),
+                format!("|e| ≤ {:.5e} {way} once settled", bounds.error_bound_rad),
             );
         }
     }
@@ -372,19 +378,19 @@ fn units(slides: bool) -> (&'static str, &'static str) {
 }
 
 /// Lines that all joints have in common once, the rest joint by joint.
-fn merged(joints: impl Iterator<Item = (String, Vec<(String, String)>)>) -> Vec<Statement> {
+fn merged(joints: impl Iterator<Item = (String, Vec<(String, String)>)>) -> Vec<VerifiedStatement> {
     let joints: Vec<(String, Vec<(String, String)>)> = joints.collect();
     let shared = |line: &(String, String)| {
         joints.len() > 1 && joints.iter().all(|(_, lines)| lines.contains(line))
     };
     let first = joints.first().map(|(_, lines)| lines.as_slice()).unwrap_or_default();
-    let common = first.iter().filter(|line| shared(line)).map(|(what, value)| Statement {
+    let common = first.iter().filter(|line| shared(line)).map(|(what, value)| VerifiedStatement {
         joint: None,
         what: what.clone(),
         value: value.clone(),
     });
     let own = joints.iter().flat_map(|(name, lines)| {
-        lines.iter().filter(|line| !shared(line)).map(|(what, value)| Statement {
+        lines.iter().filter(|line| !shared(line)).map(|(what, value)| VerifiedStatement {
             joint: Some(name.clone()),
             what: what.clone(),
             value: value.clone(),

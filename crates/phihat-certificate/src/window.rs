@@ -2,13 +2,13 @@
 
 use core::f64::consts::TAU;
 
-use phihat_kernel::{Joint, Number, Range, Unproved, decays, frozen};
+use phihat_kernel::{JointLoop, Number, Range, Unproved, decays, frozen};
 use serde::{Deserialize, Serialize};
 
 use crate::check::complex::Complex;
 use crate::check::linear;
 use crate::check::plausible::{self, at_most};
-use crate::check::response::{Response, on_circle};
+use crate::check::response::{CheckedResponse, on_circle};
 use crate::refutation::refuse;
 use crate::{JointRecord, LoopModel, Refutation};
 
@@ -71,7 +71,7 @@ impl InertiaWindow {
     pub fn verify(&self, gains: &JointRecord, model: &LoopModel) -> Result<(), Refutation> {
         let joint = loop_of(gains, model)?;
         self.stable(&joint)?;
-        let response = Response::of(&joint);
+        let response = CheckedResponse::of(&joint);
         for (mu, hz) in [(self.low, self.low_hz), (self.high, self.high_hz)] {
             at_most(CLAIM, "0 ≤ frequency of an edge", 0.0, hz)?;
             // An edge without a frequency is where the search ended.
@@ -109,7 +109,7 @@ impl InertiaWindow {
     }
 
     /// Proves all loops of the window stable.
-    pub(crate) fn stable(&self, joint: &Joint) -> Result<(), Refutation> {
+    pub(crate) fn stable(&self, joint: &JointLoop) -> Result<(), Refutation> {
         let Self { low, high, .. } = *self;
         let range =
             Range::new(low, high).map_err(|_| refuse(CLAIM, "0 < low ≤ high < ∞", low, high))?;
@@ -118,7 +118,7 @@ impl InertiaWindow {
     }
 }
 
-fn loop_of(gains: &JointRecord, model: &LoopModel) -> Result<Joint, Refutation> {
+fn loop_of(gains: &JointRecord, model: &LoopModel) -> Result<JointLoop, Refutation> {
     plausible::gains(CLAIM, gains)?;
     plausible::model(CLAIM, gains, model)?;
     linear::joint(CLAIM, gains, model)
@@ -128,13 +128,13 @@ fn loop_of(gains: &JointRecord, model: &LoopModel) -> Result<Joint, Refutation> 
 /// frequency.
 pub(crate) fn unproved(
     claim: &str,
-    joint: &Joint,
+    joint: &JointLoop,
     (low, high): (f64, f64),
     why: Unproved,
 ) -> Refutation {
     let what = linear::failed(&format!("N + μΔ ≠ 0 for μ in [{low}, {high}]"), why);
     let Unproved::At { theta, .. } = why else { return refuse(claim, &what, low, high) };
-    let value = Response::of(joint).crossing(on_circle(theta));
+    let value = CheckedResponse::of(joint).crossing(on_circle(theta));
     let nearest = Complex::new(value.re.clamp(low, high), 0.0);
     refuse(claim, &what, (value - nearest).size(), 0.0)
 }

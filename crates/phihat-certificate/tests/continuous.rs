@@ -5,7 +5,7 @@
 
 use crate::edits::{Edit, Passed};
 use phihat_certificate::{
-    Attenuation, Iss, NormH, Optimality, PaperRadius, PeakGain, PeakGains, Refused, UnitLaw,
+    Attenuation, Iss, LevelRefused, NormH, Optimality, PaperRadius, PeakGain, PeakGains, UnitLaw,
 };
 use phihat_design::prelude::*;
 
@@ -180,28 +180,28 @@ fn a_refusal_names_the_condition_that_fails() {
         passed.holds(condition, found.verify(law));
         let names = ["A1", "A2", "A3", "B1", "B2", "xyzzy", ""];
         for name in names.into_iter().filter(|name| name != condition) {
-            let other = Refused { condition: name.into(), ..own.clone() };
+            let other = LevelRefused { condition: name.into(), ..own.clone() };
             passed.refused(name, &Optimality::Refuted(other).verify(law));
         }
         // The quantity's own name says as much as the paper's.
         for name in [own.quantity.clone(), format!("{} > 0", own.quantity)] {
-            let other = Refused { condition: name, ..own.clone() };
+            let other = LevelRefused { condition: name, ..own.clone() };
             passed.holds(condition, Optimality::Refuted(other).verify(law));
         }
-        let edits: [Edit<Refused>; 5] = [
+        let edits: [Edit<LevelRefused>; 5] = [
             ("another value", |r| r.value *= 1.0 + 1e-8),
             ("its negative", |r| r.value = -r.value),
             ("another quantity", |r| r.quantity = "K_p".into()),
             ("no quantity", |r| r.quantity = String::new()),
             ("another K̃", |r| r.k_tilde *= 1.01),
         ];
-        let verify = |r: &Refused| Optimality::Refuted(r.clone()).verify(law);
+        let verify = |r: &LevelRefused| Optimality::Refuted(r.clone()).verify(law);
         passed.edits(condition, own, verify, &edits);
     }
     // Where weights exist nothing is refused, whatever is said of it.
     let fine = law(400.0, 40.0, &[3600.0, 120.0]);
     for (quantity, value) in [("Q11", -1.0), ("Q44", -1e-3), ("K̃", -1.0), ("a_i", -1.0)] {
-        let refused = Refused {
+        let refused = LevelRefused {
             k_tilde: 90.0,
             condition: format!("{quantity} > 0"),
             quantity: quantity.into(),
@@ -212,7 +212,7 @@ fn a_refusal_names_the_condition_that_fails() {
     // K̃ outside of (0, a_{m−1}), and gains that are not positive.
     let named = |k_tilde: f64, condition: &str, quantity: &str, value: f64| {
         let (condition, quantity) = (condition.to_owned(), quantity.to_owned());
-        Optimality::Refuted(Refused { k_tilde, condition, quantity, value })
+        Optimality::Refuted(LevelRefused { k_tilde, condition, quantity, value })
     };
     passed.holds("below", named(-1.0, "K̃ > 0", "K̃", -1.0).verify(&fine));
     passed.holds("none", named(0.0, "K̃ > 0", "K̃", 0.0).verify(&fine));

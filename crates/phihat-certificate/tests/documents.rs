@@ -6,8 +6,8 @@ use std::path::Path;
 
 use phihat::{Form, GainError};
 use phihat_certificate::{
-    AnySpeed, ArmBasis, Certificate, FilterSection, Gains, GainsError, JointRecord, Motion,
-    Optimality, Phi, PhiBasis, PositionObserver, Refutation,
+    AnySpeed, ArmBasis, Certificate, FilterSection, Gains, GainsError, JointRecord, Optimality,
+    Phi, PhiBasis, PositionObserver, ReferenceBounds, Refutation,
 };
 use phihat_study::Study;
 
@@ -34,7 +34,11 @@ fn phi() -> Phi {
         size_nm: Some(1.0),
         rate_nm_s: 1.0,
         jump_nm: 1.0,
-        motion: Some(Motion { velocity_rad_s: 1.0, acceleration_rad_s2: 1.0, jerk_rad_s3: 1.0 }),
+        motion: Some(ReferenceBounds {
+            velocity_rad_s: 1.0,
+            acceleration_rad_s2: 1.0,
+            jerk_rad_s3: 1.0,
+        }),
     }
 }
 
@@ -431,9 +435,9 @@ fn a_tube_fits_the_document_that_carries_it() {
         ("low ≤ high", |g| tube(g).joints[1].velocity_high_rad_s[3] = f64::NAN),
         ("|bound| < ∞", |g| tube(g).joints[0].error_low_rad[0] = f64::NEG_INFINITY),
         ("|bound| < ∞", |g| tube(g).joints[0].velocity_high_rad_s[0] = f64::INFINITY),
-        ("largest |e|", |g| tube(g).joints[0].error_max_rad *= 1.0 - 1e-8),
-        ("largest |e|", |g| tube(g).joints[0].error_max_rad *= 1.0 + 1e-8),
-        ("largest |ė|", |g| tube(g).joints[1].velocity_error_max_rad_s *= 1.0 - 1e-8),
+        ("largest |e|", |g| tube(g).joints[0].error_bound_rad *= 1.0 - 1e-8),
+        ("largest |e|", |g| tube(g).joints[0].error_bound_rad *= 1.0 + 1e-8),
+        ("largest |ė|", |g| tube(g).joints[1].velocity_error_bound_rad_s *= 1.0 - 1e-8),
         // The bin that ends after the settling time counts, on either side.
         ("largest |e|", |g| tube(g).joints[0].error_high_rad[20] = 1.0),
         ("largest |ė|", |g| tube(g).joints[0].velocity_low_rad_s[41] = -1.0),

@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use phihat::Form;
-use phihat_certificate::tube::{Reference, beside};
+use phihat_certificate::tube::{TubeReference, beside};
 use phihat_certificate::{Certificate, Gains, JointRun, Tube};
 use phihat_sim::{Motion, Simulation, Trace};
 use phihat_study::Study;
@@ -160,10 +160,10 @@ const SMALLER_SAYS_MORE: [&str; 10] = [
 ];
 
 /// The motion of a study.
-fn wanted(study: &Study) -> Reference {
+fn wanted(study: &Study) -> TubeReference {
     let motion = Motion::of(study).unwrap();
     let n = study.robot.joints.len();
-    Reference::of(study, |t| (0..n).map(|i| motion.told(i, t)).collect())
+    TubeReference::of(study, |t| (0..n).map(|i| motion.told(i, t)).collect())
 }
 
 /// The tube by the second derivation.

@@ -12,7 +12,7 @@ use phihat_synthesis::phi_along;
 use serde_json::{Value, json};
 
 fn study() -> Study {
-    let text = "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 2.0\nerror_max_rad = 2e-3\n\
+    let text = "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 2.0\nerror_bound_rad = 2e-3\n\
          [design]\npayload_max_kg = 0.3\norders = [1]\n[loop]\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\n\
          velocity = \"differenced\"\nvelocity_filter_hz = 100.0\n[world]\ncoulomb_extra_nm = 0.1\n\
          substeps = 4\npayload = { mass_kg = 0.3 }\n[reference]\nkind = \"sines\"\n\

@@ -3,8 +3,8 @@
 
 use phihat_certificate::{
     ArmBasis, Attenuation, Bounds, Gains, InertiaWindow, Interval, LeftOut, LoopModel, Matrix,
-    Motion, Moving, NotCounted, PeakGain, PeakGains, Phi, PhiBasis, Proved, Quantity, Refutation,
-    TorqueNoise,
+    Moving, NotCounted, PeakGain, PeakGains, Phi, PhiBasis, Proved, Quantity, ReferenceBounds,
+    Refutation, TorqueNoise,
 };
 
 /// An edit, and a part of the inequality that has to stop it.
@@ -42,7 +42,8 @@ fn a_phi_is_bounded_by_the_smaller_of_its_parts_and_its_whole() {
     assert_eq!(phi(Some(7.0)).bound(5.0, Some(7.0)), 31.0);
     assert_eq!(phi(Some(6.0)).bound(5.0, None), 30.0);
     assert_eq!(phi(None).bound(5.0, None), f64::INFINITY);
-    let motion = Motion { velocity_rad_s: 9.0, acceleration_rad_s2: 2.0, jerk_rad_s3: 5.0 };
+    let motion =
+        ReferenceBounds { velocity_rad_s: 9.0, acceleration_rad_s2: 2.0, jerk_rad_s3: 5.0 };
     assert_eq!(motion.costs(3.0, None), 6.0);
     assert_eq!(motion.costs(3.0, Some(1.0)), 5.0);
     assert_eq!(motion.costs(3.0, Some(2.0)), 6.0);
@@ -138,14 +139,15 @@ fn an_arm_measured_in_other_units_is_the_same_arm() {
 fn the_bound_of_a_steady_error_is_the_tubes_or_the_joints_own() {
     let mut certificate = document().certificate.unwrap();
     let bound = certificate.error_bound(1).unwrap();
-    assert_eq!((bound.error_rad, bound.velocity_error_rad_s), (2.325e-3, 0.06874));
+    assert_eq!((bound.error_bound_rad, bound.velocity_error_bound_rad_s), (2.325e-3, 0.06874));
     assert_eq!(certificate.error_bound(2), None);
     certificate.tube = None;
     assert_eq!(certificate.error_bound(1), None);
     let why = certificate.without_bound().unwrap();
     assert!(why.contains("no tube"), "{why}");
     // Joints of a coupled arm push each other: none has a bound of its own.
-    let own = Bounds { error_rad: 3.0, velocity_error_rad_s: 4.0, integral_rad_s: None };
+    let own =
+        Bounds { error_bound_rad: 3.0, velocity_error_bound_rad_s: 4.0, integral_rad_s: None };
     let refused = certificate.bound_each(vec![None, Some(own)]).unwrap_err();
     assert!(refused.inequality.contains("only a tube"), "{refused}");
     assert_eq!((certificate.error_bound(1), certificate.own_bounds(1)), (None, None));
@@ -164,7 +166,7 @@ fn the_bound_of_a_steady_error_is_the_tubes_or_the_joints_own() {
     let forged = text.replace("\"typed\"", "\"postures\"");
     assert!(Gains::from_json(&forged).unwrap_err().to_string().contains("only a tube"));
     let bound = certificate.error_bound(1).unwrap();
-    assert_eq!((bound.error_rad, bound.velocity_error_rad_s), (3.0, 4.0));
+    assert_eq!((bound.error_bound_rad, bound.velocity_error_bound_rad_s), (3.0, 4.0));
     assert_eq!(certificate.refused(), None);
     let why = Refutation { claim: "c".into(), inequality: "i".into(), left: 1.0, right: 2.0 };
     certificate.joints[1].refused = vec![why.clone()];

@@ -47,8 +47,8 @@ fn attack(name: &str, case: &Case, tube: &Tube) {
     let ratios = |claimed: &dyn Fn(usize) -> f64, seen: &[f64]| -> Vec<f64> {
         (0..n).map(|i| (claimed(i) / seen[i] * 100.0).round() / 100.0).collect()
     };
-    let e = ratios(&|i| tube.joints[i].error_max_rad, &worst);
-    let de = ratios(&|i| tube.joints[i].velocity_error_max_rad_s, &fastest);
+    let e = ratios(&|i| tube.joints[i].error_bound_rad, &worst);
+    let de = ratios(&|i| tube.joints[i].velocity_error_bound_rad_s, &fastest);
     eprintln!("{name}: tube over runs, e {e:?} ({worst:?} rad), de {de:?}, slices {}", tube.slices);
 }
 
@@ -175,7 +175,7 @@ fn a_claim_beside_what_is_derived() {
     assert!(refused(&|t| shift(&mut t.joints[0].error_low_rad, 1.0)), "beyond what is derived");
     assert!(refused(&|t| t.joints[1].velocity_high_rad_s[7] = -1.0), "below what is derived");
     assert!(refused(&|t| t.joints[2].velocity_low_rad_s[3] = f64::NAN), "no number");
-    assert!(refused(&|t| t.joints[1].error_max_rad /= 1.1 * TIGHTER), "too good");
+    assert!(refused(&|t| t.joints[1].error_bound_rad /= 1.1 * TIGHTER), "too good");
     assert!(refused(&|t| t.joints[0].torque_max_nm = 0.0), "no torque");
     assert!(refused(&|t| t.joints[0].error_low_rad.truncate(3)), "bins less");
     assert!(refused(&|t| drop(t.joints.pop())), "a joint less");
@@ -186,7 +186,7 @@ fn a_claim_beside_what_is_derived() {
         for joint in &mut other.joints {
             joint.error_low_rad.fill(-size);
             joint.error_high_rad.fill(size);
-            joint.error_max_rad = size;
+            joint.error_bound_rad = size;
         }
         other
     };

@@ -2,7 +2,7 @@
 //! Wrong if one of them forgot something that acts, counted it twice, or took it for much larger than it is.
 
 use crate::support::{read, reference};
-use phihat_certificate::tube::{Inputs, Reference, TIGHTER, derive};
+use phihat_certificate::tube::{TIGHTER, TubeInputs, TubeReference, derive};
 use phihat_certificate::{FilterSection, Gains, Tube, TubeJoint};
 use phihat_design::requested_gains;
 use phihat_design::tube::{Desired, tube};
@@ -26,7 +26,7 @@ fn both(text: &str) -> (Tube, Tube) {
     let desired = desired.feeding(&fed);
     let first = tube(&study, &gains, &desired).unwrap_or_else(|e| panic!("{e}\n{text}"));
     let (low, high) = &study.design.coulomb;
-    let inputs = Inputs {
+    let inputs = TubeInputs {
         study: &study,
         joints: &gains.joints,
         velocity_filter_hz: study.sensor.velocity_filter_hz,
@@ -57,8 +57,8 @@ fn beside(first: (&[f64], &[f64]), second: (&[f64], &[f64])) -> [f64; 4] {
 
 fn figures(first: &TubeJoint, second: &TubeJoint) -> [f64; 4] {
     [
-        second.error_max_rad / first.error_max_rad,
-        second.velocity_error_max_rad_s / first.velocity_error_max_rad_s,
+        second.error_bound_rad / first.error_bound_rad,
+        second.velocity_error_bound_rad_s / first.velocity_error_bound_rad_s,
         second.torque_max_nm / first.torque_max_nm,
         second.torque_step_max_nm / first.torque_step_max_nm,
     ]
@@ -242,8 +242,8 @@ fn a_tube_is_as_many_times_tighter_as_its_widths_and_figures_say() {
     assert!(narrowed(0.99 / TIGHTER).is_err() && narrowed(1.01 / TIGHTER).is_ok());
     // And by each figure alone.
     let figures: [fn(&mut TubeJoint) -> &mut f64; 4] = [
-        |j| &mut j.error_max_rad,
-        |j| &mut j.velocity_error_max_rad_s,
+        |j| &mut j.error_bound_rad,
+        |j| &mut j.velocity_error_bound_rad_s,
         |j| &mut j.torque_max_nm,
         |j| &mut j.torque_step_max_nm,
     ];
@@ -259,7 +259,7 @@ fn a_tube_is_as_many_times_tighter_as_its_widths_and_figures_say() {
 fn a_reference_is_sampled_through_the_run_and_once_more() {
     let study = read(&payloads_and_friction()[0].text);
     // 0.8 s at 500 Hz, of a motion that tells its time.
-    let own = Reference::of(&study, |t| vec![[t, 2.0, 3.0], [-t, -2.0, -3.0]]);
+    let own = TubeReference::of(&study, |t| vec![[t, 2.0, 3.0], [-t, -2.0, -3.0]]);
     assert_eq!([own.q.len(), own.dq.len(), own.ddq.len()], [401; 3]);
     for (k, row) in own.q.iter().enumerate() {
         let t = 2e-3 * k as f64;
@@ -310,7 +310,7 @@ fn the_tube_of_laws_that_filter_holds_their_run_and_no_other() {
     let whole = whole.feeding(&fed);
     let tube_of = |gains: &Gains| {
         let none = vec![0.0; inertia.len()];
-        let inputs = Inputs {
+        let inputs = TubeInputs {
             study: &study,
             joints: &gains.joints,
             velocity_filter_hz: None,

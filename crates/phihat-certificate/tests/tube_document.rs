@@ -3,7 +3,7 @@
 //! the tube is inside.
 #![allow(clippy::float_cmp, reason = "tests")]
 
-use phihat_certificate::{JointRun, PayloadSet, Quantity, Settle, SettleFrom, Tube, TubeJoint};
+use phihat_certificate::{JointRun, Quantity, Settle, SettleFrom, Tube, TubeJoint, TubePayloadSet};
 use phihat_study::Study;
 
 /// Two joints, ten bins of 10 ms: the start-up of the first falls from 10 mrad to 1 mrad, the second is at 2 mrad.
@@ -15,8 +15,8 @@ fn tube() -> Tube {
         error_high_rad: errors.to_vec(),
         velocity_low_rad_s: vec![-0.5; errors.len()],
         velocity_high_rad_s: vec![0.5; errors.len()],
-        error_max_rad: errors[5],
-        velocity_error_max_rad_s: 0.5,
+        error_bound_rad: errors[5],
+        velocity_error_bound_rad_s: 0.5,
         torque_max_nm: 20.0,
         torque_step_nm: vec![2.0; errors.len()],
         torque_step_max_nm: 2.0,
@@ -27,7 +27,7 @@ fn tube() -> Tube {
         duration_s: 0.1,
         settle_s: 0.05,
         slices: 2,
-        payload: PayloadSet {
+        payload: TubePayloadSet {
             frame: "tip".into(),
             mass_kg: (0.0, 1.0),
             com_m: [(0.0, 0.0); 3],
@@ -170,7 +170,7 @@ fn figures_stand_beside_each_other() {
         all.iter().map(|(e, de, tau)| JointRun { e, de, tau_command: tau, limited_samples: 0 });
     let kept = tube().kept_by(&run.t_ns, &runs.collect::<Vec<_>>()).unwrap();
     let joint = &kept.joints[0];
-    assert_eq!((joint.error_max_rad, joint.error_tube_rad), (0.75e-3, 2e-3));
+    assert_eq!((joint.error_peak_rad, joint.error_bound_rad), (0.75e-3, 2e-3));
     assert!((joint.room_rad - 0.25e-3).abs() < 1e-12, "{}", joint.room_rad);
     assert!(tube().kept_by(&run.t_ns, &[]).is_none(), "other joints");
 }
@@ -206,11 +206,11 @@ fn a_stated_settling_time_stands_and_another_comes_from_the_tube() {
     };
     let mut three = tube();
     three.joints.push(three.joints[1].clone());
-    let stated = "settle_s = 0.5\nerror_max_rad = 4e-3";
+    let stated = "settle_s = 0.5\nerror_bound_rad = 4e-3";
     assert_eq!(of(stated, Some(&three)), (0.5, SettleFrom::Study));
-    assert_eq!(of("error_max_rad = 4e-3", None), (1.0, SettleFrom::Default));
-    assert_eq!(of("error_max_rad = 4e-3", Some(&three)), (0.03, SettleFrom::Tube));
-    assert_eq!(of("error_max_rad = 1e-3", Some(&three)), (0.05, SettleFrom::TubeLevel));
+    assert_eq!(of("error_bound_rad = 4e-3", None), (1.0, SettleFrom::Default));
+    assert_eq!(of("error_bound_rad = 4e-3", Some(&three)), (0.03, SettleFrom::Tube));
+    assert_eq!(of("error_bound_rad = 1e-3", Some(&three)), (0.05, SettleFrom::TubeLevel));
     assert_eq!(of("", Some(&three)), (0.05, SettleFrom::TubeLevel));
 }
 

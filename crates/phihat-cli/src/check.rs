@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use phihat_model::input::plain;
-use phihat_session::{Looked, check};
+use phihat_session::{StudyCheck, check};
 use phihat_study::Study;
 use serde_json::json;
 
@@ -16,7 +16,7 @@ use serde_json::json;
 #[derive(Debug, Args)]
 #[command(after_help = "Exit code 2: there are errors.\n\nExample:\n  \
                         phihat check studies/first.toml studies/panda.toml")]
-pub(crate) struct Check {
+pub(crate) struct CheckVerb {
     /// The study files (TOML).
     #[arg(required = true)]
     studies: Vec<PathBuf>,
@@ -28,7 +28,7 @@ pub(crate) struct Check {
     json: bool,
 }
 
-impl Check {
+impl CheckVerb {
     pub(crate) fn execute(&self) -> ExitCode {
         let looked = |path: &PathBuf| (path.clone(), check(path, self.gains.as_deref()));
         let all: Vec<_> = self.studies.iter().map(looked).collect();
@@ -46,7 +46,7 @@ impl Check {
     }
 }
 
-fn document(path: &Path, found: &Looked) -> serde_json::Value {
+fn document(path: &Path, found: &StudyCheck) -> serde_json::Value {
     json!({
         "study": path,
         "valid": found.errors.is_empty(),
@@ -55,7 +55,7 @@ fn document(path: &Path, found: &Looked) -> serde_json::Value {
     })
 }
 
-fn tell(path: &Path, found: &Looked) {
+fn tell(path: &Path, found: &StudyCheck) {
     for error in &found.errors {
         eprintln!("error: {}", plain(&error.to_string()));
     }

@@ -13,10 +13,10 @@ use serde_json::json;
 use phihat_session::{
     BudgetFiles, are_of_a_run, arm, beside_limits, budget, designed_for, files, read, write_budget,
 };
-use phihat_synthesis::{Advice, Tried};
+use phihat_synthesis::{Advice, BudgetSearch};
 
 use crate::failure::Failure;
-use crate::shown::{Shown, spinner};
+use crate::shown::{TerminalWatch, spinner};
 use crate::table;
 use crate::verify::NOT_PROVED;
 
@@ -49,7 +49,7 @@ pub(crate) struct Design {
     #[arg(long)]
     limit: bool,
     #[command(flatten)]
-    asked: Asked,
+    asked: DesignOutput,
     /// Print one JSON document in place of the table.
     #[arg(long)]
     json: bool,
@@ -57,7 +57,7 @@ pub(crate) struct Design {
 
 /// How much is told.
 #[derive(Debug, Args)]
-struct Asked {
+struct DesignOutput {
     /// Tell what the allowed error is spent on, joint by joint, and what other laws would do; written to
     /// budget.html and budget.json beside the gains. Where there are no gains this is done anyway, with what
     /// one change would buy.
@@ -93,7 +93,8 @@ impl Design {
                     prove_range(gains, &arm, Duration::from_secs_f64(seconds.clamp(0.0, 1e6)));
                 }
                 if self.limit {
-                    let mut shown = Shown::bar("{spinner} {msg} · {elapsed}", String::new());
+                    let mut shown =
+                        TerminalWatch::bar("{spinner} {msg} · {elapsed}", String::new());
                     beside_limits(&study, gains, &mut shown)?;
                 }
                 self.write(&study, gains, told.as_ref())
@@ -115,8 +116,8 @@ impl Design {
         arm: &Arm,
         outcome: &Outcome,
     ) -> Result<(Budget, BudgetFiles), Failure> {
-        let mut shown = Shown::bar("{spinner} {msg} · {elapsed}", String::new());
-        let asked = (outcome, Tried::Changes);
+        let mut shown = TerminalWatch::bar("{spinner} {msg} · {elapsed}", String::new());
+        let asked = (outcome, BudgetSearch::Changes);
         let budget = budget(study, arm, &self.study, asked, &mut shown)?;
         let files = write_budget(&budget, &self.folder(study))?;
         Ok((budget, files))

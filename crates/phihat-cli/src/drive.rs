@@ -12,12 +12,12 @@ use phihat_session::{Leave, RunOptions, how_to_recover};
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::first_motion::{First, announced, verdict};
-use crate::interrupt::Asked;
+use crate::first_motion::{FirstMotionArguments, announced, verdict};
+use crate::interrupt::StopRequest;
 use crate::ros2::{Ros, counted};
-use crate::run::{TraceFile, document, show, write_layout};
-use crate::shown::Shown;
-use crate::terminal::Page;
+use crate::run::{TraceOptions, document, show, write_layout};
+use crate::shown::TerminalWatch;
+use crate::terminal::PageOptions;
 
 /// Drive an arm: checks first, then start, hold, track and finish, and the record of it.
 ///
@@ -35,7 +35,7 @@ use crate::terminal::Page;
     after_help = "Examples:\n  phihat drive studies/first.toml --on sim --accept certificate\n  \
                         phihat drive studies/first.toml --on sim --first-motion --out first-motion"
 )]
-pub(crate) struct Drive {
+pub(crate) struct DriveVerb {
     /// The study file (TOML).
     study: PathBuf,
     /// Use these gains (a gains.json) in place of those the study states.
@@ -65,7 +65,7 @@ pub(crate) struct Drive {
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    trace: TraceFile,
+    trace: TraceOptions,
     /// Write a log for ROS tools and viewers too (MCAP; builds with the feature `mcap`).
     #[arg(long, value_name = "FILE")]
     mcap: Option<PathBuf>,
@@ -73,11 +73,11 @@ pub(crate) struct Drive {
     #[arg(long, value_name = "FILE", requires = "mcap")]
     layout: Option<PathBuf>,
     #[command(flatten)]
-    first: First,
+    first: FirstMotionArguments,
     #[command(flatten)]
     ros: Ros,
     #[command(flatten)]
-    page: Page,
+    page: PageOptions,
     /// Print one JSON document in place of the tables.
     #[arg(long)]
     json: bool,
@@ -88,7 +88,7 @@ const BAR: &str = "driving {wide_bar} {percent:>3} % · {elapsed} of about {dura
 /// Stop request, set by Ctrl-C.
 static STOP: AtomicBool = AtomicBool::new(false);
 
-impl Drive {
+impl DriveVerb {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         let mut prepared = prepare(&self.options()?)?;
         if prepared.is_refused() {
@@ -173,9 +173,9 @@ impl Drive {
 #[inline(never)]
 fn driven(prepared: Prepared, folder: &Path) -> Result<Box<Driven>, Failure> {
     let page = folder.join("report.html");
-    let asked = Asked { stop: &STOP, parks: prepared.parks() };
+    let asked = StopRequest { stop: &STOP, parks: prepared.parks() };
     let words = format!("no record was written; {}", how_to_recover(folder));
-    let mut shown = Shown::stoppable(BAR, words, asked);
+    let mut shown = TerminalWatch::stoppable(BAR, words, asked);
     let leave = Leave { folder, page: Some(&page) };
     Ok(Box::new(prepared.drive(leave, &mut shown, &STOP)?))
 }

@@ -10,9 +10,9 @@ use phihat_session::TraceKind;
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::shown::Shown;
+use crate::shown::TerminalWatch;
 use crate::table::Fitted;
-use crate::terminal::Page;
+use crate::terminal::PageOptions;
 
 /// Break everything an arm can meet, one fault at a time, and see what becomes of it.
 ///
@@ -25,7 +25,7 @@ use crate::terminal::Page;
     phihat faults studies/faults/*.toml\n  \
     phihat faults studies/faults/panda.toml --only panda/m2/freeze/3/1 --trace")]
 #[allow(clippy::struct_excessive_bools, reason = "independent switches of a command line")]
-pub(crate) struct Faults {
+pub(crate) struct FaultsVerb {
     /// The studies (TOML), one per arm; without faults of their own.
     #[arg(required = true)]
     studies: Vec<PathBuf>,
@@ -60,10 +60,10 @@ pub(crate) struct Faults {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    page: Page,
+    page: PageOptions,
 }
 
-impl Faults {
+impl FaultsVerb {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         let options = FaultsOptions {
             studies: self.studies.clone(),
@@ -76,7 +76,7 @@ impl Faults {
             threads: self.threads,
             out: self.out.clone(),
         };
-        let mut shown = Shown::resumable(BAR, self.fresh);
+        let mut shown = TerminalWatch::resumable(BAR, self.fresh);
         let answer = options.run(&mut shown)?;
         self.tell(&answer);
         self.page.show(&answer.page);

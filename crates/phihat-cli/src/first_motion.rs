@@ -21,7 +21,7 @@ use crate::table;
 const JOINTS: &str = "joints.toml";
 
 #[derive(Debug, Args)]
-pub(crate) struct First {
+pub(crate) struct FirstMotionArguments {
     /// Move each joint a little, one after the other, about where the arm stands, in place of the study's
     /// motion, and measure inertia, friction and φ: under cautious gains, which need no certificate.
     #[arg(long = "first-motion", id = "first_motion", conflicts_with = "gains")]
@@ -40,7 +40,7 @@ pub(crate) struct First {
     margin: f64,
 }
 
-impl First {
+impl FirstMotionArguments {
     /// Requested first motion, if any.
     pub(crate) fn asked(&self) -> Result<Option<FirstMotion>, Failure> {
         for (option, value, least, most) in [

@@ -11,9 +11,9 @@ use phihat_compare::fronts::{AtCap, Fronts, FrontsAnswer, FrontsOptions};
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::shown::Shown;
+use crate::shown::TerminalWatch;
 use crate::table::Fitted;
-use crate::terminal::Page;
+use crate::terminal::PageOptions;
 
 /// Hold laws against each other at equal torque noise and equal knowledge, with statistics.
 ///
@@ -60,7 +60,7 @@ pub(crate) struct FrontsVerb {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    page: Page,
+    page: PageOptions,
 }
 
 /// How much is done.
@@ -141,7 +141,7 @@ impl FrontsVerb {
             }
             return Ok(ExitCode::SUCCESS);
         }
-        match options.run(&mut Shown::resumable(BAR, self.fresh))? {
+        match options.run(&mut TerminalWatch::resumable(BAR, self.fresh))? {
             FrontsAnswer::Whole { fronts, folder, page } => {
                 if self.json {
                     let document = json!({ "folder": folder, "report": page, "fronts": *fronts });

@@ -12,7 +12,7 @@ use phihat_session::disk::discard;
 const STOPPED: i32 = 130;
 
 /// The command at work.
-struct Work {
+struct CommandAtWork {
     bar: ProgressBar,
     /// Message on Ctrl-C.
     words: String,
@@ -20,12 +20,12 @@ struct Work {
     unfinished: Vec<PathBuf>,
     /// Request to come to an end by itself, if it is possible; then the next Ctrl-C ends the program, unless
     /// the request was taken back meanwhile.
-    asked: Option<Asked>,
+    asked: Option<StopRequest>,
 }
 
 /// Request to come to an end: the flag that it sets, and the choice of its message.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Asked {
+pub(crate) struct StopRequest {
     pub(crate) stop: &'static AtomicBool,
     /// True if the first request parks an arm without a fault, and is taken back then: the next one stops it
     /// on the way.
@@ -36,7 +36,7 @@ const STOPS: &str = "interrupted: the arm is being stopped, then the record is w
 const PARKS: &str = "interrupted: the arm is being parked, or stopped if something is wrong, then the record is written; once more stops it on the way, or ends at once, \
                      and leaves what was driven, where it is being stopped";
 
-static AT_WORK: Mutex<Option<Work>> = Mutex::new(None);
+static AT_WORK: Mutex<Option<CommandAtWork>> = Mutex::new(None);
 static ONCE: Once = Once::new();
 /// True if this process is the command, and not another program that uses its library.
 static COMMAND: AtomicBool = AtomicBool::new(false);
@@ -56,24 +56,24 @@ pub(crate) fn removes(
     bar: &ProgressBar,
     words: String,
     unfinished: Vec<PathBuf>,
-    asked: Option<Asked>,
+    asked: Option<StopRequest>,
 ) {
     if !COMMAND.load(Ordering::Relaxed) {
         return;
     }
     *AT_WORK.lock().unwrap_or_else(PoisonError::into_inner) =
-        Some(Work { bar: bar.clone(), words, unfinished, asked });
+        Some(CommandAtWork { bar: bar.clone(), words, unfinished, asked });
     ONCE.call_once(|| {
         let _ = ctrlc::set_handler(|| {
             match &mut *AT_WORK.lock().unwrap_or_else(PoisonError::into_inner) {
-                Some(Work { bar, asked: Some(asked), .. })
+                Some(CommandAtWork { bar, asked: Some(asked), .. })
                     if !asked.stop.swap(true, Ordering::Relaxed) =>
                 {
                     let parks = core::mem::take(&mut asked.parks);
                     bar.suspend(|| eprintln!("{}", if parks { PARKS } else { STOPS }));
                     return;
                 }
-                Some(Work { bar, words, unfinished, .. }) => {
+                Some(CommandAtWork { bar, words, unfinished, .. }) => {
                     for path in unfinished {
                         discard(path);
                     }

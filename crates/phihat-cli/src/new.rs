@@ -12,7 +12,7 @@ use phihat_session::{ArmOptions, BeginOptions, Begun, begin};
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::shown::Shown;
+use crate::shown::TerminalWatch;
 
 /// Write a study that runs, for an arm of yours.
 ///
@@ -102,7 +102,7 @@ impl New {
                 return Err(Failure::plain(why));
             }
         };
-        let mut shown = Shown::steps();
+        let mut shown = TerminalWatch::steps();
         let begun = begin(&options, &mut shown)?;
         self.tell(&begun);
         Ok(if begun.infeasible.is_none() { ExitCode::SUCCESS } else { ExitCode::from(1) })
@@ -123,7 +123,7 @@ impl New {
             },
             out,
             payload_kg: self.payload.unwrap_or(0.0),
-            error_max: self.error.map(|mrad| 1e-3 * mrad),
+            error_bound: self.error.map(|mrad| 1e-3 * mrad),
             rate_hz: self.rate,
             delay_samples: self.delay,
             encoder_bits: self.encoder_bits,
@@ -147,7 +147,7 @@ impl New {
             asked_number("Heaviest payload in kg [none]:", kg)?.unwrap_or(options.payload_kg);
         let mrad =
             asked_number("Largest error in mrad [the smallest that can be promised]:", positive)?;
-        options.error_max = mrad.map(|mrad| 1e-3 * mrad).or(options.error_max);
+        options.error_bound = mrad.map(|mrad| 1e-3 * mrad).or(options.error_bound);
         options.rate_hz =
             asked_number("Control samples per second [1000]:", positive)?.or(options.rate_hz);
         let out = answer(&format!("The study to write [{}]:", options.out.display()))?;
@@ -163,8 +163,8 @@ impl New {
                 "study": begun.study,
                 "files": begun.files,
                 "joints": begun.joints,
-                "error_max_rad": begun.error_max,
-                "simulated_error_max_rad": begun.simulated,
+                "error_bound_rad": begun.error_bound,
+                "simulated_error_peak_rad": begun.simulated,
                 "notes": begun.notes,
                 "infeasible": begun.infeasible,
                 "exit_code": i32::from(begun.infeasible.is_some()),
@@ -190,7 +190,7 @@ impl New {
             };
             let unit = unit_of("mrad", slides);
             begun.slides.contains(&slides).then(|| {
-                let (asked, seen) = (most(&begun.error_max), most(seen));
+                let (asked, seen) = (most(&begun.error_bound), most(seen));
                 format!("an error of {asked:.3} {unit} is promised, {seen:.3} {unit} was the largest simulated")
             })
         };

@@ -11,7 +11,7 @@ use phihat_session::{
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::terminal::Page;
+use crate::terminal::PageOptions;
 
 /// Make the report of a recorded trace again.
 ///
@@ -21,7 +21,7 @@ use crate::terminal::Page;
 #[derive(Debug, Args)]
 #[command(after_help = "Example (after `phihat run studies/first.toml`):\n  \
                         phihat report out/first")]
-pub(crate) struct Report {
+pub(crate) struct ReportVerb {
     /// The trace of an earlier run (Parquet or CSV), or its folder.
     trace: PathBuf,
     /// The page to write [default: report.html beside the trace].
@@ -34,10 +34,10 @@ pub(crate) struct Report {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    shown: Page,
+    shown: PageOptions,
 }
 
-impl Report {
+impl ReportVerb {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         let recovered = self.recover.then(|| recover(self.folder())).transpose()?;
         let trace = trace_at(&self.trace);

@@ -14,9 +14,9 @@ use serde_json::json;
 
 use crate::failure::Failure;
 use crate::png;
-use crate::shown::Shown;
+use crate::shown::TerminalWatch;
 use crate::table::Fitted;
-use crate::terminal::Page;
+use crate::terminal::PageOptions;
 
 const BAR: &str = "{wide_bar} {percent} % · {msg} · {elapsed} · {eta} left";
 
@@ -62,7 +62,7 @@ pub(crate) struct Reproduce {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    page: Page,
+    page: PageOptions,
 }
 
 impl Reproduce {
@@ -82,7 +82,7 @@ impl Reproduce {
         let painter = png::Painter::new();
         let with = painter.as_ref().ok();
         let paint = with.map(|painter| move |svg: &str| painter.paint(svg));
-        let mut shown = Shown::bar(BAR, INTERRUPTED.to_owned());
+        let mut shown = TerminalWatch::bar(BAR, INTERRUPTED.to_owned());
         let answer = options.run(paint.as_ref().map(|paint| paint as Paint<'_>), &mut shown)?;
         let reproduction = &answer.reproduction;
         let differs = kept.map(|kept| kept.disagreements(reproduction));
@@ -119,7 +119,7 @@ impl Reproduce {
             joint: self.joint.clone(),
             out: self.out.clone(),
         };
-        let mut shown = Shown::bar(BAR, "nothing was written".to_owned());
+        let mut shown = TerminalWatch::bar(BAR, "nothing was written".to_owned());
         let answer = options.run(&mut shown)?;
         let (own, page) = (&answer.reproduction, answer.folder.join("report.html"));
         if self.json {

@@ -12,9 +12,9 @@ use phihat_session::{
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::shown::Shown;
+use crate::shown::TerminalWatch;
 use crate::table;
-use crate::terminal::{Page, is_quiet};
+use crate::terminal::{PageOptions, is_quiet};
 
 /// What `run` and `simulate` are told.
 #[derive(Debug, Args)]
@@ -27,7 +27,7 @@ struct RunArguments {
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    trace: TraceFile,
+    trace: TraceOptions,
     /// Write a log for ROS tools and viewers too (MCAP; builds with the feature `mcap`).
     #[arg(long, value_name = "FILE")]
     mcap: Option<PathBuf>,
@@ -58,13 +58,13 @@ struct Which {
 
 /// Which kind of file has the trace.
 #[derive(Debug, Args)]
-pub(crate) struct TraceFile {
+pub(crate) struct TraceOptions {
     /// Write the trace as a text, trace.csv, in place of trace.parquet: several times larger, and slower.
     #[arg(long)]
     csv: bool,
 }
 
-impl TraceFile {
+impl TraceOptions {
     pub(crate) fn kind(&self) -> TraceKind {
         TraceKind::csv(self.csv)
     }
@@ -77,11 +77,11 @@ impl TraceFile {
 /// more while study, files and program are the same.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  phihat run studies/panda.toml")]
-pub(crate) struct Run {
+pub(crate) struct RunVerb {
     #[command(flatten)]
     arguments: RunArguments,
     #[command(flatten)]
-    page: Page,
+    page: PageOptions,
 }
 
 /// Run a study's closed loop: trace and metrics, no report.
@@ -95,7 +95,7 @@ pub(crate) struct Simulate {
     arguments: RunArguments,
 }
 
-impl Run {
+impl RunVerb {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         self.arguments.execute(Some(&self.page))
     }
@@ -111,7 +111,7 @@ const BAR: &str = "simulating {wide_bar} {percent:>3} % · {elapsed} of about {d
 const UNTOUCHED: &str = "nothing was written, and what was there is as it was";
 
 impl RunArguments {
-    fn execute(&self, shown_page: Option<&Page>) -> Result<ExitCode, Failure> {
+    fn execute(&self, shown_page: Option<&PageOptions>) -> Result<ExitCode, Failure> {
         let options = RunOptions {
             study: self.study.clone(),
             gains: self.which.gains.clone(),
@@ -136,7 +136,7 @@ impl RunArguments {
         let page = shown_page.map(|_| folder.join("report.html"));
         // A document is one piece, and told when all of it is true.
         let says: Option<fn(&Done)> = if self.json { None } else { Some(figures) };
-        let mut shown = Shown::bar(BAR, UNTOUCHED.to_owned()).saying(says);
+        let mut shown = TerminalWatch::bar(BAR, UNTOUCHED.to_owned()).saying(says);
         let done = session.simulate(&folder, page.as_deref(), &mut shown)?;
         write_layout(self.layout.as_deref(), &done)?;
         if self.json {
@@ -169,7 +169,7 @@ impl RunArguments {
             eprintln!("{words}");
         }
         if let SessionError::Infeasible { no, .. } = &why {
-            let mut shown = Shown::bar("{spinner} {msg} · {elapsed}", String::new());
+            let mut shown = TerminalWatch::bar("{spinner} {msg} · {elapsed}", String::new());
             let (budget, files) = options.explain(no, &mut shown)?;
             if !self.json {
                 println!("{}", table::budget(&budget));

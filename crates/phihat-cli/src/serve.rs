@@ -13,7 +13,7 @@ use serde_json::json;
 
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::run::TraceFile;
+use crate::run::TraceOptions;
 
 /// Serve a study's world as a Franka, to any program made for one.
 ///
@@ -27,7 +27,7 @@ use crate::run::TraceFile;
 #[derive(Debug, Args)]
 #[command(after_help = "Example (then run your program with the robot's address 127.0.0.1):\n  \
                         phihat serve studies/franka.toml --fci")]
-pub(crate) struct Serve {
+pub(crate) struct ServeVerb {
     /// The study file (TOML), of an arm of seven joints at 1 kHz.
     study: PathBuf,
     /// Speak the Franka Control Interface.
@@ -51,7 +51,7 @@ pub(crate) struct Serve {
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    trace: TraceFile,
+    trace: TraceOptions,
     /// Print a JSON document per line: where it listens, who comes, how each motion ended.
     #[arg(long)]
     json: bool,
@@ -68,7 +68,7 @@ struct Time {
     real_time: bool,
 }
 
-impl Serve {
+impl ServeVerb {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         let real_time = self.time.real_time && !self.time.lockstep;
         let pace = if real_time {
@@ -105,20 +105,20 @@ impl Serve {
         } else {
             println!("{study} listens on {address} ({who}): protocols 5 and 10, {pace}");
         }
-        let mut told = Told { json: self.json, good: true };
+        let mut told = ServeLines { json: self.json, good: true };
         serve.run(&mut told)?;
         Ok(if told.good { ExitCode::SUCCESS } else { ExitCode::from(1) })
     }
 }
 
 /// Tells what happens, a line each.
-struct Told {
+struct ServeLines {
     json: bool,
     /// True if the last motion was within spec.
     good: bool,
 }
 
-impl Told {
+impl ServeLines {
     fn line(&self, document: &serde_json::Value, words: &str) {
         if self.json {
             println!("{document}");
@@ -128,7 +128,7 @@ impl Told {
     }
 }
 
-impl ServeWatch for Told {
+impl ServeWatch for ServeLines {
     fn event(&mut self, event: Event) {
         match event {
             Event::Connected(from, protocol) => {

@@ -6,23 +6,23 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use phihat_session::{Done, Watch};
 
-use crate::interrupt::{self, Asked};
+use crate::interrupt::{self, StopRequest};
 use crate::terminal::is_quiet;
 
 /// A progress bar that looks on.
-pub(crate) struct Shown {
+pub(crate) struct TerminalWatch {
     bar: ProgressBar,
     /// Message on Ctrl-C while results are being written.
     words: String,
     /// True if the command was started with `--fresh`.
     fresh: bool,
     /// Stop request by Ctrl-C, where it is possible.
-    asked: Option<Asked>,
+    asked: Option<StopRequest>,
     /// Prints the result of a run.
     says: Option<fn(&Done)>,
 }
 
-impl Shown {
+impl TerminalWatch {
     /// A bar of this look; it is seen from the first progress on.
     pub(crate) fn bar(template: &str, words: String) -> Self {
         let bar = if is_quiet() { ProgressBar::hidden() } else { ProgressBar::new(0) };
@@ -45,7 +45,7 @@ impl Shown {
     }
 
     /// A bar of this look over work that can be asked to stop.
-    pub(crate) fn stoppable(template: &str, words: String, asked: Asked) -> Self {
+    pub(crate) fn stoppable(template: &str, words: String, asked: StopRequest) -> Self {
         Self { asked: Some(asked), ..Self::bar(template, words) }
     }
 
@@ -55,7 +55,7 @@ impl Shown {
     }
 }
 
-impl Watch for Shown {
+impl Watch for TerminalWatch {
     fn progress(&mut self, done: u64, all: u64) {
         self.bar.set_length(all);
         self.bar.set_position(done);

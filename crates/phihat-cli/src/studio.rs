@@ -19,7 +19,7 @@ use crate::failure::Failure;
 #[command(
     after_help = "Example (then open the address that it prints):\n  phihat studio studies/first.toml"
 )]
-pub(crate) struct Studio {
+pub(crate) struct StudioVerb {
     /// The study file (TOML); with --replay of a record's folder it is not needed.
     #[arg(required_unless_present = "replay")]
     study: Option<PathBuf>,
@@ -40,7 +40,7 @@ pub(crate) struct Studio {
     json: bool,
 }
 
-impl Studio {
+impl StudioVerb {
     #[cfg(feature = "studio")]
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         let options = phihat_studio::StudioOptions {

@@ -11,9 +11,9 @@ use phihat_campaign::sweep::{
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::shown::Shown;
+use crate::shown::TerminalWatch;
 use crate::table::Fitted;
-use crate::terminal::Page;
+use crate::terminal::PageOptions;
 
 /// Run a study many times with numbers drawn at random, and see what holds for how many runs.
 ///
@@ -31,7 +31,7 @@ use crate::terminal::Page;
     Exit code 1: a run broke a stated bound, or did not come to its end.\n\nExamples:\n  \
     phihat sweep studies/first.toml --vary world.payload.mass_kg=0..1 --runs 100\n  \
     phihat sweep studies/first.toml --vary gains.inertia_kg_m2=times:log:0.5..2 --runs 100000 --shard 3/8")]
-pub(crate) struct Sweep {
+pub(crate) struct SweepVerb {
     /// The study (TOML).
     study: PathBuf,
     /// A number of the study, and how it varies; once for each.
@@ -65,7 +65,7 @@ pub(crate) struct Sweep {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    page: Page,
+    page: PageOptions,
 }
 
 /// Put the shards of a sweep together: what one process would have left, byte for byte.
@@ -86,12 +86,12 @@ pub(crate) struct Merge {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    page: Page,
+    page: PageOptions,
 }
 
 const BAR: &str = "{wide_bar} {pos} of {len} runs · {elapsed} · {eta} left";
 
-impl Sweep {
+impl SweepVerb {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         let options = SweepOptions {
             study: self.study.clone(),
@@ -105,7 +105,7 @@ impl Sweep {
             threads: self.jobs,
             out: self.out.clone(),
         };
-        match options.run(&mut Shown::resumable(BAR, self.fresh))? {
+        match options.run(&mut TerminalWatch::resumable(BAR, self.fresh))? {
             SweepAnswer::Whole(swept) => Ok(tell(&swept, self.json, &self.page)),
             SweepAnswer::Shard { folder, runs } => {
                 if self.json {
@@ -126,7 +126,7 @@ impl Merge {
     }
 }
 
-fn tell(swept: &SweptWhole, as_json: bool, page: &Page) -> ExitCode {
+fn tell(swept: &SweptWhole, as_json: bool, page: &PageOptions) -> ExitCode {
     let SweptWhole { summary, folder, page: report } = swept;
     if as_json {
         let document = json!({ "folder": folder, "report": report, "sweep": summary });

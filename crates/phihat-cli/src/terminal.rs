@@ -43,13 +43,13 @@ pub(crate) enum Color {
 
 /// For verbs that write a page.
 #[derive(Debug, Args)]
-pub(crate) struct Page {
+pub(crate) struct PageOptions {
     /// Open the page in the browser when it is written.
     #[arg(long)]
     open: bool,
 }
 
-impl Page {
+impl PageOptions {
     /// Opens the page where that was asked for; a machine without a browser is told where it is.
     pub(crate) fn show(&self, page: &Path) {
         if !self.open {

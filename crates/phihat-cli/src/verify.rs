@@ -6,10 +6,10 @@ use std::process::ExitCode;
 use clap::Args;
 use phihat_certificate::tube::JointBeside;
 use phihat_certificate::{
-    CheckedBound, ClassAgain, JointOfClass, Statement, TubeAgain, Verdict, Verified,
+    CheckedBound, ClassAgain, JointOfClass, TubeAgain, Verdict, Verified, VerifiedStatement,
 };
 use phihat_report::kit::unit_of;
-use phihat_session::{Checked, Stage, Verification, WORLDS, verify};
+use phihat_session::{Checked, Verification, VerifyStage, WORLDS, verify};
 use phihat_sim::Metrics;
 use serde_json::json;
 
@@ -71,8 +71,10 @@ impl Verify {
         let bar = spinner();
         let found = verify(checked, &|stage| {
             bar.set_message(match stage {
-                Stage::Tube(share) => format!("tube, second derivation: {:.0} %", 100.0 * share),
-                Stage::Worlds(done) => format!("worlds of the study: {done} of {WORLDS} run"),
+                VerifyStage::Tube(share) => {
+                    format!("tube, second derivation: {:.0} %", 100.0 * share)
+                }
+                VerifyStage::Worlds(done) => format!("worlds of the study: {done} of {WORLDS} run"),
             });
             bar.tick();
         });
@@ -133,7 +135,7 @@ fn record_words(metrics: &Metrics) -> String {
 
 /// All blocks, and the verdict as the last line.
 fn blocks(verified: &Verified, found: &Verification) -> String {
-    let line = |one: &Statement| {
+    let line = |one: &VerifiedStatement| {
         let joint = one.joint.as_ref().map_or_else(String::new, |joint| format!("{joint}: "));
         format!("  {joint}{}: {}", one.what, one.value)
     };
@@ -174,7 +176,7 @@ fn blocks(verified: &Verified, found: &Verification) -> String {
 
 fn bound_line(own: &CheckedBound, found: &Verification) -> String {
     let unit = unit_of("mrad", found.sliding.contains(&own.joint));
-    let (bound, words) = (1e3 * own.bound_rad, own.verdict.words());
+    let (bound, words) = (1e3 * own.error_bound_rad, own.verdict.words());
     format!("  {}: |e| ≤ {bound:.4} {unit}, {words}: {}", own.joint, own.basis)
 }
 
@@ -218,7 +220,7 @@ fn class_lines(class: &ClassAgain, found: &Verification) -> Vec<String> {
 /// Results of the second derivation and of the drawn worlds for the tube.
 fn again_lines(tube: &TubeAgain, found: &Verification) -> Vec<String> {
     let joint = |own: &JointBeside| {
-        let ends = [own.error_max_rad, own.derived_error_max_rad].map(|e| 1e3 * e);
+        let ends = [own.error_bound_rad, own.derived_error_bound_rad].map(|e| 1e3 * e);
         let rest = if own.confirmed() {
             String::new()
         } else {

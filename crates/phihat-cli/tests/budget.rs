@@ -11,7 +11,7 @@ use serde_json::Value;
 /// A planar arm of two joints that is to keep an error \[rad\]; `more` goes to the end of the file.
 fn planar(error: f64, more: &str) -> String {
     format!(
-        "duration_s = 2.0\n[robot]\nname = \"planar3r\"\nlocked = {{ joint2 = 0.8 }}\n[spec]\nsettle_s = 1.0\nerror_max_rad = {error:e}\n[design]\norders = [1]\n\
+        "duration_s = 2.0\n[robot]\nname = \"planar3r\"\nlocked = {{ joint2 = 0.8 }}\n[spec]\nsettle_s = 1.0\nerror_bound_rad = {error:e}\n[design]\norders = [1]\n\
          payload_max_kg = 0.3\n[loop]\nform = \"observer\"\nrate_hz = 500.0\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\n\
          velocity_filter_hz = 60.0\n[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = 0.5\n[[reference.sine]]\n\
          amplitude_rad = 0.2\nfrequency_hz = 0.5\n{more}"
@@ -62,7 +62,7 @@ fn followed(text: &str, change: &Value) -> Option<String> {
 fn assert_parts_add_up(budget: &Value) {
     for joint in budget["joints"].as_array().unwrap() {
         let total = joint["total_rad"].as_f64().unwrap();
-        assert!(total > 0.0 && joint["allowed_rad"].as_f64().unwrap() > 0.0);
+        assert!(total > 0.0 && joint["error_bound_rad"].as_f64().unwrap() > 0.0);
         let parts = joint["parts"].as_array().unwrap();
         let sum: f64 = parts
             .iter()
@@ -184,7 +184,7 @@ fn a_design_that_succeeds_has_a_budget_that_runs_keep() {
         assert!(measured <= motion * 1.05, "joint {i}: {measured} {motion}");
         assert!(motion < 8.0 * measured, "joint {i}: {measured} {motion}");
         let total = joint["total_rad"].as_f64().unwrap();
-        assert!((total / tube[i]["error_max_rad"].as_f64().unwrap() - 1.0).abs() < 1e-3);
+        assert!((total / tube[i]["error_bound_rad"].as_f64().unwrap() - 1.0).abs() < 1e-3);
         assert!(
             of_part(joint, "encoder").unwrap() > 0.0 && of_part(joint, "payload").unwrap() > 0.0
         );

@@ -66,7 +66,7 @@ fn an_interrupted_comparison_goes_on_to_the_same_bytes_and_its_runs_are_made_aga
     let row = all["rows"].as_array().unwrap().iter().find(|row| row["rival"] == "pd").unwrap();
     let cells = row["cells"].as_array().unwrap();
     let tuned = cells.iter().find(|cell| cell["gains"] == "tuned").unwrap();
-    let stated = tuned["worst"]["error_max_rad"].as_f64().unwrap();
+    let stated = tuned["worst"]["error_peak_rad"].as_f64().unwrap();
     assert!((largest - stated).abs() < 1e-6 * stated, "{largest} {stated}");
     let report = kept("whole", &format!("runs/{name}/report.html"));
     assert!(String::from_utf8(report).unwrap().contains("bandwidth"));

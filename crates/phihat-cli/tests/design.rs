@@ -10,7 +10,7 @@ const PLANAR: &str = r#"duration_s = 3.0
 name = "planar3r"
 [spec]
 settle_s = 1.5
-error_max_rad = 4e-3
+error_bound_rad = 4e-3
 [design]
 payload_max_kg = 0.5
 [loop]
@@ -60,13 +60,13 @@ fn designed_and_forged(folder: &Path, study: &str, (spec, last): (f64, &str)) {
     let tube = &answer["gains"]["certificate"]["tube"];
     let claims = tube["joints"].as_array().unwrap();
     for (joint, claim) in metrics["joints"].as_array().unwrap().iter().zip(claims) {
-        let bound = claim["error_max_rad"].as_f64().unwrap();
+        let bound = claim["error_bound_rad"].as_f64().unwrap();
         let measured = joint["error_steady_max_rad"].as_f64().unwrap();
         assert!(measured <= bound && bound <= spec, "{}: {measured} {bound}", joint["name"]);
     }
     // Half of it is refused, with the inequality.
     let mut forged = answer["gains"].clone();
-    let bound = &mut forged["certificate"]["tube"]["joints"][claims.len() - 1]["error_max_rad"];
+    let bound = &mut forged["certificate"]["tube"]["joints"][claims.len() - 1]["error_bound_rad"];
     *bound = (0.5 * bound.as_f64().unwrap()).into();
     fs::write(folder.join("forged.json"), forged.to_string()).unwrap();
     let refused = phihat(folder, &["verify", "forged.json"]);
@@ -87,7 +87,7 @@ fn a_study_without_gains_is_designed_on_the_way() {
 #[test]
 fn what_cannot_be_had_is_told_with_what_can() {
     let folder = folder("infeasible");
-    let strict = swing(1.5).replace("error_max_rad = 4e-3", "error_max_rad = 1e-6");
+    let strict = swing(1.5).replace("error_bound_rad = 4e-3", "error_bound_rad = 1e-6");
     assert!(strict != swing(1.5));
     fs::write(folder.join("strict.toml"), strict).unwrap();
     let answer = phihat(&folder, &["design", "strict.toml"]);
@@ -121,12 +121,13 @@ fn the_form_is_left_to_the_design_and_what_is_said_to_be_possible_is() {
     let left = document(&left.out)["gains"]["joints"].clone();
     let said = asked("said.toml", &plain.replace("[loop]\n", "[loop]\nform = \"design\"\n"));
     assert_eq!(document(&said.out)["gains"]["joints"], left);
-    let error =
-        |bound: f64| plain.replace("error_max_rad = 4e-3", &format!("error_max_rad = {bound:e}"));
+    let error = |bound: f64| {
+        plain.replace("error_bound_rad = 4e-3", &format!("error_bound_rad = {bound:e}"))
+    };
     let none = asked("none.toml", &error(1e-6));
     assert_eq!(none.code, 1, "{}{}", none.out, none.err);
     let clause = document(&none.out)["reason"]["clauses"][0].clone();
-    assert_eq!(clause["key"], "spec.error_max_rad", "{clause}");
+    assert_eq!(clause["key"], "spec.error_bound_rad", "{clause}");
     let possible = clause["possible"].as_f64().unwrap();
     assert!(possible < 4e-4, "{clause}");
     let kept = asked("kept.toml", &error(1.02 * possible));
@@ -172,7 +173,7 @@ fn the_papers_recipe_says_what_holds_and_does_not_arm() {
 /// A small arm's study with its `[design]` lines.
 fn planar(design: &str) -> String {
     format!(
-        "duration_s = 8.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 3.0\nerror_max_rad = 1.5e-2\n[design]\n\
+        "duration_s = 8.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 3.0\nerror_bound_rad = 1.5e-2\n[design]\n\
          {design}\n[loop]\nform = \"observer\"\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\n\
          velocity_filter_hz = 100.0\n[world]\nsubsteps = 4\ncoulomb_extra_nm = 0.05\n[reference]\nkind = \"sines\"\n\
          center_rad = [0.3, 0.8, 0.4]\nfade_in_s = 1.0\n[[reference.sine]]\namplitude_rad = 0.3\n\
@@ -222,7 +223,7 @@ fn what_is_typed_must_hold_what_the_robots_own_model_says() {
     let folder = folder("typed");
     let study = |design: &str| {
         format!(
-            "duration_s = 3.0\n[robot]\nname = \"planar3r\"\nlocked = {{ joint3 = 0.5 }}\n[spec]\nerror_max_rad = 0.1\n\
+            "duration_s = 3.0\n[robot]\nname = \"planar3r\"\nlocked = {{ joint3 = 0.5 }}\n[spec]\nerror_bound_rad = 0.1\n\
              [design]\n{design}\n[sensor]\nencoder_bits = 18\n[world]\ncoulomb_extra_nm = 0.1\n[reference]\n\
              kind = \"sines\"\ncenter_rad = 0.3\n[[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.3\n\
              phase_rad = 0.0\n"
@@ -284,7 +285,7 @@ fn behind_a_coarser_encoder_the_same_gains_keep_the_error_that_was_foretold() {
     assert_eq!(coarser.len(), 3);
     let declared = answer["gains"]["certificate"]["tube"]["joints"].as_array().unwrap();
     let mut finer: Vec<f64> =
-        declared.iter().map(|joint| joint["error_max_rad"].as_f64().unwrap()).collect();
+        declared.iter().map(|joint| joint["error_bound_rad"].as_f64().unwrap()).collect();
     for (one, bits) in coarser.iter().zip([17, 16, 15]) {
         // The world itself, with that encoder, is no part of what foretold it.
         let study = format!("behind{bits}.toml");
@@ -292,7 +293,7 @@ fn behind_a_coarser_encoder_the_same_gains_keep_the_error_that_was_foretold() {
         fs::write(folder.join(&study), text).unwrap();
         let run = json(&folder, &["simulate", &study, "--gains", file, "--uncertified", "--json"]);
         let joints = run["metrics"]["joints"].as_array().unwrap();
-        let foretold = one["error_max_rad"].as_array().unwrap();
+        let foretold = one["error_bound_rad"].as_array().unwrap();
         assert_eq!(foretold.len(), joints.len(), "{one}");
         for (i, (joint, foretold)) in joints.iter().zip(foretold).enumerate() {
             let (measured, foretold) =

@@ -17,10 +17,13 @@ fn place(name: &str) -> std::path::PathBuf {
         .replace("start_s = 4.0", "start_s = 2.0");
     let write = |name: &str, text: &str| fs::write(folder.join(name), text).unwrap();
     write("good.toml", &first);
-    write("tight.toml", &first.replace("error_max_rad = 2e-3", "error_max_rad = 1e-7"));
+    write("tight.toml", &first.replace("error_bound_rad = 2e-3", "error_bound_rad = 1e-7"));
     write("bad.toml", &first.replace("rate_hz", "rate_khz"));
     write("designed.toml", &swing(1.5));
-    write("impossible.toml", &swing(1.5).replace("error_max_rad = 4e-3", "error_max_rad = 1e-9"));
+    write(
+        "impossible.toml",
+        &swing(1.5).replace("error_bound_rad = 4e-3", "error_bound_rad = 1e-9"),
+    );
     folder
 }
 
@@ -138,7 +141,7 @@ armature_kg_m2 = [1.0, 0.002]
 
 [spec]
 settle_s = 1.0
-error_max_rad = [1e-3, 2e-2]
+error_bound_rad = [1e-3, 2e-2]
 
 [design]
 

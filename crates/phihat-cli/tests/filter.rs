@@ -16,7 +16,7 @@ seed = 1
 name = "planar3r"
 [spec]
 settle_s = 1.0
-error_max_rad = 6e-4
+error_bound_rad = 6e-4
 [design]
 payload_max_kg = 0.3
 torque_step_max_nm = 0.5
@@ -67,7 +67,7 @@ fn a_filter_is_taken_where_its_tube_is_better_and_holds_what_is_claimed() {
     };
     let [quiet, loud] = [&filtered, &plain].map(|gains| of(gains, "torque_step_steady_max_nm"));
     assert!(quiet < 0.97 * loud, "{quiet} {loud}");
-    assert!(of(&filtered, "error_max_rad") <= 6e-4);
+    assert!(of(&filtered, "error_bound_rad") <= 6e-4);
     let verified = phihat(&folder, &["verify", "filtered.json", "--study", "filtered.toml"]);
     assert_eq!(verified.code, 0, "{}{}", verified.out, verified.err);
     assert!(verified.out.contains("every claim holds"), "{}", verified.out);

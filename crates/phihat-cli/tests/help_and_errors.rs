@@ -101,7 +101,7 @@ fn devices_pipes_and_folders_are_no_files() {
 #[test]
 fn failures_are_documents_where_documents_are_asked_for() {
     let folder = folder("json_failures");
-    let hard = swing(1.5).replace("error_max_rad = 4e-3", "error_max_rad = 1e-9");
+    let hard = swing(1.5).replace("error_bound_rad = 4e-3", "error_bound_rad = 1e-9");
     assert_ne!(hard, swing(1.5));
     fs::write(folder.join("hard.toml"), hard).unwrap();
     for (arguments, code, word) in [
@@ -109,7 +109,7 @@ fn failures_are_documents_where_documents_are_asked_for() {
         (vec!["robots", "pandaa", "--json"], 2, "panda"),
         (vec!["verify", "nowhere.json", "--json"], 2, "nowhere.json"),
         (vec!["run", "studies/first.toml", "--json", "--nonsense"], 2, "--nonsense"),
-        (vec!["run", "hard.toml", "--json"], 1, "error_max_rad"),
+        (vec!["run", "hard.toml", "--json"], 1, "error_bound_rad"),
     ] {
         let answer = phihat(&folder, &arguments);
         let document: serde_json::Value = serde_json::from_str(&answer.out).unwrap();

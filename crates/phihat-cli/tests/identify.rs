@@ -113,7 +113,7 @@ fn a_record_becomes_a_design_that_holds() {
     assert_eq!(identified("text/trace.csv"), joints, "of either kind");
     let again = |end: &str| {
         format!(
-            "duration_s = 8.0\n{joints}\n[spec]\nsettle_s = 2.0\nerror_max_rad = 5e-3\n[design]\n[world]\njoint_inertia = \"{end}\"\n\
+            "duration_s = 8.0\n{joints}\n[spec]\nsettle_s = 2.0\nerror_bound_rad = 5e-3\n[design]\n[world]\njoint_inertia = \"{end}\"\n\
              [loop]\nform = \"observer\"\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = \"design\"\n\
              [reference]\nkind = \"sines\"\ncenter_rad = 0.0\n[[reference.sine]]\namplitude_rad = 0.3\nfrequency_hz = [0.3, 0.4]\n"
         )
@@ -134,7 +134,7 @@ fn a_record_becomes_a_design_that_holds() {
         };
         let (gains, metrics) = (read("gains.json"), read("metrics.json"));
         for joint in 0..2 {
-            let bound = gains["certificate"]["joints"][joint]["bounds"]["error_rad"].as_f64();
+            let bound = gains["certificate"]["joints"][joint]["bounds"]["error_bound_rad"].as_f64();
             let measured = metrics["joints"][joint]["error_steady_max_rad"].as_f64().unwrap();
             assert!(measured <= bound.unwrap(), "{end}, joint {joint}: {measured} {bound:?}");
         }

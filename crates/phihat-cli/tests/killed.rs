@@ -12,7 +12,9 @@ use std::thread;
 use std::time::Duration;
 
 use crate::support::{Files, Running, files_of, folder, leave, phihat, small, wait_for};
-use phihat_fci::{Ending, FciError, Host, Pace, Packets, RobotSide, Rules, Sensed, World};
+use phihat_fci::{
+    Ending, FciError, Host, Pace, Packets, RobotRules, RobotSide, StateSensed, World,
+};
 use phihat_session::{LOST_MAX_S, recorded};
 use phihat_sim::Stepped;
 
@@ -26,7 +28,7 @@ name = "panda"
 name = "robot"
 [spec]
 settle_s = 1.0
-error_max_rad = 0.5
+error_bound_rad = 0.5
 [gains]
 order = 2
 bandwidth_rad_s = 20.0
@@ -65,8 +67,8 @@ impl World for Robot {
         Ok(())
     }
 
-    fn sensed(&mut self) -> Sensed {
-        let mut sensed = Sensed { arrives: true, ..Sensed::default() };
+    fn sensed(&mut self) -> StateSensed {
+        let mut sensed = StateSensed { arrives: true, ..StateSensed::default() };
         for (i, joint) in self.run.sensed().iter().enumerate() {
             (sensed.q[i], sensed.dq[i]) = (joint.q, joint.dq);
             sensed.tau_j_d[i] = self.run.accepted()[i];
@@ -105,7 +107,7 @@ fn killed_after(folder: &Path, samples: usize) -> Vec<[f64; 7]> {
     let mut robot =
         Robot { run, steps: Arc::clone(&steps), torques: Arc::clone(&torques), ended: false };
     let pace = Pace::LockStep { patience: Duration::from_mins(1) };
-    let side = RobotSide::new(Rules::NONE, String::new());
+    let side = RobotSide::new(RobotRules::NONE, String::new());
     let mut host = Host::listen(Ipv4Addr::LOCALHOST.into(), 0, pace, side).unwrap();
     let on = format!("fci://{}?protocol=5", host.address());
     let serving = thread::spawn(move || host.serve(&mut robot).unwrap());

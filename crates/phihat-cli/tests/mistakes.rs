@@ -96,11 +96,11 @@ const IN_KEYS: [Mistake; 10] = [
         "no [spec] for a design",
         Own,
         (
-            "[spec]\nsettle_s = 1.0\nerror_max_rad = 0.05\n\n[gains]\ninertia_kg_m2 = 0.3\nbandwidth_rad_s = 15.0\nestimator_bandwidth_rad_s = 60.0",
+            "[spec]\nsettle_s = 1.0\nerror_bound_rad = 0.05\n\n[gains]\ninertia_kg_m2 = 0.3\nbandwidth_rad_s = 15.0\nestimator_bandwidth_rad_s = 60.0",
             "[design]",
         ),
         "",
-        &["spec.error_max_rad is missing", "a design needs the largest error you can live with"],
+        &["spec.error_bound_rad is missing", "a design needs the largest error you can live with"],
     ),
     mistake(
         "no [gains] and no [design]",
@@ -463,7 +463,7 @@ file = "arm.urdf"
 
 [spec]
 settle_s = 1.0
-error_max_rad = 0.05
+error_bound_rad = 0.05
 
 [gains]
 inertia_kg_m2 = 0.3

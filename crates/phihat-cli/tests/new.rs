@@ -74,12 +74,12 @@ fn a_bare_urdf_comes_to_a_certified_run() {
     let run = json(&folder, &["run", "mine/first.toml", "--out", "run", "--json"]);
     assert_eq!(run["verdict"], "within_spec", "{run:#}");
     assert_eq!(run["metrics"]["limited_steady_share"], 0.0);
-    let promised = told["error_max_rad"][0].as_f64().unwrap();
+    let promised = told["error_bound_rad"][0].as_f64().unwrap();
     let gains: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(folder.join("run/gains.json")).unwrap()).unwrap();
     let certificate = &gains["certificate"];
     for joint in certificate["tube"]["joints"].as_array().unwrap() {
-        assert!(joint["error_max_rad"].as_f64().unwrap() <= promised);
+        assert!(joint["error_peak_rad"].as_f64().unwrap() <= promised);
     }
     // What holds for the interval, and what for the value in it, is said.
     let left = certificate["not_counted"].to_string();
@@ -174,8 +174,8 @@ fn light_joints_without_a_rotor_are_told_by_name() {
         );
         write(&folder, "arm.toml", &arm);
         let study = fs::read_to_string(folder.join("first.toml")).unwrap();
-        let line = study.lines().find(|line| line.starts_with("error_max_rad")).unwrap();
-        write(&folder, "easy.toml", &study.replace(line, "error_max_rad = 50.0"));
+        let line = study.lines().find(|line| line.starts_with("error_bound_rad")).unwrap();
+        write(&folder, "easy.toml", &study.replace(line, "error_bound_rad = 50.0"));
         let told = phihat(&folder, &["design", "easy.toml", "--out", "gains.json"]);
         assert_eq!(told.code, code, "{share}: {}{}", told.out, told.err);
     }

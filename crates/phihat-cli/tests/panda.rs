@@ -16,7 +16,7 @@ fn panda_tracks_within_half_a_milliradian() {
         "friction = \"robot\"",
         "coulomb_extra_nm = 0.3",
         "mass_kg = 0.5",
-        "error_max_rad = 5e-4",
+        "error_bound_rad = 5e-4",
         "torque_rate_max_nm_s = \"robot\"",
     ] {
         assert!(study.contains(hard_part), "the study must keep: {hard_part}");
@@ -38,7 +38,7 @@ fn panda_tracks_within_half_a_milliradian() {
     let tube = &answer["metrics"]["tube"];
     assert!(tube["left"].is_null() && tube["no_promise"].is_null(), "{tube:#}");
     for joint in tube["joints"].as_array().unwrap() {
-        assert!(joint["error_tube_rad"].as_f64().unwrap() <= 5e-4, "{joint}");
+        assert!(joint["error_bound_rad"].as_f64().unwrap() <= 5e-4, "{joint}");
     }
 }
 
@@ -48,7 +48,8 @@ fn panda_tracks_within_half_a_milliradian() {
 fn finer_slices_of_the_payload_prove_less_error() {
     let folder = folder("panda-rate");
     let study = std::fs::read_to_string(folder.join("studies/panda_rate.toml")).unwrap();
-    for hard_part in ["torque_step_max_nm = 1.0", "payload_max_kg = 1.0", "error_max_rad = 4e-4"] {
+    for hard_part in ["torque_step_max_nm = 1.0", "payload_max_kg = 1.0", "error_bound_rad = 4e-4"]
+    {
         assert!(study.contains(hard_part), "the study must keep: {hard_part}");
     }
     let answer = json(&folder, &["run", "studies/panda_rate.toml", "--json"]);
@@ -63,7 +64,7 @@ fn finer_slices_of_the_payload_prove_less_error() {
     let tube = &gains["certificate"]["tube"];
     assert!(tube["slices"].as_u64().unwrap() > 2, "{}", tube["slices"]);
     for joint in tube["joints"].as_array().unwrap() {
-        assert!(joint["error_max_rad"].as_f64().unwrap() <= 4e-4, "{joint}");
+        assert!(joint["error_bound_rad"].as_f64().unwrap() <= 4e-4, "{joint}");
         assert!(joint["torque_step_max_nm"].as_f64().unwrap() <= 1.0, "{joint}");
     }
 }
@@ -78,7 +79,7 @@ fn less_error_where_the_change_of_torque_is_not_proved() {
     let text = std::fs::read_to_string(folder.join("fast.json")).unwrap();
     let gains: serde_json::Value = serde_json::from_str(&text).unwrap();
     for joint in gains["certificate"]["tube"]["joints"].as_array().unwrap() {
-        assert!(joint["error_max_rad"].as_f64().unwrap() <= 0.36e-3, "{joint}");
+        assert!(joint["error_bound_rad"].as_f64().unwrap() <= 0.36e-3, "{joint}");
     }
     let study = std::fs::read_to_string(folder.join("studies/panda_rate.toml")).unwrap();
     assert!(study.contains("torque_rate_max_nm_s = \"robot\"") && study.contains("mass_kg = 0.5"));

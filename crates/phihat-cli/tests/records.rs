@@ -372,7 +372,7 @@ fn verify_takes_a_record_and_refuses_what_does_not_follow_from_its_trace() {
     // A forger who makes the hashes fit.
     let path = folder.join("a/metrics.json");
     let own = fs::read_to_string(&path).unwrap();
-    let place = own.find("\"error_max_rad\": ").unwrap() + "\"error_max_rad\": ".len();
+    let place = own.find("\"error_peak_rad\": ").unwrap() + "\"error_peak_rad\": ".len();
     let forged =
         format!("{}1e-9{}", &own[..place], &own[own[place..].find(',').unwrap() + place..]);
     let sum = |text: &str| sha256(&mut text.as_bytes()).unwrap();

@@ -88,7 +88,7 @@ fn json_has_its_documented_shape() {
     assert_eq!(joint["name"], "joint1");
     for key in [
         "error_rms_rad",
-        "error_max_rad",
+        "error_peak_rad",
         "error_steady_max_rad",
         "error_integral_steady_max_rad_s",
         "velocity_error_steady_max_rad_s",
@@ -129,7 +129,7 @@ fn gains_can_come_from_a_file_and_are_bound_to_their_robot() {
 fn out_of_spec_and_divergence_have_exit_code_one_and_still_leave_evidence() {
     let folder = folder("evidence");
     let text = fs::read_to_string(folder.join("studies/first.toml")).unwrap();
-    let strict = text.replace("error_max_rad = ", "error_max_rad = 1e-6 # was ");
+    let strict = text.replace("error_bound_rad = ", "error_bound_rad = 1e-6 # was ");
     assert!(strict != text);
     fs::write(folder.join("strict.toml"), strict).unwrap();
     let answer = phihat(&folder, &["run", "strict.toml"]);

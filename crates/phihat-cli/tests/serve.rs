@@ -23,7 +23,7 @@ name = "panda"
 name = "ideal"
 [spec]
 settle_s = 0.3
-error_max_rad = 0.5
+error_bound_rad = 0.5
 [gains]
 order = 2
 bandwidth_rad_s = 20.0

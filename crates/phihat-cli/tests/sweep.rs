@@ -84,7 +84,7 @@ fn the_command_of_the_worst_run_repeats_it() {
     let metrics: serde_json::Value = serde_json::from_str(&text).unwrap();
     let joints = metrics["joints"].as_array().unwrap().iter();
     let over = joints.map(|joint| {
-        joint["error_steady_max_rad"].as_f64().unwrap() / joint["error_spec_rad"].as_f64().unwrap()
+        joint["error_steady_max_rad"].as_f64().unwrap() / joint["error_bound_rad"].as_f64().unwrap()
     });
     let over = over.fold(0.0, f64::max);
     assert_eq!(over.to_bits(), worst["error"].as_f64().unwrap().to_bits());

@@ -18,11 +18,11 @@ fn study(spec: &str) -> String {
 #[test]
 fn a_tip_is_specified_designed_for_and_measured_in_millimetres() {
     let folder = folder("tip");
-    fs::write(folder.join("arm.toml"), study("tip_error_max_mm = 8.0")).unwrap();
+    fs::write(folder.join("arm.toml"), study("tip_error_bound_mm = 8.0")).unwrap();
     let told = json(&folder, &["design", "arm.toml", "--json"]);
     assert_eq!(told["outcome"], "designed", "{told:#}");
     let tube = &told["gains"]["certificate"]["tube"];
-    let bound = tube["tip"]["error_max_m"].as_f64().unwrap();
+    let bound = tube["tip"]["error_bound_m"].as_f64().unwrap();
     assert!(bound > 1e-4 && bound <= 8e-3, "{bound}");
     let file = told["file"].as_str().unwrap();
     let verified = json(&folder, &["verify", file, "--study", "arm.toml", "--json"]);
@@ -31,7 +31,7 @@ fn a_tip_is_specified_designed_for_and_measured_in_millimetres() {
     let tip = &run["metrics"]["tip"];
     let measured = tip["error_steady_max_m"].as_f64().unwrap();
     assert!(measured > 1e-5 && measured <= bound, "{measured} {bound}");
-    assert!((tip["error_spec_m"].as_f64().unwrap() - 8e-3).abs() < 1e-12);
+    assert!((tip["error_bound_m"].as_f64().unwrap() - 8e-3).abs() < 1e-12);
     let turned = tip["angle_steady_max_rad"].as_f64().unwrap();
     assert!(turned > 0.0 && turned <= tube["tip"]["angle_max_rad"].as_f64().unwrap());
     // All axes of a planar arm are parallel: the tip turns by the sum of the joints' errors.
@@ -46,7 +46,7 @@ fn a_tip_is_specified_designed_for_and_measured_in_millimetres() {
     let page = fs::read_to_string(folder.join("out/arm/report.html")).unwrap();
     assert!(page.contains("The tip (") && page.contains("the study allows 8.000 mm"));
     // What is not kept is out of spec although no joint has a bound.
-    fs::write(folder.join("strict.toml"), study("tip_error_max_mm = 0.001")).unwrap();
+    fs::write(folder.join("strict.toml"), study("tip_error_bound_mm = 0.001")).unwrap();
     let strict = phihat(&folder, &["run", "strict.toml", "--gains", file]);
     assert_eq!(strict.code, 1, "{}", strict.err);
     assert!(strict.out.contains("OUT OF SPEC on the tip"), "{}", strict.out);
@@ -57,7 +57,7 @@ fn a_tip_is_specified_designed_for_and_measured_in_millimetres() {
     assert_eq!(json(&folder, &["verify", "old.json", "--json"])["holds"], true);
     // A shorter lever is refused.
     let mut forged = told["gains"].clone();
-    let most = &mut forged["certificate"]["tube"]["tip"]["error_max_m"];
+    let most = &mut forged["certificate"]["tube"]["tip"]["error_bound_m"];
     *most = serde_json::json!(0.9 * bound);
     fs::write(folder.join("forged.json"), forged.to_string()).unwrap();
     assert_eq!(phihat(&folder, &["verify", "forged.json"]).code, 1);

@@ -18,7 +18,7 @@ fn tube(error: f64) -> Value {
         "joints": [{
             "name": "joint1", "error_low_rad": low, "error_high_rad": wide,
             "velocity_low_rad_s": vec![-10.0; 20], "velocity_high_rad_s": vec![10.0; 20],
-            "error_max_rad": error, "velocity_error_max_rad_s": 10.0,
+            "error_bound_rad": error, "velocity_error_bound_rad_s": 10.0,
             "torque_max_nm": 1e3, "torque_step_nm": vec![1e3; 20], "torque_step_max_nm": 1e3,
             "torque_step_steady_max_nm": 1e3,
         }],
@@ -52,9 +52,9 @@ fn promise_and_measurement_stand_side_by_side() {
     let figures = json(&folder, &[&run[..], &["--json"]].concat());
     assert_eq!(figures["verdict"], "within_spec");
     let kept = &figures["metrics"]["tube"];
-    assert_eq!(kept["joints"][0]["error_tube_rad"], 5e-3);
+    assert_eq!(kept["joints"][0]["error_bound_rad"], 5e-3);
     assert_eq!(
-        kept["joints"][0]["error_max_rad"],
+        kept["joints"][0]["error_peak_rad"],
         figures["metrics"]["joints"][0]["error_steady_max_rad"]
     );
     assert!(kept["left"].is_null() && kept["no_promise"].is_null());

@@ -12,7 +12,7 @@ name = "planar3r"
 locked = { joint3 = 0.5 }
 [spec]
 settle_s = 0.5
-error_max_rad = 4e-3
+error_bound_rad = 4e-3
 [design]
 payload_max_kg = 0.2
 orders = [1]
@@ -57,7 +57,7 @@ fn shrunk(gains: &Value, by: f64) -> Value {
     }
     // What is said of the tip follows from the joints.
     let tip = &mut gains["certificate"]["tube"]["tip"];
-    for key in ["error_max_m", "angle_max_rad"] {
+    for key in ["error_bound_m", "angle_max_rad"] {
         tip[key] = json!(by * tip[key].as_f64().unwrap());
     }
     gains

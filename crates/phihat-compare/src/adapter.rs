@@ -3,9 +3,9 @@
 use std::sync::{Arc, OnceLock};
 
 use phihat_model::{Joint, ModelError};
-use phihat_rivals::{All, Curve, Refusal, Running, Supply};
+use phihat_rivals::{All, RivalRefusal, Running, Supply, TaskCurve};
 use phihat_sim::{Driver, Moment, Motion as PlannedMotion, SimError};
-use phihat_study::{Reference, Study};
+use phihat_study::{ReferenceRequest, Study};
 
 /// Link masses of the nominal model over the arm's.
 pub const NOMINAL_MASSES: f64 = 0.8;
@@ -115,30 +115,31 @@ pub fn supply(study: &Study, inertia: &[f64], masses: f64) -> Result<Supply, Mod
         delay_samples: study.control.delay_samples,
         task_period: period(&study.reference),
         tip: robot.tip.clone(),
-        orbit: Turn::of(study).map(|turn| Arc::new(turn) as Arc<dyn Curve>),
+        orbit: ReferenceTurn::of(study).map(|turn| Arc::new(turn) as Arc<dyn TaskCurve>),
         designed: Err(not_designed()),
         designed_positions: Err(not_designed()),
         designed_filters: Err(not_designed()),
     })
 }
 
-fn not_designed() -> Refusal {
-    Refusal::NotApplicable("no gains were designed for this arm".to_owned())
+fn not_designed() -> RivalRefusal {
+    RivalRefusal::NotApplicable("no gains were designed for this arm".to_owned())
 }
 
 /// One turn of a study's reference, after its start.
 #[derive(Debug)]
-struct Turn {
+struct ReferenceTurn {
     motion: PlannedMotion,
     start: f64,
     period: f64,
 }
 
-impl Turn {
+impl ReferenceTurn {
     fn of(study: &Study) -> Option<Self> {
         let period = period(&study.reference)?;
         let start = match &study.reference {
-            Reference::Sines { fade_in, .. } | Reference::Cartesian { fade_in, .. } => *fade_in,
+            ReferenceRequest::Sines { fade_in, .. }
+            | ReferenceRequest::Cartesian { fade_in, .. } => *fade_in,
             _ => 0.0,
         };
         let duration = start + 2.0 * period;
@@ -147,7 +148,7 @@ impl Turn {
     }
 }
 
-impl Curve for Turn {
+impl TaskCurve for ReferenceTurn {
     fn at(&self, theta: f64, q: &mut [f64], dq: &mut [f64], ddq: &mut [f64]) {
         // The middle of two turns: away from both ends of the motion.
         let t = self.start + 0.5 * self.period + theta.rem_euclid(self.period);
@@ -166,10 +167,10 @@ const PERIOD_MAX: f64 = 60.0;
 
 /// The period of a study's reference \[s\], where it has one: that of a Cartesian curve, or the smallest that
 /// all its sines share.
-fn period(reference: &Reference) -> Option<f64> {
+fn period(reference: &ReferenceRequest) -> Option<f64> {
     match reference {
-        Reference::Cartesian { period, .. } => Some(*period),
-        Reference::Sines { terms, .. } => {
+        ReferenceRequest::Cartesian { period, .. } => Some(*period),
+        ReferenceRequest::Sines { terms, .. } => {
             let frequencies = || terms.iter().flat_map(|term| &term.frequency);
             let slowest = frequencies().copied().fold(f64::INFINITY, f64::min);
             let whole = |turns: f64| (turns - turns.round()).abs() < 1e-9;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use phihat_model::ModelError;
-use phihat_rivals::{DesignedPosition, Entry, Refusal, Scalar, Sensed, Supply};
+use phihat_rivals::{DesignedPosition, Entry, RivalRefusal, Scalar, SensedChoice, Supply};
 use phihat_sim::Motion;
 use phihat_study::Study;
 use toml::Table;
@@ -13,7 +13,7 @@ use toml::Table;
 use crate::adapter::{NOMINAL_MASSES, supply};
 use crate::error::CompareError;
 use crate::motion::MotionRange;
-use crate::proposed_law::{NotDesigned, ProposedLaw};
+use crate::proposed_law::{ComparedLaw, NotDesigned};
 use crate::proposed_positions::designed_positions;
 use crate::record::ArmRecord;
 
@@ -34,13 +34,13 @@ pub struct ArmCase {
     pub(crate) ratio: [f64; 2],
     /// Eigenvalues of `M` \[kg·m²\].
     pub(crate) eigenvalues: [f64; 2],
-    /// `[spec] error_max_rad` per joint.
+    /// `[spec] error_bound_rad` per joint.
     pub(crate) error_bound: Vec<f64>,
     /// Torque limits \[N·m\] per joint.
     pub(crate) limits: Vec<f64>,
     /// Study that this project's designs use in place of `study`, where its worlds are harder.
     pub(crate) harder: Option<Study>,
-    designed: OnceLock<Result<ProposedLaw, Arc<NotDesigned>>>,
+    designed: OnceLock<Result<ComparedLaw, Arc<NotDesigned>>>,
     designed_positions: OnceLock<Result<Vec<DesignedPosition>, Arc<NotDesigned>>>,
     designed_filters: OnceLock<Result<Vec<DesignedPosition>, Arc<NotDesigned>>>,
 }
@@ -73,7 +73,7 @@ impl ArmCase {
         let limits = limits.ok_or_else(|| lacks("loop.torque_max_nm", "torque limits"))?;
         let error_bound = study.spec.error_bound.clone();
         let error_bound = error_bound
-            .ok_or_else(|| lacks("spec.error_max_rad", "the error that is lived with"))?;
+            .ok_or_else(|| lacks("spec.error_bound_rad", "the error that is lived with"))?;
         if study.design.payload.mass.1 <= 0.0 {
             return Err(lacks("design.payload_max_kg", "the heaviest payload"));
         }
@@ -115,20 +115,20 @@ impl ArmCase {
     /// The gains that this project's design gives for the study's specification, or why there are none;
     /// designed at the first call. Where no gains satisfy it in the harder loop, they are those for the
     /// study's own.
-    pub(crate) fn designed(&self) -> &Result<ProposedLaw, Arc<NotDesigned>> {
+    pub(crate) fn designed(&self) -> &Result<ComparedLaw, Arc<NotDesigned>> {
         self.designed.get_or_init(|| {
-            let harder = self.harder.as_ref().and_then(|told| ProposedLaw::designed(told).ok());
-            harder.map_or_else(|| ProposedLaw::designed(&self.study), Ok).map_err(Arc::new)
+            let harder = self.harder.as_ref().and_then(|told| ComparedLaw::designed(told).ok());
+            harder.map_or_else(|| ComparedLaw::designed(&self.study), Ok).map_err(Arc::new)
         })
     }
 
     /// The paper's law with the values of a row, where the row's law is the paper's under any name; that from
     /// positions is another.
-    pub(crate) fn proposed(&self, entry: &Entry, values: &[f64]) -> Option<ProposedLaw> {
+    pub(crate) fn proposed(&self, entry: &Entry, values: &[f64]) -> Option<ComparedLaw> {
         if entry.needs.designed && !entry.needs.preview {
             return self.designed().as_ref().ok().cloned();
         }
-        ProposedLaw::with(entry.card.id, values, &self.units, self.ratio)
+        ComparedLaw::with(entry.card.id, values, &self.units, self.ratio)
     }
 
     /// Data of the arm for a rival in one of its worlds.
@@ -152,10 +152,10 @@ impl ArmCase {
                 (&self.designed_positions, &mut supply.designed_positions)
             };
             let designed = kept.get_or_init(found).clone();
-            *handed = designed.map_err(|why| Refusal::NotApplicable(why.to_string()));
+            *handed = designed.map_err(|why| RivalRefusal::NotApplicable(why.to_string()));
         } else if entry.needs.designed {
-            let designed = self.designed().as_ref().map(ProposedLaw::joints);
-            supply.designed = designed.map_err(|why| Refusal::NotApplicable(why.to_string()));
+            let designed = self.designed().as_ref().map(ComparedLaw::joints);
+            supply.designed = designed.map_err(|why| RivalRefusal::NotApplicable(why.to_string()));
         }
         supply
     }
@@ -163,7 +163,7 @@ impl ArmCase {
     /// A law's own scalars, then the free choices in its inputs; and the number of them, from the first,
     /// whose ranges may be widened.
     pub(crate) fn free(&self, entry: &Entry) -> (Vec<Scalar>, usize) {
-        let sensed = Sensed {
+        let sensed = SensedChoice {
             rate_hz: 1e9 / self.study.control.period_ns as f64,
             velocity_filter_hz: self.study.sensor.velocity_filter_hz,
         };
@@ -179,7 +179,7 @@ impl ArmCase {
             study_sha256: self.study.sha256.clone(),
             joints: self.study.robot.joint_names(),
             inertia: self.units.clone(),
-            error_max_rad: self.error_bound.clone(),
+            error_bound_rad: self.error_bound.clone(),
         }
     }
 }

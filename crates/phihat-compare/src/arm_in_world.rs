@@ -9,7 +9,7 @@ use toml::{Table, Value};
 
 use crate::arm_case::ArmCase;
 use crate::error::CompareError;
-use crate::world::World;
+use crate::world::ComparisonWorld;
 
 /// A driver that does nothing: to see whether a study can be simulated.
 #[derive(Debug)]
@@ -21,7 +21,7 @@ impl Driver for Idle {
 
 /// Motion of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Task {
+pub(crate) enum ComparisonTask {
     /// The study's own where the seed is 1, else one drawn from the seed.
     Score(u64),
     /// One to train on, from 1.
@@ -29,7 +29,7 @@ pub(crate) enum Task {
 }
 
 /// Length of a run, and start of its scored part \[s\].
-pub(crate) type Span = (f64, f64);
+pub(crate) type TimeSpan = (f64, f64);
 
 /// Sizes that a drawn motion is tried with, until one keeps the joints' limits.
 const SCALES: [f64; 4] = [1.0, 0.7, 0.5, 0.3];
@@ -42,9 +42,9 @@ impl ArmCase {
     /// [`CompareError::Study`]: the arm's study does not bear the world.
     pub(crate) fn in_world(
         &self,
-        world: &World,
-        task: Task,
-        (duration, settle): Span,
+        world: &ComparisonWorld,
+        task: ComparisonTask,
+        (duration, settle): TimeSpan,
     ) -> Result<Study, CompareError> {
         let mut table = self.table.clone();
         // Pushes of the study's own may lie outside a shorter run.
@@ -52,7 +52,9 @@ impl ArmCase {
             world.remove("push");
         }
         let seed = match task {
-            Task::Score(seed) | Task::Train(seed) => i64::try_from(seed).unwrap_or(i64::MAX),
+            ComparisonTask::Score(seed) | ComparisonTask::Train(seed) => {
+                i64::try_from(seed).unwrap_or(i64::MAX)
+            }
         };
         set(&mut table, &["duration_s"], duration.into());
         set(&mut table, &["spec", "settle_s"], settle.into());
@@ -77,11 +79,11 @@ impl ArmCase {
     }
 
     /// Puts the task's motion into a table, as large as the joints' limits bear it.
-    fn with_motion(&self, table: &mut Table, task: Task) -> Result<Study, CompareError> {
+    fn with_motion(&self, table: &mut Table, task: ComparisonTask) -> Result<Study, CompareError> {
         let name = match task {
-            Task::Score(1) => return self.parse(table),
-            Task::Score(seed) => format!("score {seed}"),
-            Task::Train(seed) => format!("train {seed}"),
+            ComparisonTask::Score(1) => return self.parse(table),
+            ComparisonTask::Score(seed) => format!("score {seed}"),
+            ComparisonTask::Train(seed) => format!("train {seed}"),
         };
         self.moved(table, &name)
     }

@@ -7,7 +7,7 @@ use crate::run_outcome::{Figures, RunOutcome, Sketch};
 
 /// A run that counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Case {
+pub(crate) struct ComparisonCase {
     pub(crate) arm: usize,
     pub(crate) rival: usize,
     pub(crate) world: usize,

@@ -3,10 +3,10 @@
 use phihat_rivals::Entry;
 
 use crate::arm_case::ArmCase;
-use crate::arm_in_world::Task;
+use crate::arm_in_world::ComparisonTask;
 use crate::mark::Mark;
 use crate::promise;
-use crate::row::{Cell, Columns, GainsKind, Measured, TuningRecord};
+use crate::row::{GainsKind, LawCell, MarkColumns, MeasuredTicks, TuningRecord};
 use crate::world::{SATURATION, TRAINING};
 
 /// Share of draws from which gains are easy to find, and from which they are partly so.
@@ -18,21 +18,21 @@ pub(crate) fn columns(
     entry: &Entry,
     tuning: &TuningRecord,
     share: f64,
-    cells: &[Cell],
-) -> Columns {
+    cells: &[LawCell],
+) -> MarkColumns {
     let printed = |get: fn(phihat_rivals::Ticks) -> phihat_rivals::Tick| {
         entry.card.printed.map(get).map(Mark::from)
     };
-    let measured = |(mark, why): (Mark, String), printed: Option<Mark>| Measured {
+    let measured = |(mark, why): (Mark, String), printed: Option<Mark>| MeasuredTicks {
         mark,
         printed,
         agrees: printed.map(|printed| printed == mark),
         why,
     };
     let span = (arm.study.duration, arm.study.spec.settle);
-    let study = arm.in_world(TRAINING[0], Task::Score(1), span).ok();
+    let study = arm.in_world(TRAINING[0], ComparisonTask::Score(1), span).ok();
     let condition = study.and_then(|study| promise::condition(arm, entry, &tuning.tuned, &study));
-    Columns {
+    MarkColumns {
         quantitative: measured(quantitative(cells), printed(|t| t.quantitative)),
         easy: measured(easy(entry, tuning, share), printed(|t| t.easy)),
         optimal: measured(promise::optimal(arm, entry, &tuning.tuned), printed(|t| t.optimal)),
@@ -49,7 +49,7 @@ const TIGHT: f64 = 10.0;
 /// Mark of the first column, and why: a bound that was computed before the runs with tuned gains, was
 /// satisfied in all of them, and is tight. A drive that saturates has no bound: the world that is made for
 /// that does not count.
-fn quantitative(cells: &[Cell]) -> (Mark, String) {
+fn quantitative(cells: &[LawCell]) -> (Mark, String) {
     let runs = |gains: GainsKind| {
         let cells = cells.iter().filter(move |c| c.gains == gains && c.world != SATURATION);
         cells.flat_map(|c| &c.runs)

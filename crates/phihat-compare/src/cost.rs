@@ -50,7 +50,7 @@ mod tests {
         let study = Study::from_text(text, "cost.toml", std::path::Path::new(".")).unwrap();
         let run = |error_rms_rad: f64, noise: f64, saturated: f64| Figures {
             error_rms_rad,
-            error_max_rad: error_rms_rad,
+            error_peak_rad: error_rms_rad,
             error_over_spec: 1.0,
             effort: 0.1,
             chatter_nm: 0.0,
@@ -59,7 +59,7 @@ mod tests {
             noise_above_50_hz: None,
             saturated,
             recovery_s: None,
-            bound_rad: None,
+            error_bound_rad: None,
             bound_over_measured: None,
         };
         let lost = RunOutcome::Lost { joint: "joint1".to_owned() };

@@ -2,7 +2,7 @@
 
 /// Extent of a comparison.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Extent {
+pub struct ComparisonExtent {
     /// Ids of rivals; empty: all.
     pub only: Vec<String>,
     /// Names of worlds; empty: all.
@@ -26,7 +26,7 @@ pub struct Extent {
     pub scored_max_s: f64,
 }
 
-impl Extent {
+impl ComparisonExtent {
     /// For a first look: some minutes.
     pub fn quick() -> Self {
         Self {

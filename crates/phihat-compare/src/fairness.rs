@@ -2,12 +2,12 @@
 
 use crate::adapter::NOMINAL_MASSES;
 use crate::cost::NOISE_CAP;
-use crate::plan::Plan;
+use crate::plan::ComparisonPlan;
 use crate::record::Fairness;
 use crate::world::TRAINING;
 
 /// The terms of a plan.
-pub(crate) fn fairness(plan: &Plan) -> Fairness {
+pub(crate) fn fairness(plan: &ComparisonPlan) -> Fairness {
     let extent = &plan.extent;
     let scored = (0..plan.arms.len()).map(|g| plan.span(g)).map(|(end, from)| end - from);
     Fairness {

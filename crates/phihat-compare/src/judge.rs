@@ -1,7 +1,7 @@
 //! Outcome of a run, its figures, and its trace in few numbers.
 
 use phihat_campaign::statistics::rms;
-use phihat_sim::{JointTrace, Outcome, Trace};
+use phihat_sim::{JointTrace, SimulationOutcome, Trace};
 use phihat_study::Study;
 
 use crate::motion::amplitudes;
@@ -28,7 +28,7 @@ pub(crate) struct Bars<'a> {
 /// Judges a run. `broken`: when and at which joint the rival's torque was no number.
 pub(crate) fn judge(
     study: &Study,
-    outcome: &Outcome,
+    outcome: &SimulationOutcome,
     broken: Option<(f64, usize)>,
     bars: &Bars<'_>,
 ) -> (RunOutcome, Option<Figures>) {
@@ -68,7 +68,7 @@ fn figures(study: &Study, trace: &Trace, bars: &Bars<'_>) -> Figures {
     let count = (from..trace.len()).filter(|&k| met(k)).count();
     Figures {
         error_rms_rad: over(&|_, joint| rms(&scored(&joint.e))),
-        error_max_rad: over(&|_, joint| largest(&joint.e[from..])),
+        error_peak_rad: over(&|_, joint| largest(&joint.e[from..])),
         error_over_spec: over(&|i, joint| largest(&joint.e[from..]) / bars.error_bound[i]),
         effort: over(&|i, joint| rms(&scored(&joint.tau_applied)) / bars.limits[i]),
         chatter_nm: over(&|_, joint| mean_step(&joint.tau_command[from..])),
@@ -77,7 +77,7 @@ fn figures(study: &Study, trace: &Trace, bars: &Bars<'_>) -> Figures {
         noise_above_50_hz: loudest(trace, from, bars.limits),
         saturated: count as f64 / (trace.len() - from).max(1) as f64,
         recovery_s: recovery(study, trace, from, bars.error_bound),
-        bound_rad: bound.map(|(bound, _)| bound),
+        error_bound_rad: bound.map(|(bound, _)| bound),
         bound_over_measured: bound.map(|(_, ratio)| ratio),
     }
 }

@@ -4,9 +4,9 @@
 //!
 //! The rivals of the paper's Table 1, measured on the same arms: `phihat compare`.
 //!
-//! A [`Plan`] is arms × rivals × worlds × choices of gains × seeds. Every rival is first tuned on every arm by
+//! A [`ComparisonPlan`] is arms × rivals × worlds × choices of gains × seeds. Every rival is first tuned on every arm by
 //! one optimiser ([`tune`]) with one budget, on motions and in a world of its own; then it runs in every
-//! [`World`], with default and with tuned gains, on other motions. What comes of it is a [`Comparison`].
+//! [`ComparisonWorld`], with default and with tuned gains, on other motions. What comes of it is a [`Comparison`].
 #![forbid(unsafe_code)]
 
 mod adapter;
@@ -50,17 +50,20 @@ pub use arm_case::ArmCase;
 pub use columns::EASY_SHARES;
 pub use cost::{LIMITED, NOISE_CAP};
 pub use error::CompareError;
-pub use extent::Extent;
+pub use extent::ComparisonExtent;
 pub use mark::Mark;
 pub use options::{CompareAnswer, CompareOptions};
 pub use page::{
-    Beaten, DEFAULTS, Loss, NOT_TUNED, Trial, UNITS, comparison_page, comparison_table, losses,
-    main_world, model_free, model_free_in_full, trial_page,
+    Beaten, DEFAULTS, LossOfLaw, NOT_TUNED, PageTrial, UNITS, comparison_page, comparison_table,
+    losses, main_world, model_free, model_free_in_full, trial_page,
 };
-pub use plan::Plan;
+pub use plan::ComparisonPlan;
 pub use record::{ArmRecord, Comparison, FORMAT, Fairness, RivalRecord, ScalarRecord, WorldRecord};
 pub use repeat::Repeated;
-pub use row::{Cell, Columns, ConditionRecord, Cost, GainsKind, Measured, Row, Run, TuningRecord};
+pub use row::{
+    ConditionRecord, GainsKind, LawCell, LawRow, LawRun, MarkColumns, MeasuredTicks, TuningCost,
+    TuningRecord,
+};
 pub use run_outcome::{Figures, RunOutcome, Sketch};
 pub use tune::{AtEnd, Tuned, Widened, tune, tune_widening};
-pub use world::{SATURATION, WORLDS, World, world};
+pub use world::{ComparisonWorld, SATURATION, WORLDS, world};

@@ -7,9 +7,9 @@ use phihat_rivals::Entry;
 use phihat_session::{TraceKind, Watch, files, threads};
 
 use crate::error::CompareError;
-use crate::extent::Extent;
+use crate::extent::ComparisonExtent;
 use crate::page::comparison_page;
-use crate::plan::Plan;
+use crate::plan::ComparisonPlan;
 use crate::record::Comparison;
 use crate::repeat::{self, Repeated};
 
@@ -64,7 +64,7 @@ impl CompareOptions {
     /// [`CompareError`]: an option or a study cannot be used, or a result not be written.
     pub fn run(&self, watch: &mut dyn Watch) -> Result<CompareAnswer, CompareError> {
         let folder = self.folder()?;
-        let plan = Plan::with(&self.studies, &self.laws, self.extent())?;
+        let plan = ComparisonPlan::with(&self.studies, &self.laws, self.extent())?;
         let [data, page] = ["compare.json", "report.html"].map(|name| folder.join(name));
         let mut journal = self.journal(&folder, &[data.clone(), page.clone()], watch)?;
         let comparison = self.runs(&plan, &mut journal, watch)?;
@@ -96,8 +96,8 @@ impl CompareOptions {
         };
         let (only, worlds) = (vec![rival.to_owned()], vec![world.to_owned()]);
         let mut plan = {
-            let extent = Extent { only, worlds, ..self.extent() };
-            Plan::with(&self.studies, &self.laws, extent)?
+            let extent = ComparisonExtent { only, worlds, ..self.extent() };
+            ComparisonPlan::with(&self.studies, &self.laws, extent)?
         };
         plan.arms.retain(|other| other.name == arm);
         if !plan.names().any(|known| known == name) {
@@ -111,10 +111,10 @@ impl CompareOptions {
         repeat::keep(&plan, &comparison, (name, kind), &folder, &command)
     }
 
-    fn extent(&self) -> Extent {
-        let whole = if self.quick { Extent::quick() } else { Extent::full() };
+    fn extent(&self) -> ComparisonExtent {
+        let whole = if self.quick { ComparisonExtent::quick() } else { ComparisonExtent::full() };
         let (only, worlds) = (self.only.clone(), self.worlds.clone());
-        Extent { only, worlds, seeds: self.seeds.map_or(whole.seeds, u64::from), ..whole }
+        ComparisonExtent { only, worlds, seeds: self.seeds.map_or(whole.seeds, u64::from), ..whole }
     }
 
     /// Opens the journal, once it is sure that the results can be written; no other process writes there meanwhile.
@@ -131,7 +131,7 @@ impl CompareOptions {
 
     fn runs(
         &self,
-        plan: &Plan,
+        plan: &ComparisonPlan,
         journal: &mut Journal,
         watch: &mut dyn Watch,
     ) -> Result<Comparison, CompareError> {

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use phihat_rivals::{Entry, RIVALS};
 
 use crate::arm_case::ArmCase;
-use crate::case::Case;
+use crate::case::ComparisonCase;
 use crate::error::CompareError;
-use crate::extent::Extent;
+use crate::extent::ComparisonExtent;
 use crate::row::GainsKind;
-use crate::world::{WORLDS, World, world};
+use crate::world::{ComparisonWorld, WORLDS, world};
 
 /// Raised when the same run would come out otherwise: journals of before are then done again.
 pub(crate) const EDITION: &str = "compare 6";
@@ -22,24 +22,24 @@ pub(crate) fn with_edition<'a>(parts: &[&'a str], edition: &'a str) -> Vec<&'a s
 
 /// A comparison, ready to run.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct ComparisonPlan {
     /// The arms.
     pub arms: Vec<ArmCase>,
     /// The rivals, in the order of the table.
     pub rivals: Vec<&'static Entry>,
     /// The worlds, from easy to hard.
-    pub worlds: Vec<&'static World>,
+    pub worlds: Vec<&'static ComparisonWorld>,
     /// Extent of the comparison.
-    pub extent: Extent,
+    pub extent: ComparisonExtent,
 }
 
-impl Plan {
+impl ComparisonPlan {
     /// Reads the studies and finds rivals and worlds by name.
     ///
     /// # Errors
     ///
     /// [`CompareError`]
-    pub fn new(studies: &[PathBuf], extent: Extent) -> Result<Self, CompareError> {
+    pub fn new(studies: &[PathBuf], extent: ComparisonExtent) -> Result<Self, CompareError> {
         Self::with(studies, &[], extent)
     }
 
@@ -51,7 +51,7 @@ impl Plan {
     pub fn with(
         studies: &[PathBuf],
         own: &[&'static Entry],
-        extent: Extent,
+        extent: ComparisonExtent,
     ) -> Result<Self, CompareError> {
         let mut rivals: Vec<&'static Entry> = RIVALS.iter().collect();
         for law in own {
@@ -75,12 +75,12 @@ impl Plan {
     pub fn of(
         studies: &[PathBuf],
         rivals: Vec<&'static Entry>,
-        extent: Extent,
+        extent: ComparisonExtent,
     ) -> Result<Self, CompareError> {
         if let Some(name) = extent.worlds.iter().find(|name| world(name).is_none()) {
             return Err(CompareError::World(name.clone()));
         }
-        let chosen = |world: &&World| {
+        let chosen = |world: &&ComparisonWorld| {
             extent.worlds.is_empty() || extent.worlds.iter().any(|name| name == world.name)
         };
         let worlds = WORLDS.iter().filter(chosen).collect();
@@ -103,7 +103,7 @@ impl Plan {
     }
 
     /// The name of a run.
-    pub(crate) fn name(&self, case: &Case) -> String {
+    pub(crate) fn name(&self, case: &ComparisonCase) -> String {
         let gains = match case.gains {
             GainsKind::Default => "default",
             GainsKind::Tuned => "tuned",
@@ -121,13 +121,13 @@ impl Plan {
     }
 
     /// Every run that counts, in the order of the answer.
-    pub(crate) fn cases(&self) -> Vec<Case> {
+    pub(crate) fn cases(&self) -> Vec<ComparisonCase> {
         let mut cases = Vec::new();
         for (arm, rival) in self.pairs() {
             for world in 0..self.worlds.len() {
                 for gains in [GainsKind::Default, GainsKind::Tuned] {
                     for seed in 1..=self.extent.seeds {
-                        cases.push(Case { arm, rival, world, gains, seed });
+                        cases.push(ComparisonCase { arm, rival, world, gains, seed });
                     }
                 }
             }

@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::arm_case::ArmCase;
-use crate::arm_in_world::Task;
+use crate::arm_in_world::ComparisonTask;
 use crate::cost::{NOISE_CAP, cost};
 use crate::error::CompareError;
-use crate::extent::Extent;
+use crate::extent::ComparisonExtent;
 use crate::judge::{Bars, judge};
 use crate::row::TuningRecord;
 use crate::trial::{TrialError, built, run_many};
@@ -19,7 +19,7 @@ use phihat_session::share;
 
 /// Result of a preparation for the runs that count.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Prepared {
+pub(crate) enum PreparedArm {
     /// The rival does not apply to this arm or task.
     Refused(String),
     /// Gains, found.
@@ -58,22 +58,25 @@ struct Trained {
 }
 
 /// The training motions of an arm, each in every world that is trained in.
-pub(crate) fn training(arm: &ArmCase, extent: &Extent) -> Result<Vec<Study>, CompareError> {
+pub(crate) fn training(
+    arm: &ArmCase,
+    extent: &ComparisonExtent,
+) -> Result<Vec<Study>, CompareError> {
     let span = (extent.training_s, extent.training_settle_s);
     let motions = 1..=extent.training_motions;
     let runs = motions.flat_map(|k| TRAINING.map(|world| (world, k)));
-    runs.map(|(world, k)| arm.in_world(world, Task::Train(k), span)).collect()
+    runs.map(|(world, k)| arm.in_world(world, ComparisonTask::Train(k), span)).collect()
 }
 
 /// Tunes a rival on an arm.
-pub(crate) fn tuned(arm: &ArmCase, entry: &Entry, extent: &Extent) -> Prepared {
+pub(crate) fn tuned(arm: &ArmCase, entry: &Entry, extent: &ComparisonExtent) -> PreparedArm {
     let studies = match training(arm, extent) {
         Ok(studies) => studies,
-        Err(e) => return Prepared::Refused(e.to_string()),
+        Err(e) => return PreparedArm::Refused(e.to_string()),
     };
     let default: Vec<f64> = entry.scalars.iter().map(|scalar| scalar.default).collect();
     if let Err(e) = train(arm, entry, &default, &studies) {
-        return Prepared::Refused(e.to_string());
+        return PreparedArm::Refused(e.to_string());
     }
     let mut kept = Vec::new();
     let budget = (extent.tuning_runs, extent.widenings);
@@ -85,7 +88,7 @@ pub(crate) fn tuned(arm: &ArmCase, entry: &Entry, extent: &Extent) -> Prepared {
             kept.push(trained.kept);
             trained.cost
         });
-    Prepared::Tuned(TuningRecord {
+    PreparedArm::Tuned(TuningRecord {
         default,
         tuned: tuned.values,
         runs: tuned.history.len(),
@@ -99,10 +102,10 @@ pub(crate) fn tuned(arm: &ArmCase, entry: &Entry, extent: &Extent) -> Prepared {
 }
 
 /// Draws gains within a decade of the default ones, and counts those that keep the specification.
-pub(crate) fn drawn(arm: &ArmCase, entry: &Entry, extent: &Extent) -> Prepared {
+pub(crate) fn drawn(arm: &ArmCase, entry: &Entry, extent: &ComparisonExtent) -> PreparedArm {
     let studies = match training(arm, extent) {
         Ok(studies) => studies,
-        Err(e) => return Prepared::Refused(e.to_string()),
+        Err(e) => return PreparedArm::Refused(e.to_string()),
     };
     // One motion in every world.
     let first = &studies[..studies.len().min(TRAINING.len())];
@@ -114,7 +117,7 @@ pub(crate) fn drawn(arm: &ArmCase, entry: &Entry, extent: &Extent) -> Prepared {
     // Without a free scalar all draws are the same.
     let draws = if entry.scalars.is_empty() { 1 } else { extent.draws.max(1) };
     let count = (0..draws).filter(keeps).count();
-    Prepared::Drawn(count as f64 / draws as f64)
+    PreparedArm::Drawn(count as f64 / draws as f64)
 }
 
 /// A value within a decade of the default one, even in logarithms, inside its range.

@@ -10,13 +10,13 @@ use phihat_sim::Demand;
 use phihat_study::Study;
 
 use crate::mark::Mark;
-use crate::proposed_law::ProposedLaw;
+use crate::proposed_law::ComparedLaw;
 
 /// Inertia ratios at which the sampled loop's gains are found.
 const RATIOS: u32 = 9;
 
 /// One law for all joints, at unit inertia, and the arm that it is held against.
-struct Shared<'a> {
+struct SharedLaw<'a> {
     record: JointRecord,
     form: Form,
     /// `M̄` \[kg·m²\] per joint.
@@ -25,7 +25,7 @@ struct Shared<'a> {
     ratio: [f64; 2],
 }
 
-impl Shared<'_> {
+impl SharedLaw<'_> {
     /// Largest |e| \[rad\] per joint that is promised before the run, over the arm's range of inertia; `None`
     /// where the sampled loop is unstable somewhere in it.
     ///
@@ -33,13 +33,13 @@ impl Shared<'_> {
     /// |e| ≤ (ramp |φ̇| + jump |φ_jump|)/M̄ + reading Δ/2 + min(acceleration |q̈_d|, jerk |q⃛_d|)
     /// ```
     fn bound(&self, study: &Study, demand: &Demand) -> Option<Vec<f64>> {
-        let mut known: Vec<(LoopModel, Gains)> = Vec::new();
+        let mut known: Vec<(LoopModel, ClaimedGains)> = Vec::new();
         let joint = |i: usize| {
             let model = LoopModel { form: self.form, ..LoopModel::from_study(study, i) };
             let seen = known.iter().find(|(other, _)| *other == model).map(|(_, found)| *found);
             let found = match seen {
                 Some(found) => found,
-                None => Gains::find(&self.record, &model, (self.ratio[0], self.ratio[1]))?,
+                None => ClaimedGains::find(&self.record, &model, (self.ratio[0], self.ratio[1]))?,
             };
             known.push((model, found));
             let (acceleration, jerk) = demand.motion(i);
@@ -80,15 +80,15 @@ pub(crate) fn position_bound(
         a: Vec::new(),
         observer: Some(observer),
     };
-    Shared { record, form: Form::Positions, inertia, ratio }.bound(study, demand)
+    SharedLaw { record, form: Form::Positions, inertia, ratio }.bound(study, demand)
 }
 
-impl ProposedLaw {
+impl ComparedLaw {
     /// Largest |e| \[rad\] per joint that is promised before the run; `None` where the sampled loop is
     /// unstable somewhere.
     pub(crate) fn bound(&self, study: &Study, demand: &Demand) -> Option<Vec<f64>> {
         let (record, inertia, ratio) = (self.record(), &self.inertia[..], self.ratio);
-        Shared { record, form: study.control.form, inertia, ratio }.bound(study, demand)
+        SharedLaw { record, form: study.control.form, inertia, ratio }.bound(study, demand)
     }
 
     fn record(&self) -> JointRecord {
@@ -136,7 +136,7 @@ impl ProposedLaw {
 
 /// Largest error per unit of each cause, at unit inertia.
 #[derive(Debug, Clone, Copy)]
-struct Gains {
+struct ClaimedGains {
     ramp: f64,
     jump: f64,
     reading: f64,
@@ -144,7 +144,7 @@ struct Gains {
     jerk: Option<f64>,
 }
 
-impl Gains {
+impl ClaimedGains {
     /// `None`: unstable somewhere in the arm's range of inertia, or no finite gain from a ramp.
     fn find(record: &JointRecord, model: &LoopModel, ratio: (f64, f64)) -> Option<Self> {
         let peaks = SampledPeaks::find(record, model, ratio, RATIOS).ok()?;

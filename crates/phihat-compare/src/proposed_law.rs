@@ -30,7 +30,7 @@ pub(crate) enum NotDesigned {
 
 /// The law of this project with the gains of one row: all joints share them, at unit inertia.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ProposedLaw {
+pub(crate) struct ComparedLaw {
     pub(crate) law: UnitLaw,
     /// `M̄` \[kg·m²\] per joint.
     pub(crate) inertia: Vec<f64>,
@@ -38,7 +38,7 @@ pub(crate) struct ProposedLaw {
     pub(crate) ratio: [f64; 2],
 }
 
-impl ProposedLaw {
+impl ComparedLaw {
     /// The law of a row of this id with these values, where it is the proposed one; `ratio` is over `inertia`.
     pub(crate) fn with(id: &str, values: &[f64], inertia: &[f64], ratio: [f64; 2]) -> Option<Self> {
         let (omega, zeta, a) = match (id, values) {

@@ -4,7 +4,7 @@ use phihat_rivals::{Card, Needs, Scalar};
 use serde::{Deserialize, Serialize};
 
 use crate::mark::Mark;
-use crate::row::Row;
+use crate::row::LawRow;
 
 /// Value of `format` in every comparison.
 pub const FORMAT: &str = "phihat-comparison";
@@ -25,7 +25,7 @@ pub struct Comparison {
     /// The rivals, in the order of the paper's table.
     pub rivals: Vec<RivalRecord>,
     /// One row for each arm and rival, rivals in their order within an arm.
-    pub rows: Vec<Row>,
+    pub rows: Vec<LawRow>,
 }
 
 /// The terms that every rival was tuned and judged on.
@@ -72,7 +72,7 @@ pub struct ArmRecord {
     /// `U` \[kg·m²\] per joint: unit of every rival's torque gains, and `M̄` of those that know it.
     pub inertia: Vec<f64>,
     /// The specification's largest |e| \[rad\] per joint.
-    pub error_max_rad: Vec<f64>,
+    pub error_bound_rad: Vec<f64>,
 }
 
 /// A world.
@@ -162,7 +162,7 @@ impl RivalRecord {
 
 impl Comparison {
     /// The rows of an arm, in the order of the rivals.
-    pub fn rows_of<'a>(&'a self, arm: &'a str) -> impl Iterator<Item = &'a Row> {
+    pub fn rows_of<'a>(&'a self, arm: &'a str) -> impl Iterator<Item = &'a LawRow> {
         self.rows.iter().filter(move |row| row.arm == arm)
     }
 

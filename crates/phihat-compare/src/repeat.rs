@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use phihat_report::Drawing;
 use phihat_session::TraceKind;
 use phihat_session::disk::Whole;
-use phihat_sim::{Metrics, Outcome};
+use phihat_sim::{Metrics, SimulationOutcome};
 use serde_json::json;
 
 use crate::error::CompareError;
-use crate::page::{Trial, trial_page};
-use crate::plan::Plan;
+use crate::page::{PageTrial, trial_page};
+use crate::plan::ComparisonPlan;
 use crate::record::Comparison;
 
 /// A run that was repeated, with everything that it left.
@@ -34,7 +34,7 @@ pub(crate) fn results(folder: &Path, name: &str, kind: TraceKind) -> [PathBuf; 4
 
 /// Runs it, and writes study, trace, metrics and report to `FOLDER/runs/NAME/`.
 pub(crate) fn keep(
-    plan: &Plan,
+    plan: &ComparisonPlan,
     comparison: &Comparison,
     (name, kind): (&str, TraceKind),
     folder: &Path,
@@ -45,7 +45,7 @@ pub(crate) fn keep(
     let results = results(folder, name, kind);
     let folder = folder.join("runs").join(name);
     let ended = ended(&outcome);
-    let page = trial_page(&Trial {
+    let page = trial_page(&PageTrial {
         name,
         law: comparison.rivals.first().map_or("", |rival| &rival.title),
         gains: &gains(comparison, name),
@@ -91,7 +91,7 @@ fn gains(comparison: &Comparison, name: &str) -> Vec<(String, f64, String)> {
 }
 
 /// Why the run ended before its time.
-fn ended(outcome: &Outcome) -> Option<String> {
+fn ended(outcome: &SimulationOutcome) -> Option<String> {
     let diverged = outcome.divergence.as_ref().map(|d| {
         format!("The arm diverged at {} s, joint {}, and the run was stopped.", d.t, d.joint)
     });

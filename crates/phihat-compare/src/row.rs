@@ -8,7 +8,7 @@ use crate::tune::AtEnd;
 
 /// The results of one rival on one arm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub struct LawRow {
     /// The arm's name.
     pub arm: String,
     /// The rival's id.
@@ -18,11 +18,11 @@ pub struct Row {
     /// The gains it ran with, and how they were found; `None` where refused.
     pub tuning: Option<TuningRecord>,
     /// The four columns, in the paper's order.
-    pub columns: Option<Columns>,
+    pub columns: Option<MarkColumns>,
     /// Cost of an update; `None` where refused.
-    pub cost: Option<Cost>,
+    pub cost: Option<TuningCost>,
     /// One for each world and choice of gains, worlds in their order, default before tuned.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<LawCell>,
 }
 
 /// Gains and how they were found.
@@ -57,15 +57,15 @@ const fn one() -> usize {
 
 /// The paper's four columns, measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Columns {
+pub struct MarkColumns {
     /// Quantitative performance: a bound stated before the run, and whether it held.
-    pub quantitative: Measured,
+    pub quantitative: MeasuredTicks,
     /// Easy tuning: how much of the gains' neighbourhood does.
-    pub easy: Measured,
+    pub easy: MeasuredTicks,
     /// Optimal: a certificate verified for the tuned gains.
-    pub optimal: Measured,
+    pub optimal: MeasuredTicks,
     /// Model free, by type.
-    pub model_free: Measured,
+    pub model_free: MeasuredTicks,
     /// Share of draws of gains within a decade of the default ones that keep the specification.
     pub share_of_draws: f64,
     /// Number of free scalars.
@@ -76,7 +76,7 @@ pub struct Columns {
 
 /// One column of one row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Measured {
+pub struct MeasuredTicks {
     /// Measured mark.
     pub mark: Mark,
     /// Mark that the paper prints.
@@ -100,7 +100,7 @@ pub struct ConditionRecord {
 
 /// Cost of an update.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Cost {
+pub struct TuningCost {
     /// Scalars remembered from one sample to the next.
     pub states: usize,
     /// Instructions per update with default gains, where they were counted on this robot.
@@ -119,13 +119,13 @@ pub enum GainsKind {
 
 /// One rival in one world with one choice of gains, over all seeds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Cell {
+pub struct LawCell {
     /// The world's name.
     pub world: String,
     /// Choice of gains.
     pub gains: GainsKind,
     /// Every seed, from 1.
-    pub runs: Vec<Run>,
+    pub runs: Vec<LawRun>,
     /// The worst over seeds, figure by figure; `None` where no run has figures.
     pub worst: Option<Figures>,
     /// The worst outcome over seeds.
@@ -137,7 +137,7 @@ pub struct Cell {
 
 /// One run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Run {
+pub struct LawRun {
     /// Its name, `ARM/RIVAL/WORLD/default|tuned/SEED`: the command repeats it.
     pub name: String,
     /// Seed.
@@ -149,9 +149,9 @@ pub struct Run {
     pub figures: Option<Figures>,
 }
 
-impl Row {
+impl LawRow {
     /// The cell of a world and a choice of gains.
-    pub fn cell(&self, world: &str, gains: GainsKind) -> Option<&Cell> {
+    pub fn cell(&self, world: &str, gains: GainsKind) -> Option<&LawCell> {
         self.cells.iter().find(|cell| cell.world == world && cell.gains == gains)
     }
 }

@@ -1,31 +1,31 @@
 //! From runs to the table.
 
-use phihat_campaign::Ended;
+use phihat_campaign::RunEnded;
 use phihat_rivals::{Entry, Tuning};
 use toml::Table;
 
 use crate::arm_case::ArmCase;
-use crate::case::{Case, Scored};
+use crate::case::{ComparisonCase, Scored};
 use crate::columns::columns;
 use crate::fairness::fairness;
-use crate::plan::Plan;
+use crate::plan::ComparisonPlan;
 use crate::prepare::Preparation;
 use crate::record::{Comparison, FORMAT, RivalRecord, WorldRecord};
-use crate::row::{Cell, Cost, GainsKind, Row, Run, TuningRecord};
+use crate::row::{GainsKind, LawCell, LawRow, LawRun, TuningCost, TuningRecord};
 use crate::run_outcome::{Figures, RunOutcome};
-use crate::world::World;
+use crate::world::ComparisonWorld;
 
 /// The whole answer.
 pub(crate) fn comparison(
-    plan: &Plan,
+    plan: &ComparisonPlan,
     known: &[Preparation],
-    cases: &[Case],
-    scored: Vec<Ended<Scored>>,
+    cases: &[ComparisonCase],
+    scored: Vec<RunEnded<Scored>>,
 ) -> Comparison {
-    let mut runs: Vec<(Case, Scored)> =
+    let mut runs: Vec<(ComparisonCase, Scored)> =
         cases.iter().copied().zip(scored.into_iter().map(ended)).collect();
     beside_exact(plan, &mut runs);
-    let world = |world: &&World| WorldRecord {
+    let world = |world: &&ComparisonWorld| WorldRecord {
         name: world.name.to_owned(),
         what: world.what.split_whitespace().collect::<Vec<_>>().join(" "),
     };
@@ -42,24 +42,26 @@ pub(crate) fn comparison(
     }
 }
 
-fn ended(ended: Ended<Scored>) -> Scored {
+fn ended(ended: RunEnded<Scored>) -> Scored {
     match ended {
-        Ended::With(scored) => scored,
-        Ended::Panicked(why) => {
+        RunEnded::With(scored) => scored,
+        RunEnded::Panicked(why) => {
             Scored { outcome: RunOutcome::Panicked(why), figures: None, sketch: None }
         }
     }
 }
 
 /// Sets the chatter of every run over that in the exact world.
-fn beside_exact(plan: &Plan, runs: &mut [(Case, Scored)]) {
-    let exact: Vec<(Case, f64)> = runs
+fn beside_exact(plan: &ComparisonPlan, runs: &mut [(ComparisonCase, Scored)]) {
+    let exact: Vec<(ComparisonCase, f64)> = runs
         .iter()
         .filter(|(case, _)| plan.worlds[case.world].name == "exact")
         .filter_map(|(case, scored)| Some((*case, scored.figures.as_ref()?.chatter_nm)))
         .collect();
     for (case, scored) in runs {
-        let same = |(other, _): &&(Case, f64)| *other == Case { world: other.world, ..*case };
+        let same = |(other, _): &&(ComparisonCase, f64)| {
+            *other == ComparisonCase { world: other.world, ..*case }
+        };
         if let (Some(figures), Some((_, exact))) = (&mut scored.figures, exact.iter().find(same)) {
             figures.chatter_over_exact = (*exact > 0.0).then(|| figures.chatter_nm / exact);
         }
@@ -67,13 +69,13 @@ fn beside_exact(plan: &Plan, runs: &mut [(Case, Scored)]) {
 }
 
 fn row(
-    plan: &Plan,
+    plan: &ComparisonPlan,
     (place, rival): (usize, usize),
     known: &Preparation,
-    runs: &[(Case, Scored)],
-) -> Row {
+    runs: &[(ComparisonCase, Scored)],
+) -> LawRow {
     let (arm, entry) = (&plan.arms[place], plan.rivals[rival]);
-    let mut row = Row {
+    let mut row = LawRow {
         arm: arm.name.clone(),
         rival: entry.card.id.to_owned(),
         refused: None,
@@ -104,13 +106,13 @@ fn row(
 }
 
 fn cell<'r>(
-    plan: &Plan,
+    plan: &ComparisonPlan,
     world: &str,
     gains: GainsKind,
-    runs: impl Iterator<Item = &'r (Case, Scored)>,
-) -> Cell {
+    runs: impl Iterator<Item = &'r (ComparisonCase, Scored)>,
+) -> LawCell {
     let runs: Vec<_> = runs.collect();
-    let run = |(case, scored): &&(Case, Scored)| Run {
+    let run = |(case, scored): &&(ComparisonCase, Scored)| LawRun {
         name: plan.name(case),
         seed: case.seed,
         outcome: scored.outcome.clone(),
@@ -118,7 +120,7 @@ fn cell<'r>(
     };
     let outcomes = runs.iter().map(|(_, scored)| &scored.outcome);
     let figures = runs.iter().filter_map(|(_, scored)| scored.figures.as_ref());
-    Cell {
+    LawCell {
         world: world.to_owned(),
         gains,
         runs: runs.iter().map(run).collect(),
@@ -139,7 +141,7 @@ fn worse(a: &Figures, b: &Figures) -> Figures {
     let tightest = bounds.min_by(|a, b| tight(a).total_cmp(&tight(b)));
     Figures {
         error_rms_rad: a.error_rms_rad.max(b.error_rms_rad),
-        error_max_rad: a.error_max_rad.max(b.error_max_rad),
+        error_peak_rad: a.error_peak_rad.max(b.error_peak_rad),
         error_over_spec: a.error_over_spec.max(b.error_over_spec),
         effort: a.effort.max(b.effort),
         chatter_nm: a.chatter_nm.max(b.chatter_nm),
@@ -149,12 +151,12 @@ fn worse(a: &Figures, b: &Figures) -> Figures {
         saturated: a.saturated.max(b.saturated),
         // One that did not come back is the worst.
         recovery_s: a.recovery_s.zip(b.recovery_s).map(|(a, b)| a.max(b)),
-        bound_rad: tightest.and_then(|f| f.bound_rad),
+        error_bound_rad: tightest.and_then(|f| f.error_bound_rad),
         bound_over_measured: tightest.and_then(|f| f.bound_over_measured),
     }
 }
 
-fn cost(arm: &ArmCase, entry: &Entry, tuning: &TuningRecord) -> Option<Cost> {
+fn cost(arm: &ArmCase, entry: &Entry, tuning: &TuningRecord) -> Option<TuningCost> {
     // What a law of somebody's own remembers is not known.
     if !entry.edition.is_empty() {
         return None;
@@ -163,7 +165,7 @@ fn cost(arm: &ArmCase, entry: &Entry, tuning: &TuningRecord) -> Option<Cost> {
     let values = Tuning::new(&tuning.tuned, &arm.units, period).ok()?;
     let supply = arm.supply(entry, &arm.study).ok()?;
     let states = entry.build(&values, &supply).ok()?.states();
-    Some(Cost { states, instructions: instructions(&arm.study.robot.name, entry.card.id) })
+    Some(TuningCost { states, instructions: instructions(&arm.study.robot.name, entry.card.id) })
 }
 
 /// Instructions of an update, as they were last counted on an arm; `None` where they were not.

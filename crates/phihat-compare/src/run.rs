@@ -1,15 +1,15 @@
 //! A plan, run: preparation, then the runs that count, then the table.
 
-use phihat_campaign::{Ended, Journal, Progress, run_all};
+use phihat_campaign::{Journal, Progress, RunEnded, run_all};
 use phihat_session::short_hash;
 
 use crate::error::CompareError;
-use crate::plan::{EDITION, Plan, with_edition};
-use crate::prepare::{Preparation, Prepared, Untuned, drawn, tuned};
+use crate::plan::{ComparisonPlan, EDITION, with_edition};
+use crate::prepare::{Preparation, PreparedArm, Untuned, drawn, tuned};
 use crate::record::Comparison;
 use crate::rows;
 
-impl Plan {
+impl ComparisonPlan {
     /// Does everything that the journal does not hold, on `threads` threads. The answer does not depend on
     /// their number, nor on interruptions.
     ///
@@ -61,12 +61,12 @@ impl Plan {
         for (arm, rival) in &pairs {
             let (arm, entry) = (&self.arms[*arm], self.rivals[*rival]);
             let both = [tuned(arm, entry, &self.extent), drawn(arm, entry, &self.extent)];
-            known.push(preparation(&both.map(Ended::With)));
+            known.push(preparation(&both.map(RunEnded::With)));
             progress(4.0 * known.len() as f64 / all);
         }
         let mut scored = Vec::with_capacity(cases.len());
         for case in &cases {
-            scored.push(Ended::With(self.score(case, &known)));
+            scored.push(RunEnded::With(self.score(case, &known)));
             progress((4 * known.len() + scored.len()) as f64 / all);
         }
         rows::comparison(self, &known, &cases, scored)
@@ -87,16 +87,16 @@ impl Plan {
 }
 
 /// A tuning and the draws after it, put together.
-fn preparation(pair: &[Ended<Prepared>]) -> Preparation {
+fn preparation(pair: &[RunEnded<PreparedArm>]) -> Preparation {
     let mut known = Preparation { tuning: Err(Untuned::NotDone), share: 0.0 };
     for ended in pair {
         match ended {
-            Ended::With(Prepared::Tuned(record)) => known.tuning = Ok(record.clone()),
-            Ended::With(Prepared::Drawn(share)) => known.share = *share,
-            Ended::With(Prepared::Refused(why)) => {
+            RunEnded::With(PreparedArm::Tuned(record)) => known.tuning = Ok(record.clone()),
+            RunEnded::With(PreparedArm::Drawn(share)) => known.share = *share,
+            RunEnded::With(PreparedArm::Refused(why)) => {
                 known.tuning = Err(Untuned::Refused(why.clone()));
             }
-            Ended::Panicked(why) => known.tuning = Err(Untuned::Panicked(why.clone())),
+            RunEnded::Panicked(why) => known.tuning = Err(Untuned::Panicked(why.clone())),
         }
     }
     known

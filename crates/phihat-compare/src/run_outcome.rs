@@ -58,7 +58,7 @@ pub struct Figures {
     /// Root mean square of `e` \[rad\].
     pub error_rms_rad: f64,
     /// Largest |e| \[rad\].
-    pub error_max_rad: f64,
+    pub error_peak_rad: f64,
     /// Largest |e| over the specification's: up to 1 it is kept.
     pub error_over_spec: f64,
     /// Root mean square of the applied torque over the joint's limit.
@@ -80,7 +80,7 @@ pub struct Figures {
     /// it was before the push \[s\]; `None`: no push, or it did not come back.
     pub recovery_s: Option<f64>,
     /// The bound stated before the run, of the joint whose measured error comes closest to it \[rad\].
-    pub bound_rad: Option<f64>,
+    pub error_bound_rad: Option<f64>,
     /// The smallest bound/measured over the joints: below 1 the bound was broken.
     pub bound_over_measured: Option<f64>,
 }

@@ -1,14 +1,14 @@
 //! Runs that count: their gains, their studies, and what they come to.
 
 use phihat_session::short_hash;
-use phihat_sim::Outcome;
+use phihat_sim::SimulationOutcome;
 use phihat_study::Study;
 
-use crate::arm_in_world::Task;
-use crate::case::{Case, Scored};
+use crate::arm_in_world::ComparisonTask;
+use crate::case::{ComparisonCase, Scored};
 use crate::error::CompareError;
 use crate::judge::{Bars, judge, sketch};
-use crate::plan::{EDITION, Plan, with_edition};
+use crate::plan::{ComparisonPlan, EDITION, with_edition};
 use crate::prepare::Preparation;
 use crate::promise;
 use crate::record::Comparison;
@@ -16,9 +16,9 @@ use crate::row::{GainsKind, TuningRecord};
 use crate::run_outcome::RunOutcome;
 use crate::trial::run;
 
-impl Plan {
+impl ComparisonPlan {
     /// Equal ids, equal outcomes: an edition, the arm's text, the run's name, its gains, its length.
-    pub(crate) fn case_id(&self, case: &Case, known: &[Preparation]) -> String {
+    pub(crate) fn case_id(&self, case: &ComparisonCase, known: &[Preparation]) -> String {
         let values = self.values(case, known).map(|values| format!("{values:?}"));
         let (values, span) = (values.unwrap_or_default(), format!("{:?}", self.span(case.arm)));
         let (sum, name) = (&self.arms[case.arm].study.sha256, self.name(case));
@@ -27,19 +27,19 @@ impl Plan {
     }
 
     /// The gains of a run.
-    fn values<'k>(&self, case: &Case, known: &'k [Preparation]) -> Option<&'k [f64]> {
+    fn values<'k>(&self, case: &ComparisonCase, known: &'k [Preparation]) -> Option<&'k [f64]> {
         let place = case.arm * self.rivals.len() + case.rival;
         let tuning = known[place].tuning.as_ref().ok()?;
         Some(of_kind(tuning, case.gains))
     }
 
     /// The study of a run that counts.
-    fn study(&self, case: &Case) -> Result<Study, CompareError> {
+    fn study(&self, case: &ComparisonCase) -> Result<Study, CompareError> {
         let (arm, world) = (&self.arms[case.arm], self.worlds[case.world]);
-        arm.in_world(world, Task::Score(case.seed), self.span(case.arm))
+        arm.in_world(world, ComparisonTask::Score(case.seed), self.span(case.arm))
     }
 
-    pub(crate) fn score(&self, case: &Case, known: &[Preparation]) -> Scored {
+    pub(crate) fn score(&self, case: &ComparisonCase, known: &[Preparation]) -> Scored {
         let refused =
             |why: String| Scored { outcome: RunOutcome::Refused(why), figures: None, sketch: None };
         let place = case.arm * self.rivals.len() + case.rival;
@@ -74,7 +74,7 @@ impl Plan {
         &self,
         comparison: &Comparison,
         name: &str,
-    ) -> Result<(Study, Outcome), CompareError> {
+    ) -> Result<(Study, SimulationOutcome), CompareError> {
         let unknown = || CompareError::Run(name.to_owned());
         let cases = self.cases();
         let case = cases.iter().find(|case| self.name(case) == name).ok_or_else(unknown)?;

@@ -4,8 +4,8 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 use phihat_model::Lanes;
-use phihat_rivals::{Entry, Knows, Orbit, Refusal, Running, Supply, Tuning};
-use phihat_sim::{Batch, Outcome, SimError, Simulation, Trace};
+use phihat_rivals::{Entry, Knows, Orbit, RivalRefusal, Running, Supply, Tuning};
+use phihat_sim::{Batch, SimError, Simulation, SimulationOutcome, Trace};
 use phihat_study::Study;
 use thiserror::Error;
 
@@ -16,7 +16,7 @@ use crate::arm_case::ArmCase;
 #[derive(Debug, Error)]
 pub(crate) enum TrialError {
     #[error("{0}")]
-    Refused(#[from] Refusal),
+    Refused(#[from] RivalRefusal),
     #[error("{0}")]
     Sim(#[from] SimError),
     #[error("the nominal model cannot be made: {0}")]
@@ -26,8 +26,8 @@ pub(crate) enum TrialError {
 /// Outcome of a run, with the time \[s\] and the joint at which the rival's torque was first not finite, if
 /// it was.
 #[derive(Debug)]
-pub(crate) struct Trial {
-    pub(crate) outcome: Outcome,
+pub(crate) struct ComparisonTrial {
+    pub(crate) outcome: SimulationOutcome,
     pub(crate) broken: Option<(f64, usize)>,
 }
 
@@ -41,7 +41,7 @@ pub(crate) fn run(
     entry: &Entry,
     values: &[f64],
     study: &Study,
-) -> Result<Trial, TrialError> {
+) -> Result<ComparisonTrial, TrialError> {
     let (rival, supply) = built(arm, entry, values, study)?;
     run_with(entry, rival, &supply, (study, &arm.units))
 }
@@ -73,19 +73,20 @@ fn run_with(
     rival: Box<dyn Running>,
     supply: &Supply,
     (study, units): (&Study, &[f64]),
-) -> Result<Trial, TrialError> {
-    let Prepared { simulation, broken } = Prepared::new(entry, rival, (study, units))?;
-    Trial { outcome: simulation.run(|_| ()), broken: broken.get().copied() }.judged(entry, supply)
+) -> Result<ComparisonTrial, TrialError> {
+    let PreparedTrial { simulation, broken } = PreparedTrial::new(entry, rival, (study, units))?;
+    ComparisonTrial { outcome: simulation.run(|_| ()), broken: broken.get().copied() }
+        .judged(entry, supply)
 }
 
 /// A law in its closed loop, ready to run.
 #[derive(Debug)]
-struct Prepared {
+struct PreparedTrial {
     simulation: Simulation,
     broken: Broken,
 }
 
-impl Prepared {
+impl PreparedTrial {
     fn new(
         entry: &Entry,
         rival: Box<dyn Running>,
@@ -100,7 +101,7 @@ impl Prepared {
     }
 }
 
-impl Trial {
+impl ComparisonTrial {
     /// The same with the error that the rival is judged by.
     fn judged(mut self, entry: &Entry, supply: &Supply) -> Result<Self, TrialError> {
         if untimed(entry) {
@@ -122,11 +123,11 @@ pub(crate) fn run_many<'a>(
     units: &[f64],
     studies: impl Iterator<Item = &'a Study>,
     mut made: impl FnMut(usize, &Study) -> Result<(Box<dyn Running>, Supply), TrialError>,
-    mut show: impl FnMut(usize, &Study, Result<Trial, TrialError>),
+    mut show: impl FnMut(usize, &Study, Result<ComparisonTrial, TrialError>),
 ) {
     let mut begin = |place: usize, study: &Study| {
         let (rival, supply) = made(place, study)?;
-        Ok((Prepared::new(entry, rival, (study, units))?, supply))
+        Ok((PreparedTrial::new(entry, rival, (study, units))?, supply))
     };
     // Those that can share lanes, side by side.
     let mut studies: Vec<(usize, &Study)> = studies.enumerate().collect();
@@ -135,7 +136,7 @@ pub(crate) fn run_many<'a>(
         let prepared = studies.iter().map(|(place, study)| begin(*place, study));
         let (mut simulations, mut kept) = (Vec::new(), Vec::new());
         for prepared in prepared {
-            kept.push(prepared.map(|(Prepared { simulation, broken }, supply)| {
+            kept.push(prepared.map(|(PreparedTrial { simulation, broken }, supply)| {
                 simulations.push(simulation);
                 (broken, supply)
             }));
@@ -150,8 +151,8 @@ pub(crate) fn run_many<'a>(
         for (kept, (place, study)) in kept.into_iter().zip(studies) {
             let trial = kept.and_then(|(broken, supply)| {
                 let (trace, ended) = left.next().unwrap_or_default();
-                let outcome = Outcome::of(trace, ended);
-                Trial { outcome, broken: broken.get().copied() }.judged(entry, &supply)
+                let outcome = SimulationOutcome::of(trace, ended);
+                ComparisonTrial { outcome, broken: broken.get().copied() }.judged(entry, &supply)
             });
             show(*place, study, trial);
         }
@@ -165,7 +166,7 @@ pub(crate) fn untimed(entry: &Entry) -> bool {
 }
 
 /// Puts the deviation from the nearest place on the path in the place of the error.
-fn transversal(trace: &mut Trace, supply: &Supply) -> Result<(), Refusal> {
+fn transversal(trace: &mut Trace, supply: &Supply) -> Result<(), RivalRefusal> {
     let mut orbit = Orbit::of(supply)?;
     let mut theta: Option<f64> = None;
     let mut q = vec![0.0; trace.joints.len()];
@@ -213,7 +214,7 @@ mod tests {
                 (entry.build(&tuning, &supply).unwrap(), supply)
             };
             let mut left = vec![None; studies.len()];
-            let show = |place: usize, _: &Study, trial: Result<super::Trial, _>| {
+            let show = |place: usize, _: &Study, trial: Result<super::ComparisonTrial, _>| {
                 left[place] = Some(trial.unwrap().outcome);
             };
             run_many(entry, &arm.units, studies.iter(), |_, study| Ok(made(study)), show);

@@ -1,9 +1,9 @@
 //! Amount of work in the parts of a plan, for reports of progress.
 
-use crate::plan::Plan;
+use crate::plan::ComparisonPlan;
 use crate::world::TRAINING;
 
-impl Plan {
+impl ComparisonPlan {
     /// The share of the whole work that the first `done` of its jobs are, 0 to 1: a tuning is many runs, a run
     /// that counts is one.
     pub fn share_done(&self, done: usize) -> f64 {

@@ -8,16 +8,16 @@ use phihat_session::set;
 
 /// A world: its contents besides the arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct World {
+pub struct ComparisonWorld {
     /// Its name, `[a-z-]`.
     pub name: &'static str,
     /// Its contents, in one line.
     pub what: &'static str,
-    parts: Parts,
+    parts: WorldParts,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Parts {
+enum WorldParts {
     Exact,
     Encoder,
     Delay,
@@ -27,43 +27,43 @@ enum Parts {
 }
 
 /// The worlds, from easy to hard.
-pub const WORLDS: &[World] = &[
-    World {
+pub const WORLDS: &[ComparisonWorld] = &[
+    ComparisonWorld {
         name: "exact",
         what: "exact position and velocity, no delay; gravity and the robot's own friction",
-        parts: Parts::Exact,
+        parts: WorldParts::Exact,
     },
-    World {
+    ComparisonWorld {
         name: "encoder",
         what: "the study's encoder and velocity filter",
-        parts: Parts::Encoder,
+        parts: WorldParts::Encoder,
     },
-    World {
+    ComparisonWorld {
         name: "delay",
         what: "encoder and filter, and a torque acts a sample later at least",
-        parts: Parts::Delay,
+        parts: WorldParts::Delay,
     },
-    World {
+    ComparisonWorld {
         name: "payload",
         what: "encoder, filter, delay; the design's heaviest payload at the tip, unknown to the rival",
-        parts: Parts::Payload,
+        parts: WorldParts::Payload,
     },
-    World {
+    ComparisonWorld {
         name: "friction",
         what: "encoder, filter, delay; dry friction of 2 % of each torque limit on top",
-        parts: Parts::Friction,
+        parts: WorldParts::Friction,
     },
-    World {
+    ComparisonWorld {
         name: "saturation",
         what: "encoder, filter, delay; torque limits just above what the motion asks for, and for 0.1 s a push \
                on every joint that is 1.3 times its limit",
-        parts: Parts::Saturation,
+        parts: WorldParts::Saturation,
     },
 ];
 
 /// The worlds that rivals are tuned in: gains have to bear the arm with dry friction, and with its heaviest load.
 /// Figures of the whole row are those of the first.
-pub(crate) const TRAINING: [&World; 2] = [&WORLDS[4], &WORLDS[3]];
+pub(crate) const TRAINING: [&ComparisonWorld; 2] = [&WORLDS[4], &WORLDS[3]];
 
 /// The world whose torque limits are drawn in on purpose.
 pub const SATURATION: &str = WORLDS[5].name;
@@ -78,11 +78,11 @@ const ROOM: (f64, f64) = (1.2, 0.2);
 const PUSH: (f64, f64) = (1.3, 0.1);
 
 /// The world of a name.
-pub fn world(name: &str) -> Option<&'static World> {
+pub fn world(name: &str) -> Option<&'static ComparisonWorld> {
     WORLDS.iter().find(|world| world.name == name)
 }
 
-impl World {
+impl ComparisonWorld {
     /// Puts the world into a study's table. `study` is the same table, read.
     pub(crate) fn change(&self, table: &mut Table, study: &Study, demand: &Demand) {
         for section in ["payload", "push", "coulomb_extra_nm", "viscous_extra_nm_s_rad"] {
@@ -92,24 +92,24 @@ impl World {
         }
         table.remove("supervisor");
         let late = match self.parts {
-            Parts::Exact | Parts::Encoder => 0,
+            WorldParts::Exact | WorldParts::Encoder => 0,
             _ => study.control.delay_samples.max(1),
         };
         set(table, &["loop", "delay_samples"], i64::from(late).into());
         let limits = study.control.torque_max.as_deref().unwrap_or_default();
         match self.parts {
-            Parts::Exact => _ = table.remove("sensor"),
-            Parts::Encoder | Parts::Delay => {}
-            Parts::Payload => {
+            WorldParts::Exact => _ = table.remove("sensor"),
+            WorldParts::Encoder | WorldParts::Delay => {}
+            WorldParts::Payload => {
                 let mut payload = Table::new();
                 payload.insert("mass_kg".to_owned(), study.design.payload.mass.1.into());
                 set(table, &["world", "payload"], payload.into());
             }
-            Parts::Friction => {
+            WorldParts::Friction => {
                 let dry = limits.iter().map(|limit| DRY * limit);
                 set(table, &["world", "coulomb_extra_nm"], numbers(dry));
             }
-            Parts::Saturation => {
+            WorldParts::Saturation => {
                 let limits: Vec<f64> = limits
                     .iter()
                     .enumerate()

@@ -4,10 +4,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use phihat_campaign::Journal;
-use phihat_compare::{Cell, Comparison, Extent, Figures, GainsKind, Mark, Plan, RunOutcome};
+use phihat_compare::{
+    Comparison, ComparisonExtent, ComparisonPlan, Figures, GainsKind, LawCell, Mark, RunOutcome,
+};
 use phihat_model::Workspace;
 use phihat_rivals::{
-    Card, DeclaredArm, Entry, Grade, Motion, Nothing, Refusal, Rival, Scalar, Tuning, Velocity,
+    Card, DeclaredArm, Entry, Grade, MeasuredMotion, Nothing, Rival, RivalRefusal, Scalar, Tuning,
+    Velocity,
 };
 
 /// Behaviour of a test's rival.
@@ -46,17 +49,23 @@ impl<W: Way> Rival for Of<W> {
         low: 50.0,
         high: 200.0,
     }];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Velocity<'a>;
     type Knows = Nothing;
 
-    fn new(tuning: &Tuning, _: Nothing) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, _: Nothing) -> Result<Self, RivalRefusal> {
         let [gain] = tuning.values()?;
         let way = core::marker::PhantomData;
         Ok(Self { units: tuning.units().to_vec(), gain, t: 0.0, way })
     }
 
-    fn update(&mut self, sees: Motion<'_>, wants: Velocity<'_>, _: &[bool], tau: &mut [f64]) {
+    fn update(
+        &mut self,
+        sees: MeasuredMotion<'_>,
+        wants: Velocity<'_>,
+        _: &[bool],
+        tau: &mut [f64],
+    ) {
         for (i, tau) in tau.iter_mut().enumerate() {
             let (e, de) = (sees.q[i] - wants.q[i], sees.dq[i] - wants.dq[i]);
             *tau = W::torque(self.t, e, de, self.units[i], self.gain);
@@ -136,7 +145,7 @@ fn folder() -> PathBuf {
 fn study(name: &str, extra: &str, reference: &str) -> PathBuf {
     let path = folder().join(format!("{name}.toml"));
     let text = format!(
-        "duration_s = 3.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.5\nerror_max_rad = 1e-2\n\
+        "duration_s = 3.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.5\nerror_bound_rad = 1e-2\n\
          [design]\npayload_max_kg = 0.3\n[loop]\nform = \"observer\"\nrate_hz = 1000.0\ndelay_samples = 1\n\
          [sensor]\nencoder_bits = 20\nvelocity = \"differenced\"\nvelocity_filter_hz = 100.0\n\
          {extra}[reference]\n{reference}"
@@ -145,8 +154,8 @@ fn study(name: &str, extra: &str, reference: &str) -> PathBuf {
     path
 }
 
-fn short(worlds: &[&str]) -> Extent {
-    Extent {
+fn short(worlds: &[&str]) -> ComparisonExtent {
+    ComparisonExtent {
         worlds: worlds.iter().map(|w| (*w).to_owned()).collect(),
         tuning_runs: 4,
         widenings: 0,
@@ -154,7 +163,7 @@ fn short(worlds: &[&str]) -> Extent {
         training_settle_s: 0.8,
         draws: 2,
         scored_max_s: 1.0,
-        ..Extent::quick()
+        ..ComparisonExtent::quick()
     }
 }
 
@@ -164,11 +173,11 @@ fn journal(name: &str) -> PathBuf {
     path
 }
 
-fn done(plan: &Plan, journal: &Path, threads: usize) -> Comparison {
+fn done(plan: &ComparisonPlan, journal: &Path, threads: usize) -> Comparison {
     plan.run(&mut Journal::open(journal).unwrap(), threads, |_| ()).unwrap()
 }
 
-fn tuned<'c>(comparison: &'c Comparison, rival: &str, world: &str) -> &'c Cell {
+fn tuned<'c>(comparison: &'c Comparison, rival: &str, world: &str) -> &'c LawCell {
     let row = comparison.rows.iter().find(|row| row.rival == rival).unwrap();
     row.cell(world, GainsKind::Tuned).unwrap()
 }
@@ -179,7 +188,7 @@ fn the_answer_does_not_depend_on_how_it_was_run() {
     let study = study("same", "", MOVING);
     let mut extent = short(&["exact", "delay"]);
     extent.only = vec!["pd".to_owned(), "proposed-2".to_owned()];
-    let plan = Plan::new(&[study], extent).unwrap();
+    let plan = ComparisonPlan::new(&[study], extent).unwrap();
     let text = |c: &Comparison| serde_json::to_string(c).unwrap();
     let first = journal("same-1");
     let one = text(&done(&plan, &first, 1));
@@ -197,7 +206,7 @@ fn the_answer_does_not_depend_on_how_it_was_run() {
 fn everybody_is_tuned_with_the_same_budget_and_follows_with_exact_sensors() {
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies");
     let studies = ["table1.toml", "table1_panda.toml"].map(|name| studies.join(name));
-    let plan = Plan::new(&studies, short(&["exact"])).unwrap();
+    let plan = ComparisonPlan::new(&studies, short(&["exact"])).unwrap();
     let comparison = done(&plan, &journal("fair"), 2);
     assert_eq!(comparison.rows.len(), 2 * plan.rivals.len());
     let mut refused = Vec::new();
@@ -227,7 +236,8 @@ fn everybody_is_tuned_with_the_same_budget_and_follows_with_exact_sensors() {
 #[test]
 fn the_judge_is_not_fooled() {
     let rivals = vec![&SPRING, &STILL, &BROKEN, &RUNAWAY];
-    let plan = Plan::of(&[study("judge", "", MOVING)], rivals, short(&["exact"])).unwrap();
+    let plan =
+        ComparisonPlan::of(&[study("judge", "", MOVING)], rivals, short(&["exact"])).unwrap();
     let comparison = done(&plan, &journal("judge"), 2);
     let outcome = |rival: &str| &tuned(&comparison, rival, "exact").outcome;
     assert_eq!(*outcome("spring"), RunOutcome::Followed);
@@ -258,7 +268,7 @@ fn the_judge_is_not_fooled() {
 fn bound_over_measured_is_that_of_a_spring_at_rest() {
     let hold = "kind = \"hold\"\nq_rad = [0.9, 0.5, 0.3]\n";
     let path = study("spring", "[world]\nfriction = \"none\"\n", hold);
-    let plan = Plan::of(&[path], vec![&SPRING], short(&["exact"])).unwrap();
+    let plan = ComparisonPlan::of(&[path], vec![&SPRING], short(&["exact"])).unwrap();
     let comparison = done(&plan, &journal("spring"), 1);
     let cell = tuned(&comparison, "spring", "exact");
     let figures: &Figures = cell.worst.as_ref().unwrap();
@@ -285,12 +295,13 @@ fn what_cannot_be_compared_is_told() {
     let path = study("told", "", MOVING);
     let mut extent = short(&["exact"]);
     extent.only = vec!["pid-of-nobody".to_owned()];
-    let message = Plan::new(std::slice::from_ref(&path), extent).unwrap_err().to_string();
+    let message = ComparisonPlan::new(std::slice::from_ref(&path), extent).unwrap_err().to_string();
     assert!(message.contains("pid-of-nobody"), "{message}");
-    let message = Plan::new(std::slice::from_ref(&path), short(&["moon"])).unwrap_err().to_string();
+    let message =
+        ComparisonPlan::new(std::slice::from_ref(&path), short(&["moon"])).unwrap_err().to_string();
     assert!(message.contains("moon"), "{message}");
     let text = fs::read_to_string(&path).unwrap().replace("payload_max_kg = 0.3\n", "");
     fs::write(&path, text).unwrap();
-    let message = Plan::new(&[path], short(&["exact"])).unwrap_err().to_string();
+    let message = ComparisonPlan::new(&[path], short(&["exact"])).unwrap_err().to_string();
     assert!(message.contains("design.payload_max_kg"), "{message}");
 }

@@ -20,7 +20,7 @@ duration_s = {duration:?}
 [robot]
 name = "{robot}"
 [spec]
-error_max_rad = 2e-3
+error_bound_rad = 2e-3
 settle_s = 0.4
 [design]
 payload_max_kg = 0.5
@@ -72,7 +72,7 @@ fn main() {
                 .map(|_| {
                     let start = Instant::now();
                     let found = tube(&study, &gains, &desired).unwrap();
-                    assert!(found.joints.iter().all(|joint| joint.error_max_rad.is_finite()));
+                    assert!(found.joints.iter().all(|joint| joint.error_bound_rad.is_finite()));
                     start.elapsed().as_secs_f64()
                 })
                 .collect();

@@ -21,7 +21,7 @@
 //! #     name = "planar3r"
 //! #     [spec]
 //! #     settle_s = 1.0
-//! #     error_max_rad = 0.02
+//! #     error_bound_rad = 0.02
 //! #     [design]
 //! #     orders = [1]
 //! #     payload_max_kg = 0.2
@@ -59,7 +59,7 @@
 //! let tube = tube(&study, &gains, &desired)?;
 //! let settle = Settle::of(&study, Some(&tube));
 //! certificate.bound_by(tube.steady_from(settle.settle_s), settle, Vec::new());
-//! assert!(certificate.error_bound(0).is_some_and(|bound| bound.error_rad < 0.02));
+//! assert!(certificate.error_bound(0).is_some_and(|bound| bound.error_bound_rad < 0.02));
 //!
 //! gains.certificate = Some(certificate);
 //! let certificate = gains.certificate.as_ref().ok_or("no certificate")?;
@@ -99,7 +99,7 @@ mod trace;
 mod trade_off;
 pub mod tube;
 
-pub use arm::{Arm, ArmError, InertiaRates, ProofProgress, Unproved};
+pub use arm::{Arm, ArmError, InertiaRates, ProofProgress, RangeUnproved};
 pub use certificate::{arm_inside_window, find_moving};
 pub use class::{ClassDemand, ClassRefusal, class_bound, quick_class_bound};
 pub use contradiction::{Contradiction, ContradictionError, typed_inertia_holds};
@@ -112,9 +112,9 @@ pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, ClassBound, ClassPace, ClassWitness, CoarserEncoder,
     CoupledGains, ErrorBound, FORMAT, FilterSection, FrozenPayload, FrozenPosture, Gains,
     GainsError, JointCertificate, JointKept, JointLimit, JointRecord, JointRun, Left, LeftOut,
-    Motion, NotCounted, PayloadSet, Phi, PhiBasis, PositionObserver, Proved, Quantity, Searched,
-    Settle, SettleFrom, Statement, TradeOff, Tube, TubeJoint, TubeKept, TubeWatch, VERSION,
-    Verified, Witness,
+    NotCounted, Phi, PhiBasis, PositionObserver, Proved, Quantity, ReferenceBounds, Searched,
+    Settle, SettleFrom, TradeOff, Tube, TubeJoint, TubeKept, TubePayloadSet, TubeWatch, VERSION,
+    Verified, VerifiedStatement, Witness,
 };
 pub use positions::{PositionEstimate, PositionSearch, TubeParts};
 pub use request::requested_gains;

@@ -50,11 +50,11 @@ pub struct Smoothed {
     pub period_ns: u64,
     /// Rows between two that have no sample in common.
     reach: usize,
-    joints: Vec<Joint>,
+    joints: Vec<SmoothedJoint>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-struct Joint {
+struct SmoothedJoint {
     name: String,
     q: Vec<f64>,
     dq: Vec<f64>,
@@ -95,7 +95,7 @@ impl Smoothed {
                 *sum += tau * period;
                 Some(*sum)
             }));
-            Joint {
+            SmoothedJoint {
                 name: joint.name.clone(),
                 q: mean(&joint.q, 4),
                 dq: mean(&once, 3),

@@ -1,10 +1,10 @@
 //! Square matrices of an arm's size.
 
 /// Row-major `n × n`.
-pub(crate) type Square = Vec<f64>;
+pub(crate) type StateSquare = Vec<f64>;
 
 /// `a b`, all `n × n`.
-pub(crate) fn product(a: &[f64], b: &[f64], n: usize) -> Square {
+pub(crate) fn product(a: &[f64], b: &[f64], n: usize) -> StateSquare {
     let mut out = vec![0.0; n * n];
     for i in 0..n {
         for k in 0..n {

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::DMatrix;
-use phihat_design::{Arm, ArmInertia, Unproved};
+use phihat_design::{Arm, ArmInertia, RangeUnproved};
 use phihat_model::{Robot, Rotor, Workspace};
 use phihat_study::Study;
 
@@ -35,7 +35,7 @@ fn chain(joints: usize) -> Study {
     std::fs::create_dir_all(&folder).unwrap();
     std::fs::write(folder.join("chain.urdf"), urdf).unwrap();
     let study = read(
-        "duration_s = 2.0\n[robot]\nfile = \"chain.urdf\"\narmature_kg_m2 = 0.1\n[spec]\nerror_max_rad = 1e-3\n[design]\n[loop]\n\
+        "duration_s = 2.0\n[robot]\nfile = \"chain.urdf\"\narmature_kg_m2 = 0.1\n[spec]\nerror_bound_rad = 1e-3\n[design]\n[loop]\n\
          torque_max_nm = \"none\"\n[reference]\nkind = \"hold\"\nq_rad = 0.3\n",
         &folder,
     );
@@ -49,7 +49,7 @@ fn read(text: &str, base: &Path) -> Study {
 
 fn named(robot: &str, design: &str) -> Study {
     let text = format!(
-        "duration_s = 2.0\n[robot]\nname = \"{robot}\"\n[spec]\nerror_max_rad = 1e-3\n[design]\n{design}\n\
+        "duration_s = 2.0\n[robot]\nname = \"{robot}\"\n[spec]\nerror_bound_rad = 1e-3\n[design]\n{design}\n\
          [reference]\nkind = \"hold\"\npose = \"ready\"\n"
     );
     read(&text, Path::new(""))
@@ -156,7 +156,7 @@ fn the_postures_of_the_reference_count() {
 }
 
 /// Proved to a factor, with nothing seen above; how many cells.
-fn proved(study: &Study, factor: f64, cells: u64) -> Result<u64, Unproved> {
+fn proved(study: &Study, factor: f64, cells: u64) -> Result<u64, RangeUnproved> {
     let arm = Arm::of(study).unwrap();
     let range = arm.against(arm.nominal()).unwrap();
     let whole = arm.prove(&range, factor, &mut |progress| progress.cells < cells)?;
@@ -177,9 +177,9 @@ fn a_planar_arm_is_proved_to_a_tenth() {
 #[test]
 fn what_is_false_is_not_proved_and_what_is_stopped_says_how_far_it_came() {
     let refused = proved(&named("planar3r", ""), 0.9, 100_000).unwrap_err();
-    let Unproved::Beyond { q, eigenvalue, limit } = refused else { panic!("{refused}") };
+    let RangeUnproved::Beyond { q, eigenvalue, limit } = refused else { panic!("{refused}") };
     assert!(eigenvalue > limit && q.len() == 3);
-    let Err(Unproved::Stopped(progress)) = proved(&named("panda", ""), 1.5, 200) else {
+    let Err(RangeUnproved::Stopped(progress)) = proved(&named("panda", ""), 1.5, 200) else {
         panic!("200 cells are not enough");
     };
     assert!(progress.cells == 200 && progress.done < 1.0);
@@ -206,7 +206,7 @@ fn no_corner_of_a_payloads_box_makes_more_inertia_than_was_found() {
     std::fs::create_dir_all(&folder).unwrap();
     std::fs::write(folder.join("two.urdf"), TWO_MAXIMA).unwrap();
     let study = read(
-        "duration_s = 2.0\n[robot]\nfile = \"two.urdf\"\narmature_kg_m2 = [0.26443, 0.056244]\n[spec]\nerror_max_rad = 1e-3\n[design]\n\
+        "duration_s = 2.0\n[robot]\nfile = \"two.urdf\"\narmature_kg_m2 = [0.26443, 0.056244]\n[spec]\nerror_bound_rad = 1e-3\n[design]\n\
          payload_gyration_m = 0.017092\npayload_kg = [0.0, 0.097034]\npayload_frame = \"tool\"\n\
          payload_com_m = [[-0.041266, 0.027101], [0.024153, 0.09252], [-0.001468, 0.0669]]\n[reference]\nkind = \"hold\"\nq_rad = 0.3\n",
         &folder,

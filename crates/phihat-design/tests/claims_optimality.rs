@@ -3,7 +3,7 @@
 
 use crate::claims_support::{Random, law, random_law};
 use nalgebra::{Complex, DMatrix, DVector, Schur};
-use phihat_design::claims::matrix::{Matrix, failing_pivot};
+use phihat_design::claims::matrix::{RationalMatrix, failing_pivot};
 use phihat_design::claims::polynomial::{self, Sign};
 use phihat_design::claims::weights::{conditions, q_diagonal, return_difference};
 use phihat_design::claims::{Attenuation, Certified, Optimality, UnitLaw};
@@ -16,7 +16,7 @@ fn certified(law: &UnitLaw) -> Option<Certified> {
     Some(Optimality::at(law, k_tilde).unwrap().certified().unwrap().clone())
 }
 
-fn dense(x: &Matrix) -> DMatrix<f64> {
+fn dense(x: &RationalMatrix) -> DMatrix<f64> {
     DMatrix::from_fn(x.len(), x.len(), |i, j| x[i][j])
 }
 

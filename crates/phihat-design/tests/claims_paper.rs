@@ -6,12 +6,12 @@ use phihat_design::claims::paper::Feedback;
 use phihat_design::claims::times;
 use phihat_design::claims::weights::{conditions, q_diagonal};
 use phihat_design::claims::{
-    Attenuation, ErrorLimits, Iss, MinimalGains, Optimality, PaperError, PaperRadius, Refused,
+    Attenuation, ErrorLimits, Iss, LevelRefused, MinimalGains, Optimality, PaperError, PaperRadius,
     UnitLaw,
 };
 use phihat_design::prelude::*;
 
-fn refused(law: &UnitLaw, k_tilde: f64) -> Refused {
+fn refused(law: &UnitLaw, k_tilde: f64) -> LevelRefused {
     match Optimality::at(law, k_tilde).unwrap() {
         Optimality::Refuted(refused) => refused,
         other @ Optimality::Certified(_) => unreachable!("{other:?}"),

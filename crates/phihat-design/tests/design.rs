@@ -23,7 +23,7 @@ const ARMS: [(&str, &str, f64); 4] = [
 
 fn study(arm: &str, center: &str, payload: f64, error: f64) -> Study {
     let text = format!(
-        "duration_s = 8.0\n[robot]\nname = \"{arm}\"\n[spec]\nsettle_s = 3.0\nerror_max_rad = {error:e}\n\
+        "duration_s = 8.0\n[robot]\nname = \"{arm}\"\n[spec]\nsettle_s = 3.0\nerror_bound_rad = {error:e}\n\
          [design]\npayload_max_kg = {payload}\n[loop]\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\n\
          velocity = \"differenced\"\nvelocity_filter_hz = 100.0\n[world]\ncoulomb_extra_nm = 0.1\n\
          substeps = 4\npayload = {{ mass_kg = {payload} }}\n[reference]\nkind = \"sines\"\n\
@@ -77,7 +77,7 @@ fn what_cannot_be_had_is_refused_with_what_can() {
     };
     assert!(no.stable > 0 && no.tried > no.stable / 3);
     let clause = &no.clauses[0];
-    assert_eq!(clause.key, "spec.error_max_rad");
+    assert_eq!(clause.key, "spec.error_bound_rad");
     assert!(clause.joint.as_ref().unwrap().starts_with("panda_joint"));
     let possible = clause.possible.unwrap();
     assert!(possible > 1e-5, "{possible}");
@@ -260,13 +260,13 @@ fn the_integral_and_the_rise_time_are_kept_too() {
     };
     let free = gains(&study);
     let asked = 0.8 * bound(&free);
-    study.spec.error_integral_max = Some(vec![asked; 3]);
+    study.spec.error_integral_bound = Some(vec![asked; 3]);
     let kept = gains(&study);
     let verified = kept.certificate.as_ref().unwrap().verified(&kept).unwrap();
     assert!(verified.bounded && verified.not_proved.is_empty());
     assert!(bound(&kept) <= asked, "{} {asked}", bound(&kept));
     // 10 % to 90 % of a critically damped pair takes 3.36/ω.
-    study.spec.error_integral_max = None;
+    study.spec.error_integral_bound = None;
     study.design.rise_time = Some(3.36 / 40.0);
     for joint in &gains(&study).joints {
         assert!(joint.kp_per_s2.sqrt() > 39.9, "{}", joint.kp_per_s2.sqrt());

@@ -19,7 +19,7 @@ const HOSTILE: [&str; 3] = ["a\"b\\n ??/ */ end", "γ: {x}, #1\t\u{7}", "- 'yes'
 
 fn study(order: u32, rest: &str) -> Study {
     let text = format!(
-        "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 2.0\nerror_max_rad = 4e-3\n\
+        "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 2.0\nerror_bound_rad = 4e-3\n\
          [design]\ninertia_low_kg_m2 = [0.3, 0.2, 0.1]\n\
          inertia_high_kg_m2 = [0.6, 0.4, 0.2]\norders = [{order}]\n[loop]\ndelay_samples = 1\n{rest}\n[sensor]\n\
          encoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = 100.0\n[reference]\n\
@@ -198,7 +198,7 @@ fn what_is_claimed_of_the_pid_holds_for_the_exported_one() {
                 let mut pid = pids(&text, &names).swap_remove(j);
                 let (worst, integral) = closed_loop(&mut pid, inertia, mu, forward);
                 let moved = (motion.acceleration * 0.324).min(motion.jerk.unwrap() * 0.583);
-                let bound = claim.bounds.unwrap().error_rad + moved;
+                let bound = claim.bounds.unwrap().error_bound_rad + moved;
                 println!(
                     "{j} μ {mu:.2} forward {forward}: {worst:.3e} ≤ {bound:.3e}; i {integral:.2}"
                 );

@@ -249,7 +249,7 @@ fn a_strengthened_claim_is_refused() {
 
 /// A small arm's study, what is known of the arm, and its gains with their certificate.
 fn designed() -> (Study, Arm, Gains) {
-    let text = "duration_s = 3.0\n[robot]\nname = \"planar3r\"\n[spec]\nerror_max_rad = 5e-3\n[design]\n\
+    let text = "duration_s = 3.0\n[robot]\nname = \"planar3r\"\n[spec]\nerror_bound_rad = 5e-3\n[design]\n\
                 phi_rate_max_nm_s = 1.0\nphi_jump_max_nm = 0.1\norders = [1]\n[loop]\ndelay_samples = 1\n[world]\n\
                 gravity_m_s2 = [0.0, 0.0, 0.0]\n[reference]\nkind = \"hold\"\npose = \"ready\"\n";
     let study = Study::from_text(text, "moving.toml", std::path::Path::new("")).unwrap();

@@ -5,9 +5,9 @@
 use std::fmt::Write as _;
 
 use phihat_certificate::TubeTip;
-use phihat_certificate::tube::Reference;
+use phihat_certificate::tube::TubeReference;
 use phihat_design::tube::{Desired, tip_along};
-use phihat_design::{PayloadSet, Tube, TubeJoint};
+use phihat_design::{Tube, TubeJoint, TubePayloadSet};
 use phihat_model::Robot;
 use phihat_study::Study;
 
@@ -145,8 +145,8 @@ fn tube(random: &mut Random, names: &[String], size: f64) -> Tube {
             error_high_rad: ends(1.0),
             velocity_low_rad_s: vec![0.0; BINS],
             velocity_high_rad_s: vec![0.0; BINS],
-            error_max_rad: 0.0,
-            velocity_error_max_rad_s: 0.0,
+            error_bound_rad: 0.0,
+            velocity_error_bound_rad_s: 0.0,
             torque_max_nm: 0.0,
             torque_step_nm: vec![0.0; BINS],
             torque_step_max_nm: 0.0,
@@ -159,7 +159,7 @@ fn tube(random: &mut Random, names: &[String], size: f64) -> Tube {
         duration_s: (BINS * SAMPLES) as f64 * 1e-3,
         settle_s: 0.0,
         slices: 1,
-        payload: PayloadSet {
+        payload: TubePayloadSet {
             frame: "tool".to_owned(),
             mass_kg: (0.0, 0.0),
             com_m: [(0.0, 0.0); 3],
@@ -185,7 +185,7 @@ fn study(robot: Robot) -> Study {
 /// The checker finds the same arm by chords, and none with shorter levers.
 fn checked(study: &Study, rows: Vec<Vec<f64>>, tube: &Tube, (joint, bin): (usize, usize)) {
     let tip = tube.tip.as_ref().unwrap();
-    let reference = Reference { q: rows, ..Reference::default() };
+    let reference = TubeReference { q: rows, ..TubeReference::default() };
     let refused = |other: &TubeTip| other.is_of(study, &reference, tube).is_err();
     tip.is_of(study, &reference, tube).unwrap();
     let mut short = tip.clone();
@@ -223,7 +223,7 @@ fn no_error_inside_the_tubes_takes_the_tip_beyond_its_bound() {
         for (k, wanted) in rows.iter().take(BINS * SAMPLES).enumerate() {
             let bin = k / SAMPLES;
             let (bound, bound_turn) = tube.tip_in_bin(bin).unwrap();
-            assert!(bound <= tip.error_max_m && bound_turn <= tip.angle_max_rad);
+            assert!(bound <= tip.error_bound_m && bound_turn <= tip.angle_max_rad);
             let at = arm.tip(wanted);
             for draw in 0..60 {
                 let mut end = |i: usize| {

@@ -10,7 +10,7 @@ use phihat_synthesis::phi_along;
 
 fn study(error: f64, encoder: &str) -> Study {
     let text = format!(
-        "duration_s = 6.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 3.0\nerror_max_rad = {error:e}\n\
+        "duration_s = 6.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 3.0\nerror_bound_rad = {error:e}\n\
          [design]\npayload_max_kg = 0.3\n[loop]\ndelay_samples = 1\n[sensor]\n{encoder}\
          velocity = \"differenced\"\nvelocity_filter_hz = 100.0\n[world]\nsubsteps = 4\n[reference]\n\
          kind = \"sines\"\ncenter_rad = [0.3, 0.8, 0.4]\nfade_in_s = 1.0\n[[reference.sine]]\n\

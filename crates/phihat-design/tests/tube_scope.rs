@@ -17,7 +17,7 @@ name = "panda"
 name = "robot"
 [spec]
 settle_s = 0.0
-error_max_rad = 1e-2
+error_bound_rad = 1e-2
 [gains]
 order = 2
 bandwidth_rad_s = {bandwidth:?}

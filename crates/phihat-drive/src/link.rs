@@ -178,7 +178,7 @@ pub trait Link {
 }
 
 /// A robot of any kind.
-pub(crate) type Robot = Box<dyn Link + Send>;
+pub(crate) type LinkedRobot = Box<dyn Link + Send>;
 
 impl<L: Link + ?Sized> Link for Box<L> {
     fn facts(&self) -> &Facts {

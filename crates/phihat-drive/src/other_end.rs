@@ -5,7 +5,7 @@ use phihat_study::Study;
 use crate::error::DriveError;
 use crate::facts::{Clock, Facts};
 use crate::franka::FrankaLink;
-use crate::link::{Link as _, Robot};
+use crate::link::{Link as _, LinkedRobot};
 use crate::on::On;
 use crate::order::{Order, OrderError};
 
@@ -14,11 +14,11 @@ pub(crate) struct OtherEnd {
     /// Words for it: the option on the command line, or the name of the link.
     pub(crate) words: String,
     pub(crate) facts: Facts,
-    pub(crate) robot: Option<Robot>,
+    pub(crate) robot: Option<LinkedRobot>,
 }
 
 impl OtherEnd {
-    pub(crate) fn of(own: Option<Robot>, on: &On, study: &Study) -> Result<Self, DriveError> {
+    pub(crate) fn of(own: Option<LinkedRobot>, on: &On, study: &Study) -> Result<Self, DriveError> {
         if let Some(robot) = own {
             let facts = robot.facts().clone();
             return Ok(Self { words: format!("over {}", facts.name), facts, robot: Some(robot) });

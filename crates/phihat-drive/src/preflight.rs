@@ -12,7 +12,7 @@ use serde::Serialize;
 use crate::described::apart;
 use crate::facts::{Clock, Facts};
 use crate::finding::Finding;
-use crate::link::{Link as _, Readiness, Robot, Standing};
+use crate::link::{Link as _, LinkedRobot, Readiness, Standing};
 use crate::machine::Machine;
 use crate::order::Order;
 
@@ -267,7 +267,7 @@ fn beyond(figure: f64, most: f64) -> bool {
 const INERTIA_APART_MAX: f64 = 0.05;
 
 /// Checks that the robot's own description is of the study's arm.
-pub(crate) fn description(study: &Study, robot: Option<&mut Robot>) -> Check {
+pub(crate) fn description(study: &Study, robot: Option<&mut LinkedRobot>) -> Check {
     let name = CheckName::Description;
     let Some(robot) = robot else { return Check::not_asked(name, "of a simulated arm") };
     let Some(told) = robot.description() else {

@@ -19,7 +19,7 @@ use crate::evidence::Evidence;
 use crate::facts::{Clock, Facts};
 use crate::finding::Finding;
 use crate::hooks::{Tap, Targets};
-use crate::link::{Link, LinkFault, Robot};
+use crate::link::{Link, LinkFault, LinkedRobot};
 use crate::on::On;
 use crate::order::Order;
 use crate::other_end::OtherEnd;
@@ -122,7 +122,7 @@ pub fn prepare_on(
     prepare_at(options, Some(link))
 }
 
-fn prepare_at(options: &DriveOptions, own: Option<Robot>) -> Result<Prepared, DriveError> {
+fn prepare_at(options: &DriveOptions, own: Option<LinkedRobot>) -> Result<Prepared, DriveError> {
     // The checks below decide about the certificate.
     let run = RunOptions { uncertified: true, ..options.run.clone() };
     match &options.first {
@@ -135,7 +135,7 @@ fn prepare_at(options: &DriveOptions, own: Option<Robot>) -> Result<Prepared, Dr
 fn prepare_whole(
     options: &DriveOptions,
     run: &RunOptions,
-    own: Option<Robot>,
+    own: Option<LinkedRobot>,
 ) -> Result<Prepared, DriveError> {
     let again = || -> Result<Box<Study>, SessionError> {
         let (path, study) = (&options.run.study, phihat_session::read(&options.run.study)?);
@@ -160,7 +160,7 @@ fn prepare_first(
     options: &DriveOptions,
     run: &RunOptions,
     asked: &FirstMotion,
-    own: Option<Robot>,
+    own: Option<LinkedRobot>,
 ) -> Result<Prepared, DriveError> {
     let study = phihat_session::read(&options.run.study)?;
     let mut end = OtherEnd::of(own, &options.on, &study)?;
@@ -307,7 +307,7 @@ impl Prepared {
             let supervisor = study.supervisor.as_ref();
             let braked = supervisor.is_some_and(|asked| asked.brake_closing.is_some());
             let park = park(&study);
-            let mut way = Way {
+            let mut way = DriveInputs {
                 at,
                 checks,
                 proof,
@@ -375,7 +375,7 @@ fn command(options: &DriveOptions, at: &str) -> String {
 }
 
 /// Inputs of a drive, apart from its link.
-struct Way<'a> {
+struct DriveInputs<'a> {
     at: &'a str,
     checks: &'a [Check],
     proof: &'a Proof,
@@ -399,7 +399,7 @@ const FAULT_NS: u64 = 50_000_000;
 /// Longest time in which an arm may come to rest after the study's end \[ns\].
 const STOP_NS: u64 = 5_000_000_000;
 
-impl Way<'_> {
+impl DriveInputs<'_> {
     /// Runs the loop on a thread of its own, and hands its record over on this one.
     fn drive<L: Link + Send>(
         &mut self,
@@ -407,7 +407,7 @@ impl Way<'_> {
         control: ControlSide,
         watch: &mut dyn Watch,
         take: &mut Take<'_>,
-    ) -> Result<(phihat_session::Driven, Tally), DriveError> {
+    ) -> Result<(phihat_session::DrivenSession, Tally), DriveError> {
         let facts = link.facts().clone();
         let names = self.names;
         let order = Order::new(names, facts.joints.as_deref(), facts.width)?;
@@ -462,7 +462,7 @@ impl Way<'_> {
         (tally, recovered): (&Tally, Option<Result<(), LinkFault>>),
         evidence: &Evidence,
         ended: Ended,
-    ) -> phihat_session::Driven {
+    ) -> phihat_session::DrivenSession {
         let (late, took) = (evidence.timing.late(), evidence.timing.took());
         let fault = match tally.end {
             End::Fault(why) => Some(why.to_string()),
@@ -504,7 +504,7 @@ impl Way<'_> {
             .chain(tally.parked.and_then(Parked::doubt))
             .collect();
         let facts = self.lines(link.period_ns, tally, evidence);
-        phihat_session::Driven { ended, facts, warnings, document }
+        phihat_session::DrivenSession { ended, facts, warnings, document }
     }
 
     /// Lines of the page about the drive: label, and value with its unit.

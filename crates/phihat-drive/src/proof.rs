@@ -1,7 +1,7 @@
 //! Statement about the error of a drive before it begins: its bound, or the first clause that is not proved.
 
 use phihat_design::{ClassBound, Gains};
-use phihat_study::{Reference, Study};
+use phihat_study::{ReferenceRequest, Study};
 use serde::Serialize;
 
 use crate::preflight::{Check, CheckName, State};
@@ -14,7 +14,7 @@ const RESTS_ON: [CheckName; 4] =
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Proof {
     /// Largest bound on `|e|` of a joint \[rad\]; `None`: nothing is proved.
-    pub error_max_rad: Option<f64>,
+    pub error_bound_rad: Option<f64>,
     /// The statement in a sentence: "proved ≤ …" with its conditions, or "NOT PROVED: …" with the first clause that is
     /// not.
     pub sentence: String,
@@ -34,13 +34,13 @@ pub(crate) struct Subject<'a> {
 impl Proof {
     pub(crate) fn of(subject: Subject<'_>, checks: &[Check]) -> Self {
         let proved = bound(subject, checks);
-        let (error_max_rad, sentence) = match proved {
+        let (error_bound_rad, sentence) = match proved {
             Ok((error, scope)) => {
                 (Some(error), format!("proved ≤ {:.3} mrad {scope}", 1e3 * error))
             }
             Err(why) => (None, format!("NOT PROVED: {why}")),
         };
-        Self { error_max_rad, sentence }
+        Self { error_bound_rad, sentence }
     }
 }
 
@@ -68,7 +68,7 @@ fn bound(subject: Subject<'_>, checks: &[Check]) -> Result<(f64, String), String
         return within_class(study, class);
     }
     if let Some(tube) = certificate.tube.as_ref().filter(|_| study.sha256 == sha256) {
-        let error = tube.joints.iter().map(|joint| joint.error_max_rad).fold(0.0, f64::max);
+        let error = tube.joints.iter().map(|joint| joint.error_bound_rad).fold(0.0, f64::max);
         return Ok((error, "for this motion from its start, by the tube".to_owned()));
     }
     let why = certificate.class_refused.as_ref().or(certificate.tube_refused.as_ref());
@@ -81,7 +81,7 @@ fn within_class(study: &Study, class: &ClassBound) -> Result<(f64, String), Stri
     let kept = study.supervisor.as_deref().map(|own| {
         class.covers(own.reference_box.as_ref(), own.motion.as_ref()) && class.is_supervised()
     });
-    let drawn = matches!(study.reference, Reference::Any { .. });
+    let drawn = matches!(study.reference, ReferenceRequest::Any { .. });
     if !kept.unwrap_or(drawn && !class.is_supervised()) {
         return Err("the references are not kept in the class of motions".to_owned());
     }

@@ -8,13 +8,13 @@ const BINS: usize = 20_000;
 
 /// Times of one kind.
 #[derive(Debug, Clone)]
-struct Times {
+struct CycleTimes {
     bins: Vec<u64>,
     count: u64,
     most_ns: u64,
 }
 
-impl Times {
+impl CycleTimes {
     fn new() -> Self {
         Self { bins: vec![0; BINS], count: 0, most_ns: 0 }
     }
@@ -67,13 +67,13 @@ pub struct Percentiles {
 /// Times of a loop: wake-up delay, and computation time of the controller.
 #[derive(Debug, Clone)]
 pub struct Timing {
-    late: Times,
-    took: Times,
+    late: CycleTimes,
+    took: CycleTimes,
 }
 
 impl Default for Timing {
     fn default() -> Self {
-        Self { late: Times::new(), took: Times::new() }
+        Self { late: CycleTimes::new(), took: CycleTimes::new() }
     }
 }
 

@@ -21,7 +21,7 @@ fn panda() -> String {
     let rest = r#"
 [spec]
 settle_s = 0.3
-error_max_rad = 0.5
+error_bound_rad = 0.5
 [supervisor]
 error_stop_rad = 0.5
 [reference]

@@ -21,7 +21,9 @@ use phihat_design::requested_gains;
 use phihat_drive::{
     Desk, End, FrankaAddress, FrankaLink, Link as _, LinkFault, Order, Plan, Tally, cycles, ring,
 };
-use phihat_fci::{Cycle, Ending, Heard, Mode, Protocol, Reflex, RobotSide, Rules, World as _};
+use phihat_fci::{
+    Ending, Heard, InterfaceMode, Protocol, Reflex, RobotCycle, RobotRules, RobotSide, World as _,
+};
 use phihat_sim::{Simulation, WorldSide};
 use phihat_study::Study;
 
@@ -44,7 +46,7 @@ const PATIENCE: Duration = Duration::from_millis(100);
 const REST: &str = r#"
 [spec]
 settle_s = 0.3
-error_max_rad = 0.5
+error_bound_rad = 0.5
 [supervisor]
 error_stop_rad = 0.5
 brake_closing_s = 0.1
@@ -384,9 +386,9 @@ impl Robot {
     /// Returns true if this state has to be answered.
     fn awaits(&self) -> bool {
         let runs = match self.side.mode() {
-            Mode::Moving => true,
+            InterfaceMode::Moving => true,
             // The first state that shows a motion is not answered.
-            Mode::Starting => self.side.unanswered() != Some(0),
+            InterfaceMode::Starting => self.side.unanswered() != Some(0),
             _ => false,
         };
         runs && !self.quiet
@@ -404,8 +406,10 @@ impl Robot {
     /// Moves the arm at the end of the cycle.
     fn close(&mut self, answers: &mut Vec<u8>) {
         match self.side.close(false, answers) {
-            Cycle::Torque(tau) | Cycle::Finished(tau) | Cycle::Lost(tau) => self.world.step(&tau),
-            Cycle::Still | Cycle::Reflex(_) => {}
+            RobotCycle::Torque(tau) | RobotCycle::Finished(tau) | RobotCycle::Lost(tau) => {
+                self.world.step(&tau)
+            }
+            RobotCycle::Still | RobotCycle::Reflex(_) => {}
         }
         if let Some(ending) = self.side.ended() {
             self.seen.ended = Some(ending);
@@ -446,11 +450,11 @@ impl Arm {
 
     fn robot(&self, protocol: Protocol, side: WorldSide, (plot, seed): (Plot, u64)) -> Robot {
         let limits: Vec<_> = (0..7).map(|i| self.study.limits(i)).collect();
-        let rules = Rules {
+        let rules = RobotRules {
             torque_step_max: Some(1.0),
             first_torque_max: Some(0.0),
             losses_max: Some(20),
-            ..Rules::NONE
+            ..RobotRules::NONE
         };
         Robot {
             protocol,

@@ -24,7 +24,7 @@ const ANY: &str = r#"
     adds_gravity = true
     [spec]
     settle_s = 1.0
-    error_max_rad = 3e-3
+    error_bound_rad = 3e-3
     [design]
     payload_max_kg = 0.2
     window_margin = 1.1
@@ -66,7 +66,12 @@ fn options(folder: &Path, study: &str, gains: Option<&Gains>) -> DriveOptions {
         fs::write(&file, gains.to_json().unwrap()).unwrap();
         file
     });
-    let run = RunOptions { study: path, gains: file, out: Some(folder.join("out")), ..RunOptions::default() };
+    let run = RunOptions {
+        study: path,
+        gains: file,
+        out: Some(folder.join("out")),
+        ..RunOptions::default()
+    };
     DriveOptions { run, ..DriveOptions::default() }
 }
 
@@ -99,13 +104,21 @@ fn what_is_driven_is_what_is_proved() {
     let (proof, driven, trace) = driven(&options);
     let class = gains().certificate.as_ref().unwrap().class.as_deref().unwrap();
     let bound = class.worst().unwrap().1;
-    assert_eq!(proof.error_max_rad, Some(bound));
-    let says = ["proved ≤", "any motion within ± 0.4 rad, 0.4 rad/s, 1 rad/s², 10 rad/s³", "holding and tracking"];
+    assert_eq!(proof.error_bound_rad, Some(bound));
+    let says = [
+        "proved ≤",
+        "any motion within ± 0.4 rad, 0.4 rad/s, 1 rad/s², 10 rad/s³",
+        "holding and tracking",
+    ];
     assert!(says.iter().all(|part| proof.sentence.contains(part)), "{}", proof.sentence);
-    assert_eq!(driven.document["proof"]["error_max_rad"], bound);
+    assert_eq!(driven.document["proof"]["error_bound_rad"], bound);
     let told = driven.document["error_share_max"].as_f64().unwrap();
     println!("{}; share {told}", proof.sentence);
-    assert!((told - share(&trace)).abs() < 1e-6 && told > 0.05 && told < 1.0, "{told} {}", share(&trace));
+    assert!(
+        (told - share(&trace)).abs() < 1e-6 && told > 0.05 && told < 1.0,
+        "{told} {}",
+        share(&trace)
+    );
     assert!(driven.facts.iter().any(|(label, _)| label == "largest error"), "{:?}", driven.facts);
 
     // A motion from a file that no joint could follow: its reference in force is of the class.
@@ -117,15 +130,17 @@ fn what_is_driven_is_what_is_proved() {
     };
     let text: String = (0..=100).map(row).collect();
     fs::write(&file, format!("t_s,joint1,joint2,joint3\n{text}")).unwrap();
-    let options = DriveOptions { reference: Some(file), accept: vec![CheckName::Motion], ..options };
+    let options =
+        DriveOptions { reference: Some(file), accept: vec![CheckName::Motion], ..options };
     let (proof, driven, trace) = self::driven(&options);
-    assert_eq!(proof.error_max_rad, Some(bound), "{}", proof.sentence);
+    assert_eq!(proof.error_bound_rad, Some(bound), "{}", proof.sentence);
     let told = driven.document["error_share_max"].as_f64().unwrap();
     assert!(told < 1.0 && (told - share(&trace)).abs() < 1e-6, "{told}");
     for (i, joint) in trace.joints.iter().enumerate() {
         let (low, high) = (class.box_rad.0[i], class.box_rad.1[i]);
         assert!(joint.q_desired.iter().skip(3).all(|q| *q >= low && *q <= high), "{}", joint.name);
-        let fastest = joint.q_desired.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        let fastest =
+            joint.q_desired.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
         assert!(fastest <= 0.4e-3 * (1.0 + 1e-9) && fastest > 0.2e-3, "{fastest}");
     }
 }
@@ -139,7 +154,7 @@ fn a_drive_that_is_not_proved_says_the_first_clause_that_is_not() {
     };
     let stated = accepted(options(&folder, PLAIN, None), CheckName::Certificate);
     assert_eq!(stated.sentence, "NOT PROVED: the gains carry no certificate");
-    assert_eq!(stated.error_max_rad, None);
+    assert_eq!(stated.error_bound_rad, None);
     // Gains of another study: a world with more friction.
     let other = ANY.replace("coulomb_extra_nm = 0.05", "coulomb_extra_nm = 0.5");
     let other = accepted(options(&folder, &other, Some(gains())), CheckName::Certificate);

@@ -104,7 +104,7 @@ duration_s = 1.5
 name = "planar3r"
 locked = { joint2 = 0.5, joint3 = 0.5 }
 [spec]
-error_max_rad = 4e-3
+error_bound_rad = 4e-3
 [design]
 [loop]
 form = "positions"

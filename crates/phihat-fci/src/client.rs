@@ -10,7 +10,8 @@ use crate::fault::Faults;
 use crate::numbers::{at, put};
 use crate::protocol::{COMMAND_MOST, JOINTS, PORT, Protocol, STATE_MOST};
 use crate::request::{
-    HEADER, Header, MOTION_STARTED, PREEMPTED, REQUEST_MOST, Request, SUCCESS, header_of,
+    ClientRequest, HEADER, MOTION_STARTED, PREEMPTED, REQUEST_MOST, RequestHeader, SUCCESS,
+    header_of,
 };
 use crate::state::{EXTERNAL, RobotMode, RobotState};
 
@@ -119,7 +120,7 @@ impl Client {
         };
         let [a, b] = protocol.version().to_le_bytes();
         let [c, d] = port.to_le_bytes();
-        let id = new.ask(Request::Connect, &[a, b, c, d])?;
+        let id = new.ask(ClientRequest::Connect, &[a, b, c, d])?;
         let (status, version) = new.answer_with_version(id)?;
         if status > 1 {
             return Err(FciError::Refused {
@@ -163,7 +164,7 @@ impl Client {
         {
             put(&mut payload, 8 + 8 * i, &f64::to_le_bytes(*deviation));
         }
-        let id = self.ask(Request::Move, &payload)?;
+        let id = self.ask(ClientRequest::Move, &payload)?;
         let status = self.answer(id)?;
         if status != MOTION_STARTED {
             return Err(FciError::Refused { request: "Move", status, reasons: self.reasons() });
@@ -272,7 +273,7 @@ impl Client {
     ///
     /// [`FciError::Refused`], [`FciError::Network`]
     pub fn stop(&mut self) -> Result<(), FciError> {
-        self.asked("StopMove", Request::StopMove)?;
+        self.asked("StopMove", ClientRequest::StopMove)?;
         self.motion = None;
         for _ in 0..STATES {
             if self.receive()?.is_still() {
@@ -289,7 +290,7 @@ impl Client {
     /// [`FciError::Refused`]: it needs a person.
     pub fn recover(&mut self) -> Result<(), FciError> {
         self.motion = None;
-        self.asked("AutomaticErrorRecovery", Request::Recovery)?;
+        self.asked("AutomaticErrorRecovery", ClientRequest::Recovery)?;
         for _ in 0..STATES {
             let state = self.receive()?;
             if state.errors.is_empty() && state.mode == RobotMode::Idle {
@@ -308,7 +309,7 @@ impl Client {
         if self.protocol == Protocol::V5 {
             return Err(FciError::message("GetRobotModel in version", 5, "10"));
         }
-        let id = self.ask(Request::Model, &[])?;
+        let id = self.ask(ClientRequest::Model, &[])?;
         loop {
             let (header, status) = self.head()?;
             let length = u64::from(header.size).saturating_sub(HEADER as u64 + 1);
@@ -361,7 +362,7 @@ impl Client {
         Err(FciError::Aborted { status, reasons: self.reasons() })
     }
 
-    fn asked(&mut self, name: &'static str, request: Request) -> Result<(), FciError> {
+    fn asked(&mut self, name: &'static str, request: ClientRequest) -> Result<(), FciError> {
         let id = self.ask(request, &[])?;
         let status = self.answer(id)?;
         if status == SUCCESS {
@@ -375,7 +376,7 @@ impl Client {
     }
 
     /// Sends a request: its header, and as much of the payload as it has.
-    fn ask(&mut self, request: Request, payload: &[u8]) -> Result<u32, FciError> {
+    fn ask(&mut self, request: ClientRequest, payload: &[u8]) -> Result<u32, FciError> {
         let id = self.requests;
         self.requests = id.wrapping_add(1);
         let header = header_of(self.protocol, request, id);
@@ -390,11 +391,11 @@ impl Client {
     }
 
     /// Header and status of the next answer.
-    fn head(&mut self) -> Result<(Header, u8), FciError> {
+    fn head(&mut self) -> Result<(RequestHeader, u8), FciError> {
         let mut bytes = [0; HEADER + 1];
         let read = self.tcp.read_exact(&mut bytes);
         read.map_err(FciError::network("waiting for an answer"))?;
-        let header = Header::read(&bytes).filter(|header| header.size as usize > HEADER);
+        let header = RequestHeader::read(&bytes).filter(|header| header.size as usize > HEADER);
         let header = header.ok_or_else(|| {
             let size = at(&bytes, 8).map_or(0, u32::from_le_bytes) as usize;
             FciError::message("an answer with a size", size, "at least 13")
@@ -404,7 +405,7 @@ impl Client {
     }
 
     /// Leaves out the rest of an answer, a little at a time; its first two bytes.
-    fn rest(&mut self, header: Header) -> Result<u16, FciError> {
+    fn rest(&mut self, header: RequestHeader) -> Result<u16, FciError> {
         let mut left = (header.size as usize).saturating_sub(HEADER + 1);
         let (mut bytes, mut first) = ([0; 256], None);
         while left > 0 {

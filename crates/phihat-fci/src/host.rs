@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 use crate::client::is_no_data;
 use crate::error::FciError;
 use crate::protocol::{JOINTS, Protocol};
-use crate::request::{HEADER, Header, number};
-use crate::robot_side::{Cycle, Ending, HangUp, Heard, Mode, Packets, RobotSide};
-use crate::state::Sensed;
+use crate::request::{HEADER, RequestHeader, number};
+use crate::robot_side::{Ending, HangUp, Heard, InterfaceMode, Packets, RobotCycle, RobotSide};
+use crate::state::StateSensed;
 
 /// The world behind the interface.
 pub trait World {
@@ -25,7 +25,7 @@ pub trait World {
     fn begin(&mut self) -> Result<(), Self::Error>;
 
     /// Measurements of this cycle.
-    fn sensed(&mut self) -> Sensed;
+    fn sensed(&mut self) -> StateSensed;
 
     /// Returns true if the command of this cycle is lost on its way, whatever the client does.
     fn loses_command(&mut self) -> bool {
@@ -137,7 +137,7 @@ pub struct Host {
 
 /// A connection.
 #[derive(Debug)]
-struct Session {
+struct HostSession {
     tcp: TcpStream,
     from: SocketAddr,
     udp: UdpSocket,
@@ -194,7 +194,7 @@ impl Host {
             let came = self.next.take().map_or_else(|| self.listener.accept(), Ok);
             match came {
                 Ok((tcp, from)) => {
-                    if let Ok(mut session) = Session::new(tcp, from, self.pace) {
+                    if let Ok(mut session) = HostSession::new(tcp, from, self.pace) {
                         self.session(&mut session, world)?;
                     }
                 }
@@ -208,7 +208,11 @@ impl Host {
     }
 
     /// Serves one client until it goes away.
-    fn session<W: World>(&mut self, session: &mut Session, world: &mut W) -> Result<(), W::Error> {
+    fn session<W: World>(
+        &mut self,
+        session: &mut HostSession,
+        world: &mut W,
+    ) -> Result<(), W::Error> {
         let mut still = 0;
         while !session.gone && still < GOODBYE {
             self.cycle(session, world)?;
@@ -227,13 +231,17 @@ impl Host {
     }
 
     /// One cycle: requests, a state, its command, the world.
-    fn cycle<W: World>(&mut self, session: &mut Session, world: &mut W) -> Result<(), W::Error> {
+    fn cycle<W: World>(
+        &mut self,
+        session: &mut HostSession,
+        world: &mut W,
+    ) -> Result<(), W::Error> {
         self.requests(session, world)?;
         // Whoever comes after a client that has just gone is no second one.
         if session.gone {
             return Ok(());
         }
-        if self.side.mode() != Mode::Moving || self.side.id().is_multiple_of(64) {
+        if self.side.mode() != InterfaceMode::Moving || self.side.id().is_multiple_of(64) {
             self.refuse_others(session, world);
         }
         let Some(client) = session.client else {
@@ -244,7 +252,7 @@ impl Host {
         };
         let sensed = world.sensed();
         // The world does not go on before the first command: what it loses there, it would lose for ever.
-        let silent = self.side.mode() == Mode::Moving && !sensed.arrives;
+        let silent = self.side.mode() == InterfaceMode::Moving && !sensed.arrives;
         let state = self.side.state(&sensed, &mut self.answers);
         if let Some(state) = state.filter(|_| !silent) {
             // A packet that the system does not take is a packet lost.
@@ -252,13 +260,15 @@ impl Host {
         }
         session.write(&mut self.answers);
         self.wait(session, world, silent)?;
-        let runs = matches!(self.side.mode(), Mode::Starting | Mode::Moving);
+        let runs = matches!(self.side.mode(), InterfaceMode::Starting | InterfaceMode::Moving);
         let lost = runs && world.loses_command();
         match self.side.close(lost, &mut self.answers) {
-            Cycle::Torque(tau) | Cycle::Finished(tau) | Cycle::Lost(tau) => world.step(&tau),
-            Cycle::Still | Cycle::Reflex(_) => {}
+            RobotCycle::Torque(tau) | RobotCycle::Finished(tau) | RobotCycle::Lost(tau) => {
+                world.step(&tau)
+            }
+            RobotCycle::Still | RobotCycle::Reflex(_) => {}
         }
-        if self.side.mode() == Mode::Moving && world.is_over() {
+        if self.side.mode() == InterfaceMode::Moving && world.is_over() {
             self.side.over(&mut self.answers);
         }
         session.write(&mut self.answers);
@@ -274,7 +284,11 @@ impl Host {
     }
 
     /// Reads and answers the client's requests.
-    fn requests<W: World>(&mut self, session: &mut Session, world: &mut W) -> Result<(), W::Error> {
+    fn requests<W: World>(
+        &mut self,
+        session: &mut HostSession,
+        world: &mut W,
+    ) -> Result<(), W::Error> {
         let mut bytes = [0; 512];
         let mut rest: &[u8] = match session.tcp.read(&mut bytes) {
             Ok(0) => {
@@ -293,7 +307,7 @@ impl Host {
             let taken = self.side.tcp(rest, &mut self.answers);
             rest = rest.get(taken.max(1)..).unwrap_or_default();
             self.close_motion(world)?;
-            if before != Mode::Starting && self.side.mode() == Mode::Starting {
+            if before != InterfaceMode::Starting && self.side.mode() == InterfaceMode::Starting {
                 world.begin()?;
             }
             session.write(&mut self.answers);
@@ -309,7 +323,7 @@ impl Host {
     /// Waits until the cycle is over: for its command, or for the clock.
     fn wait<W: World>(
         &mut self,
-        session: &mut Session,
+        session: &mut HostSession,
         world: &mut W,
         silent: bool,
     ) -> Result<(), W::Error> {
@@ -322,7 +336,7 @@ impl Host {
             Pace::LockStep { .. } if silent => Ok(()),
             Pace::LockStep { patience } => {
                 let patience = match (self.side.mode(), self.side.unanswered()) {
-                    (Mode::Moving, _) => patience,
+                    (InterfaceMode::Moving, _) => patience,
                     (_, Some(0)) => FIRST_WAIT.min(patience),
                     (_, Some(_)) => START_WAIT.min(patience),
                     (_, None) => Duration::ZERO,
@@ -333,7 +347,7 @@ impl Host {
     }
 
     /// Looks at all packets that are there.
-    fn look(&mut self, session: &Session) {
+    fn look(&mut self, session: &HostSession) {
         let mut bytes = [0; 512];
         for _ in 0..PACKETS_MOST {
             match session.packet(&mut bytes) {
@@ -350,7 +364,7 @@ impl Host {
     #[expect(clippy::disallowed_methods, reason = "how long a command may take is its subject")]
     fn await_command<W: World>(
         &mut self,
-        session: &mut Session,
+        session: &mut HostSession,
         world: &mut W,
         patience: Duration,
     ) -> Result<(), W::Error> {
@@ -376,7 +390,7 @@ impl Host {
                 return Ok(());
             }
             self.refuse_others(session, world);
-            let runs = matches!(self.side.mode(), Mode::Starting | Mode::Moving);
+            let runs = matches!(self.side.mode(), InterfaceMode::Starting | InterfaceMode::Moving);
             let now = Instant::now();
             let passed = |last: Instant| now.duration_since(last).min(COUNTED_MOST);
             waited += last.map_or(Duration::ZERO, passed);
@@ -391,7 +405,7 @@ impl Host {
     /// Answers clients that cannot be served with a status that libfranka reports as a protocol error: it
     /// would wait for ever on a connection that is only closed. Whoever comes after the client has gone is
     /// served next.
-    fn refuse_others<W: World>(&mut self, session: &Session, world: &mut W) {
+    fn refuse_others<W: World>(&mut self, session: &HostSession, world: &mut W) {
         while self.refused.len() < REFUSED_MOST
             && self.next.is_none()
             && let Ok((tcp, from)) = self.listener.accept()
@@ -421,7 +435,7 @@ impl Host {
     }
 }
 
-impl Session {
+impl HostSession {
     fn new(tcp: TcpStream, from: SocketAddr, pace: Pace) -> io::Result<Self> {
         tcp.set_nodelay(true)?;
         tcp.set_nonblocking(true)?;
@@ -491,7 +505,7 @@ impl Session {
 fn refusal(request: &[u8; 16]) -> Vec<u8> {
     let [_, _, _, _, a, b, c, d, ..] = *request;
     let size = number(HEADER + 3);
-    let header = Header { command: 0, id: u32::from_le_bytes([a, b, c, d]), size };
+    let header = RequestHeader { command: 0, id: u32::from_le_bytes([a, b, c, d]), size };
     let [low, high] = Protocol::V10.version().to_le_bytes();
     let mut answer = header.bytes().to_vec();
     answer.extend([REFUSED, low, high]);

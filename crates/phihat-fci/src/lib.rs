@@ -42,5 +42,7 @@ pub use error::FciError;
 pub use fault::{Faults, Reflex};
 pub use host::{Event, Host, Pace, World};
 pub use protocol::{JOINTS, PORT, Protocol};
-pub use robot_side::{Cycle, Ending, HangUp, Heard, Mode, Packets, RobotSide, Rules};
-pub use state::{NO_POSE, RobotMode, RobotState, Sensed};
+pub use robot_side::{
+    Ending, HangUp, Heard, InterfaceMode, Packets, RobotCycle, RobotRules, RobotSide,
+};
+pub use state::{NO_POSE, RobotMode, RobotState, StateSensed};

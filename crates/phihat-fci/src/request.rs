@@ -17,7 +17,7 @@ pub(crate) const REQUEST_MOST: usize = 428;
 
 /// Requests of a client.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Request {
+pub(crate) enum ClientRequest {
     Connect,
     Move,
     StopMove,
@@ -32,39 +32,39 @@ pub(crate) enum Request {
 }
 
 /// Requests of version 5 and of version 10 by their numbers, with the bytes of each.
-const V5: [(Request, usize); 14] = [
-    (Request::Connect, 16),
-    (Request::Move, 68),
-    (Request::StopMove, 12),
-    (Request::CartesianLimit, 16),
-    (Request::Setting, 428),
-    (Request::Setting, 68),
-    (Request::Setting, 60),
-    (Request::Setting, 19),
-    (Request::Setting, 140),
-    (Request::Setting, 140),
-    (Request::Setting, 116),
-    (Request::Setting, 52),
-    (Request::Recovery, 12),
-    (Request::Library, 14),
+const V5: [(ClientRequest, usize); 14] = [
+    (ClientRequest::Connect, 16),
+    (ClientRequest::Move, 68),
+    (ClientRequest::StopMove, 12),
+    (ClientRequest::CartesianLimit, 16),
+    (ClientRequest::Setting, 428),
+    (ClientRequest::Setting, 68),
+    (ClientRequest::Setting, 60),
+    (ClientRequest::Setting, 19),
+    (ClientRequest::Setting, 140),
+    (ClientRequest::Setting, 140),
+    (ClientRequest::Setting, 116),
+    (ClientRequest::Setting, 52),
+    (ClientRequest::Recovery, 12),
+    (ClientRequest::Library, 14),
 ];
-const V10: [(Request, usize); 12] = [
-    (Request::Connect, 16),
-    (Request::Move, 125),
-    (Request::StopMove, 12),
-    (Request::Setting, 428),
-    (Request::Setting, 68),
-    (Request::Setting, 60),
-    (Request::Setting, 19),
-    (Request::Setting, 140),
-    (Request::Setting, 140),
-    (Request::Setting, 116),
-    (Request::Recovery, 12),
-    (Request::Model, 12),
+const V10: [(ClientRequest, usize); 12] = [
+    (ClientRequest::Connect, 16),
+    (ClientRequest::Move, 125),
+    (ClientRequest::StopMove, 12),
+    (ClientRequest::Setting, 428),
+    (ClientRequest::Setting, 68),
+    (ClientRequest::Setting, 60),
+    (ClientRequest::Setting, 19),
+    (ClientRequest::Setting, 140),
+    (ClientRequest::Setting, 140),
+    (ClientRequest::Setting, 116),
+    (ClientRequest::Recovery, 12),
+    (ClientRequest::Model, 12),
 ];
 
 /// All of a version; before one is agreed on, its first.
-fn all(protocol: Option<Protocol>) -> &'static [(Request, usize)] {
+fn all(protocol: Option<Protocol>) -> &'static [(ClientRequest, usize)] {
     match protocol {
         None => V5.get(..1).unwrap_or_default(),
         Some(Protocol::V5) => &V5,
@@ -74,13 +74,13 @@ fn all(protocol: Option<Protocol>) -> &'static [(Request, usize)] {
 
 /// A header that was read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Header {
+pub(crate) struct RequestHeader {
     pub(crate) command: u32,
     pub(crate) id: u32,
     pub(crate) size: u32,
 }
 
-impl Header {
+impl RequestHeader {
     pub(crate) fn read(bytes: &[u8]) -> Option<Self> {
         let number = |place| at(bytes, place).map(u32::from_le_bytes);
         Some(Self { command: number(0)?, id: number(4)?, size: number(8)? })
@@ -97,16 +97,19 @@ impl Header {
 
 /// Request of a header, and its number of bytes with the header; `None`: an unknown request, or one of
 /// another size.
-pub(crate) fn asked(protocol: Option<Protocol>, header: Header) -> Option<(Request, usize)> {
+pub(crate) fn asked(
+    protocol: Option<Protocol>,
+    header: RequestHeader,
+) -> Option<(ClientRequest, usize)> {
     let (request, size) = *all(protocol).get(usize::try_from(header.command).ok()?)?;
     (u32::try_from(size) == Ok(header.size)).then_some((request, size))
 }
 
 /// Number and size of a request.
-pub(crate) fn header_of(protocol: Protocol, request: Request, id: u32) -> Header {
+pub(crate) fn header_of(protocol: Protocol, request: ClientRequest, id: u32) -> RequestHeader {
     let found = all(Some(protocol)).iter().enumerate().find(|(_, (this, _))| *this == request);
     let (command, size) = found.map_or((u32::MAX, HEADER), |(i, (_, size))| (number(i), *size));
-    Header { command, id, size: number(size) }
+    RequestHeader { command, id, size: number(size) }
 }
 
 /// A length as the wire has it.

@@ -7,10 +7,10 @@ use crate::fault::{Faults, Reflex};
 use crate::numbers::at;
 use crate::protocol::{JOINTS, Protocol};
 use crate::request::{
-    HEADER, Header, MOTION_STARTED, MoveStatus, NOT_POSSIBLE, PREEMPTED, REQUEST_MOST, Request,
-    SUCCESS, asked, header_of, number,
+    ClientRequest, HEADER, MOTION_STARTED, MoveStatus, NOT_POSSIBLE, PREEMPTED, REQUEST_MOST,
+    RequestHeader, SUCCESS, asked, header_of, number,
 };
-use crate::state::{EXTERNAL, NO_CONTROLLER, RobotMode, Said, Sensed, StateBytes};
+use crate::state::{EXTERNAL, NO_CONTROLLER, RobotMode, Said, StateBytes, StateSensed};
 
 /// States at the start of a motion that need no answer: libfranka looks at one, to see the motion run, before
 /// its loop begins.
@@ -24,7 +24,7 @@ const SINGLE: f64 = 1.2e-7;
 
 /// On what the robot stops by itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rules {
+pub struct RobotRules {
     /// Change of a torque from one command to the next \[N·m\].
     pub torque_step_max: Option<f64>,
     /// First torque of a motion \[N·m\].
@@ -35,7 +35,7 @@ pub struct Rules {
     pub losses_max: Option<u32>,
 }
 
-impl Rules {
+impl RobotRules {
     /// The robot stops on nothing but torques that are no numbers.
     pub const NONE: Self = Self {
         torque_step_max: None,
@@ -47,7 +47,7 @@ impl Rules {
 
 /// The mode that the robot's side is in. There is no other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Mode {
+pub enum InterfaceMode {
     /// Nobody is connected.
     Closed,
     /// Connected, no motion.
@@ -104,7 +104,7 @@ pub enum Heard {
 
 /// Result of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Cycle {
+pub enum RobotCycle {
     /// No motion, or none that has begun: the world stands.
     Still,
     /// These torques act \[N·m\].
@@ -163,7 +163,7 @@ pub struct Packets {
 
 /// A motion that was requested.
 #[derive(Debug, Clone, Copy)]
-struct Motion {
+struct RequestedMotion {
     /// Number of its request.
     id: u32,
     /// As states show it.
@@ -188,7 +188,7 @@ struct Motion {
 /// Whatever bytes come, nothing panics, the stored data do not grow, and [`mode`](Self::mode) is one of five.
 #[derive(Debug)]
 pub struct RobotSide {
-    rules: Rules,
+    rules: RobotRules,
     /// URDF that protocol 10 hands out.
     model: String,
     connection: Option<Connection>,
@@ -197,7 +197,7 @@ pub struct RobotSide {
     begun: [u8; REQUEST_MOST],
     begun_bytes: usize,
     id: u64,
-    motion: Option<Motion>,
+    motion: Option<RequestedMotion>,
     /// True if it takes no motion any more.
     retired: bool,
     ended: Option<Ending>,
@@ -224,7 +224,7 @@ const WINDOW: u32 = 100;
 impl RobotSide {
     /// A robot that nobody is connected to. `model` is the URDF that it hands out.
     #[must_use]
-    pub fn new(rules: Rules, model: String) -> Self {
+    pub fn new(rules: RobotRules, model: String) -> Self {
         Self {
             rules,
             model,
@@ -248,13 +248,13 @@ impl RobotSide {
 
     /// The mode it is in.
     #[must_use]
-    pub fn mode(&self) -> Mode {
+    pub fn mode(&self) -> InterfaceMode {
         match (&self.connection, self.motion) {
-            (None, _) => Mode::Closed,
-            (Some(_), Some(Motion { unanswered: Some(_), .. })) => Mode::Starting,
-            (Some(_), Some(_)) => Mode::Moving,
-            (Some(_), None) if !self.errors.is_empty() => Mode::Reflex,
-            (Some(_), None) => Mode::Idle,
+            (None, _) => InterfaceMode::Closed,
+            (Some(_), Some(RequestedMotion { unanswered: Some(_), .. })) => InterfaceMode::Starting,
+            (Some(_), Some(_)) => InterfaceMode::Moving,
+            (Some(_), None) if !self.errors.is_empty() => InterfaceMode::Reflex,
+            (Some(_), None) => InterfaceMode::Idle,
         }
     }
 
@@ -344,7 +344,7 @@ impl RobotSide {
     /// The size of the request whose header is there; one that there is not ends the connection.
     fn size_of_begun(&mut self) -> usize {
         let protocol = self.connection.as_ref().map(|c| c.protocol);
-        let Some(header) = Header::read(&self.begun) else { return HEADER };
+        let Some(header) = RequestHeader::read(&self.begun) else { return HEADER };
         if let Some((_, size)) = asked(protocol, header) {
             return size;
         }
@@ -355,33 +355,33 @@ impl RobotSide {
     /// Answers the request that is whole.
     fn answer(&mut self, answers: &mut Vec<u8>) {
         let protocol = self.connection.as_ref().map(|c| c.protocol);
-        let Some(header) = Header::read(&self.begun) else { return };
+        let Some(header) = RequestHeader::read(&self.begun) else { return };
         let Some((request, _)) = asked(protocol, header) else { return };
         let still = self.motion.is_none();
         let status = match request {
-            Request::Connect => return self.connect(header, answers),
-            Request::Move => return self.start(header, answers),
-            Request::StopMove => {
+            ClientRequest::Connect => return self.connect(header, answers),
+            ClientRequest::Move => return self.start(header, answers),
+            ClientRequest::StopMove => {
                 self.end(Ending::Stopped, PREEMPTED, answers);
                 SUCCESS
             }
-            Request::Recovery if still => {
+            ClientRequest::Recovery if still => {
                 self.errors = Faults::default();
                 SUCCESS
             }
-            Request::Setting | Request::Model if still => SUCCESS,
+            ClientRequest::Setting | ClientRequest::Model if still => SUCCESS,
             _ => NOT_POSSIBLE,
         };
         let limit = [0; 153];
         let more: &[u8] = match request {
-            Request::Model if still => self.model.as_bytes(),
-            Request::CartesianLimit => &limit,
+            ClientRequest::Model if still => self.model.as_bytes(),
+            ClientRequest::CartesianLimit => &limit,
             _ => &[],
         };
         reply(header, status, more, answers);
     }
 
-    fn connect(&mut self, header: Header, answers: &mut Vec<u8>) {
+    fn connect(&mut self, header: RequestHeader, answers: &mut Vec<u8>) {
         let word = |place| at(&self.begun, place).map_or(0, u16::from_le_bytes);
         let (version, udp_port) = (word(HEADER), word(HEADER + 2));
         let again = self.connection.is_some() || udp_port == 0;
@@ -403,7 +403,7 @@ impl RobotSide {
     }
 
     /// Begins a motion that is commanded by torques; any other is refused.
-    fn start(&mut self, header: Header, answers: &mut Vec<u8>) {
+    fn start(&mut self, header: RequestHeader, answers: &mut Vec<u8>) {
         let Some((protocol, _)) = self.client() else { return };
         let word = |place| at(&self.begun, place).map_or(u32::MAX, u32::from_le_bytes);
         let (controller, generator) = (word(HEADER), word(HEADER + 4));
@@ -415,7 +415,7 @@ impl RobotSide {
             return reply(header, protocol.status(MoveStatus::NotPossible), &[], answers);
         };
         let (id, generator) = (header.id, generator + 1);
-        self.motion = Some(Motion { id, generator, unanswered: Some(0), shown: false });
+        self.motion = Some(RequestedMotion { id, generator, unanswered: Some(0), shown: false });
         self.reflex_reason = Faults::default();
         self.losses = 0;
         self.heard = u128::MAX;
@@ -429,7 +429,7 @@ impl RobotSide {
         };
         self.ended = Some(ending);
         self.fresh = None;
-        reply(header_of(protocol, Request::Move, motion.id), status, &[], answers);
+        reply(header_of(protocol, ClientRequest::Move, motion.id), status, &[], answers);
     }
 
     /// Ends a motion whose world has come to its end.
@@ -442,24 +442,24 @@ impl RobotSide {
         self.reflex_reason = Faults::of(reflex);
     }
 
-    fn reflex(&mut self, reflex: Reflex, answers: &mut Vec<u8>) -> Cycle {
+    fn reflex(&mut self, reflex: Reflex, answers: &mut Vec<u8>) -> RobotCycle {
         if let Some((protocol, _)) = self.client() {
             self.end(Ending::Reflex(reflex), protocol.status(MoveStatus::Reflex), answers);
         }
         self.fail(reflex);
-        Cycle::Reflex(reflex)
+        RobotCycle::Reflex(reflex)
     }
 
     /// The next state; `None` where nobody is connected. A joint that is too fast stops the robot here, and
     /// the state says so.
-    pub fn state(&mut self, sensed: &Sensed, answers: &mut Vec<u8>) -> Option<&[u8]> {
+    pub fn state(&mut self, sensed: &StateSensed, answers: &mut Vec<u8>) -> Option<&[u8]> {
         self.id = self.id.wrapping_add(1);
         self.fresh = None;
-        if self.mode() == Mode::Starting {
+        if self.mode() == InterfaceMode::Starting {
             self.accepted = sensed.tau_j_d;
         }
         let too_fast = |(dq, most): (&f64, &f64)| dq.is_nan() || dq.abs() > *most;
-        let moves = self.mode() == Mode::Moving;
+        let moves = self.mode() == InterfaceMode::Moving;
         if moves && sensed.dq.iter().zip(&self.rules.velocity_max).any(too_fast) {
             self.reflex(Reflex::Velocity, answers);
         }
@@ -523,10 +523,10 @@ impl RobotSide {
     }
 
     /// Closes the cycle. `lost`: the command, if one came, is taken for lost on its way.
-    pub fn close(&mut self, lost: bool, answers: &mut Vec<u8>) -> Cycle {
+    pub fn close(&mut self, lost: bool, answers: &mut Vec<u8>) -> RobotCycle {
         let fresh = self.fresh.take().filter(|_| !lost);
         let Some(motion) = self.motion.as_mut().filter(|motion| motion.shown) else {
-            return Cycle::Still;
+            return RobotCycle::Still;
         };
         let Some(command) = fresh else {
             let mut counts = true;
@@ -546,13 +546,13 @@ impl RobotSide {
         self.accepted = command.tau;
         if command.finished {
             self.end(Ending::Finished, SUCCESS, answers);
-            return Cycle::Finished(command.tau);
+            return RobotCycle::Finished(command.tau);
         }
-        Cycle::Torque(command.tau)
+        RobotCycle::Torque(command.tau)
     }
 
     /// A cycle of a motion without a command.
-    fn missed(&mut self, counts: bool, starts: bool, answers: &mut Vec<u8>) -> Cycle {
+    fn missed(&mut self, counts: bool, starts: bool, answers: &mut Vec<u8>) -> RobotCycle {
         if counts {
             self.packets.lost = self.packets.lost.wrapping_add(1);
             self.losses = self.losses.saturating_add(1);
@@ -561,7 +561,7 @@ impl RobotSide {
                 return self.reflex(Reflex::Communication, answers);
             }
         }
-        if starts { Cycle::Still } else { Cycle::Lost(self.accepted) }
+        if starts { RobotCycle::Still } else { RobotCycle::Lost(self.accepted) }
     }
 
     /// Returns true if the rules allow a command.
@@ -581,9 +581,9 @@ impl RobotSide {
 }
 
 /// An answer: header, status, and more.
-fn reply(header: Header, status: u8, more: &[u8], answers: &mut Vec<u8>) {
+fn reply(header: RequestHeader, status: u8, more: &[u8], answers: &mut Vec<u8>) {
     let size = number(HEADER + 1 + more.len());
-    answers.extend_from_slice(&Header { size, ..header }.bytes());
+    answers.extend_from_slice(&RequestHeader { size, ..header }.bytes());
     answers.push(status);
     answers.extend_from_slice(more);
 }

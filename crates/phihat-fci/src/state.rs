@@ -140,7 +140,7 @@ fn numbers(protocol: Protocol, bytes: &[u8], place: usize) -> Option<[f64; JOINT
 
 /// Measurements of a robot, as they are sent.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sensed {
+pub struct StateSensed {
     /// Positions \[rad\].
     pub q: [f64; JOINTS],
     /// Velocities \[rad/s\].
@@ -159,7 +159,7 @@ pub struct Sensed {
 pub const NO_POSE: [f64; 16] =
     [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-impl Default for Sensed {
+impl Default for StateSensed {
     fn default() -> Self {
         let none = [0.0; JOINTS];
         Self { q: none, dq: none, tau_j: none, tau_j_d: none, pose: NO_POSE, arrives: true }
@@ -207,7 +207,7 @@ impl StateBytes {
     }
 
     /// The message of this cycle.
-    pub(crate) fn fill(&mut self, sensed: &Sensed, said: &Said) -> &[u8] {
+    pub(crate) fn fill(&mut self, sensed: &StateSensed, said: &Said) -> &[u8] {
         put(&mut self.bytes, 0, &said.id.to_le_bytes());
         // The pose is the desired one too: a client that sends torques requests no pose.
         self.numbers(POSE, &sensed.pose);

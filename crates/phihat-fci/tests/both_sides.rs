@@ -7,10 +7,10 @@ use std::time::Duration;
 
 use crate::support::Masses;
 use phihat_fci::{
-    Client, Ending, FciError, Host, Pace, Protocol, Reflex, RobotMode, RobotSide, Rules,
+    Client, Ending, FciError, Host, Pace, Protocol, Reflex, RobotMode, RobotRules, RobotSide,
 };
 
-const RULES: Rules = Rules {
+const RULES: RobotRules = RobotRules {
     torque_step_max: Some(1.0),
     first_torque_max: Some(0.0),
     velocity_max: [2.0; 7],
@@ -22,7 +22,7 @@ type Provoke = fn(&mut Client);
 
 /// A robot that serves so many motions; its address, and the thread that returns its world.
 fn robot(
-    rules: Rules,
+    rules: RobotRules,
     patience_ms: u64,
     length: u64,
     motions: usize,

@@ -9,7 +9,8 @@ use std::time::Duration;
 use crate::support::{connect, request, start};
 use allocation_counter::measure;
 use phihat_fci::{
-    Client, FciError, Mode, Protocol, RobotCommand, RobotSide, RobotState, Rules, Sensed,
+    Client, FciError, InterfaceMode, Protocol, RobotCommand, RobotRules, RobotSide, RobotState,
+    StateSensed,
 };
 use proptest::collection::vec;
 use proptest::prelude::{ProptestConfig, any, prop_assert, proptest};
@@ -46,7 +47,7 @@ proptest! {
         claims in vec(any::<u32>(), 3),
         cut in 0_usize..40,
     ) {
-        let mut robot = RobotSide::new(Rules::NONE, String::new());
+        let mut robot = RobotSide::new(RobotRules::NONE, String::new());
         let mut answers = Vec::with_capacity(4096);
         let mut stream = connect(Protocol::V10, 7);
         stream.extend(start(Protocol::V10, 1));
@@ -59,7 +60,7 @@ proptest! {
                 let taken = robot.tcp(rest, &mut answers);
                 assert!(taken > 0);
                 rest = &rest[taken..];
-                robot.state(&Sensed::default(), &mut answers);
+                robot.state(&StateSensed::default(), &mut answers);
                 robot.command(&bytes);
                 robot.close(false, &mut answers);
             }
@@ -75,7 +76,7 @@ fn requests_of_any_size_end_the_connection_and_take_nothing() {
     for protocol in Protocol::ALL {
         for command in 0..20 {
             for size in [0, 11, 13, 429, 1 << 20, u32::MAX] {
-                let mut robot = RobotSide::new(Rules::NONE, String::new());
+                let mut robot = RobotSide::new(RobotRules::NONE, String::new());
                 let mut answers = Vec::new();
                 robot.tcp(&connect(protocol, 7), &mut answers);
                 let mut bytes = request(command, 3, &[]);
@@ -83,7 +84,7 @@ fn requests_of_any_size_end_the_connection_and_take_nothing() {
                 assert_eq!(robot.tcp(&bytes, &mut answers), 12);
                 let why = robot.hung_up().unwrap().to_string();
                 assert_eq!(why, format!("a request {command} of {size} bytes, which there is not"));
-                assert_eq!((robot.mode(), answers.len()), (Mode::Idle, 15));
+                assert_eq!((robot.mode(), answers.len()), (InterfaceMode::Idle, 15));
                 // What comes after it is left out.
                 assert_eq!(robot.tcp(&[0; 500], &mut answers), 500);
             }
@@ -93,7 +94,7 @@ fn requests_of_any_size_end_the_connection_and_take_nothing() {
 
 #[test]
 fn a_version_that_is_not_spoken_is_told_which_is() {
-    let mut robot = RobotSide::new(Rules::NONE, String::new());
+    let mut robot = RobotSide::new(RobotRules::NONE, String::new());
     let mut answers = Vec::new();
     let words = [8_u16, 7].into_iter().flat_map(u16::to_le_bytes).collect::<Vec<u8>>();
     robot.tcp(&request(0, 5, &words), &mut answers);

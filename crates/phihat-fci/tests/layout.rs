@@ -2,7 +2,9 @@
 //! libfranka-common: the fields are listed here in their order, and places are sums of what comes before.
 
 use crate::support::{connect, start};
-use phihat_fci::{Protocol, Reflex, RobotCommand, RobotMode, RobotSide, RobotState, Rules, Sensed};
+use phihat_fci::{
+    Protocol, Reflex, RobotCommand, RobotMode, RobotRules, RobotSide, RobotState, StateSensed,
+};
 
 /// `RobotState` of `rbk_types.h` after its number, in order.
 const FIELDS: [(&str, usize); 39] = [
@@ -124,12 +126,12 @@ fn a_state_is_read_from_where_the_headers_have_it() {
 #[test]
 fn the_robot_writes_where_the_headers_have_it() {
     for protocol in Protocol::ALL {
-        let mut robot = RobotSide::new(Rules::NONE, String::new());
+        let mut robot = RobotSide::new(RobotRules::NONE, String::new());
         let mut answers = Vec::new();
         robot.tcp(&connect(protocol, 9), &mut answers);
         robot.tcp(&start(protocol, 1), &mut answers);
         let values = |k: usize| core::array::from_fn(|joint| (10 * k + joint) as f64 / 8.0);
-        let sensed = Sensed {
+        let sensed = StateSensed {
             q: values(1),
             dq: values(2),
             tau_j: values(3),

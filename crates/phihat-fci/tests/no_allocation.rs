@@ -8,7 +8,8 @@ use std::time::Duration;
 use crate::support::{Masses, connect, start};
 use allocation_counter::measure;
 use phihat_fci::{
-    Client, Cycle, Ending, Host, Pace, Protocol, RobotCommand, RobotSide, RobotState, Rules, Sensed,
+    Client, Ending, Host, Pace, Protocol, RobotCommand, RobotCycle, RobotRules, RobotSide,
+    RobotState, StateSensed,
 };
 
 const CYCLES: u64 = 72_000;
@@ -16,7 +17,7 @@ const CYCLES: u64 = 72_000;
 #[test]
 fn the_robots_side_and_the_codec_do_not_allocate() {
     for protocol in Protocol::ALL {
-        let mut robot = RobotSide::new(Rules::NONE, String::new());
+        let mut robot = RobotSide::new(RobotRules::NONE, String::new());
         let mut answers = Vec::with_capacity(1024);
         robot.tcp(&connect(protocol, 9), &mut answers);
         robot.tcp(&start(protocol, 1), &mut answers);
@@ -25,11 +26,12 @@ fn the_robots_side_and_the_codec_do_not_allocate() {
         let mut acted = 0;
         let used = measure(|| {
             for _ in 0..CYCLES {
-                let bytes = robot.state(&Sensed::default(), &mut answers).unwrap();
+                let bytes = robot.state(&StateSensed::default(), &mut answers).unwrap();
                 let state = RobotState::read(protocol, bytes).unwrap();
                 packet[..8].copy_from_slice(&state.id.to_le_bytes());
                 robot.command(&packet);
-                acted += u64::from(robot.close(false, &mut answers) == Cycle::Torque([0.5; 7]));
+                acted +=
+                    u64::from(robot.close(false, &mut answers) == RobotCycle::Torque([0.5; 7]));
             }
         });
         assert_eq!((acted, used.count_total), (CYCLES, 0));
@@ -39,7 +41,7 @@ fn the_robots_side_and_the_codec_do_not_allocate() {
 /// Allocations of client and robot in a motion of so many cycles.
 fn both(protocol: Protocol, cycles: u64) -> (u64, u64) {
     let pace = Pace::LockStep { patience: Duration::from_secs(30) };
-    let side = RobotSide::new(Rules::NONE, String::new());
+    let side = RobotSide::new(RobotRules::NONE, String::new());
     let mut host = Host::listen(Ipv4Addr::LOCALHOST.into(), 0, pace, side).unwrap();
     let address = host.address().to_string();
     let robot = thread::spawn(move || {

@@ -6,9 +6,12 @@
 use std::collections::BTreeMap;
 
 use crate::support::{connect, recovery, request, start, stop};
-use phihat_fci::{Cycle, Heard, Mode, Protocol, Reflex, RobotCommand, RobotSide, Rules, Sensed};
+use phihat_fci::{
+    Heard, InterfaceMode, Protocol, Reflex, RobotCommand, RobotCycle, RobotRules, RobotSide,
+    StateSensed,
+};
 
-const RULES: Rules = Rules {
+const RULES: RobotRules = RobotRules {
     torque_step_max: Some(1.0),
     first_torque_max: Some(0.5),
     velocity_max: [2.0; 7],
@@ -68,8 +71,8 @@ struct Session {
 }
 
 /// Modes that may follow another in one step, by what the step is.
-fn may(step: &str, from: Mode, to: Mode) -> bool {
-    use Mode::{Closed, Idle, Moving, Reflex, Starting};
+fn may(step: &str, from: InterfaceMode, to: InterfaceMode) -> bool {
+    use InterfaceMode::{Closed, Idle, Moving, Reflex, Starting};
     match (step, from, to) {
         _ if from == to => true,
         ("stream", Closed, Idle | Reflex | Starting)
@@ -85,7 +88,7 @@ fn may(step: &str, from: Mode, to: Mode) -> bool {
 }
 
 impl Session {
-    fn note(&mut self, what: &str, step: &str, from: Mode) {
+    fn note(&mut self, what: &str, step: &str, from: InterfaceMode) {
         let to = self.robot.mode();
         assert!(may(step, from, to), "{what}: {step} led from {from:?} to {to:?}");
         *self.seen.entry(format!("{what} in {from:?} → {to:?}")).or_default() += 1;
@@ -149,7 +152,8 @@ impl Session {
         match heard {
             Heard::Taken => {
                 assert!(
-                    matches!(mode, Mode::Starting | Mode::Moving) && Some(bytes.len()) == length
+                    matches!(mode, InterfaceMode::Starting | InterfaceMode::Moving)
+                        && Some(bytes.len()) == length
                 );
                 let told = RobotCommand::read(self.protocol, &bytes).unwrap();
                 assert_eq!(told.id, self.robot.id());
@@ -169,7 +173,8 @@ impl Session {
         if dice.below(400) == 0 {
             self.speed = 3.0;
         }
-        let sensed = Sensed { tau_j_d: self.acted, dq: [self.speed; 7], ..Sensed::default() };
+        let sensed =
+            StateSensed { tau_j_d: self.acted, dq: [self.speed; 7], ..StateSensed::default() };
         self.robot.state(&sensed, &mut self.answers);
         self.note("state", "state", from);
         let mut told = None;
@@ -181,27 +186,30 @@ impl Session {
         let lost = dice.below(10) == 0;
         let from = self.robot.mode();
         match self.robot.close(lost, &mut self.answers) {
-            Cycle::Torque(tau) | Cycle::Finished(tau) => {
+            RobotCycle::Torque(tau) | RobotCycle::Finished(tau) => {
                 assert_eq!(Some(tau), told);
-                let first = from == Mode::Starting;
+                let first = from == InterfaceMode::Starting;
                 for (tau, before) in tau.iter().zip(self.acted) {
                     assert!(tau.is_finite() && (tau - before).abs() <= 1.0 + 1e-6);
                     assert!(!first || tau.abs() <= 0.5);
                 }
                 self.acted = tau;
             }
-            Cycle::Lost(tau) => {
-                assert!((told.is_none() || lost) && from == Mode::Moving);
+            RobotCycle::Lost(tau) => {
+                assert!((told.is_none() || lost) && from == InterfaceMode::Moving);
                 assert_eq!(tau.map(f64::to_bits), self.acted.map(f64::to_bits));
             }
-            Cycle::Still => assert_ne!(from, Mode::Moving),
-            Cycle::Reflex(why) => {
-                assert!(self.robot.reflex_reason().has(why) && self.robot.mode() == Mode::Reflex);
+            RobotCycle::Still => assert_ne!(from, InterfaceMode::Moving),
+            RobotCycle::Reflex(why) => {
+                assert!(
+                    self.robot.reflex_reason().has(why)
+                        && self.robot.mode() == InterfaceMode::Reflex
+                );
                 *self.seen.entry(format!("reflex {}", why.name())).or_default() += 1;
             }
         }
         self.note("close", "close", from);
-        if self.robot.mode() != Mode::Moving {
+        if self.robot.mode() != InterfaceMode::Moving {
             (self.acted, self.speed) = ([0.0; 7], 0.0);
         }
     }
@@ -224,22 +232,22 @@ impl Session {
     /// However it went, the robot can be recovered, moved and left.
     fn end(&mut self) {
         self.disconnect("the end");
-        assert_eq!(self.robot.mode(), Mode::Closed);
+        assert_eq!(self.robot.mode(), InterfaceMode::Closed);
         let protocol = self.protocol;
         self.stream("connect", &connect(protocol, 7));
-        assert!(matches!(self.robot.mode(), Mode::Idle | Mode::Reflex));
+        assert!(matches!(self.robot.mode(), InterfaceMode::Idle | InterfaceMode::Reflex));
         self.stream("recovery", &recovery(protocol, 1));
         self.stream("start", &start(protocol, 2));
-        assert_eq!(self.robot.mode(), Mode::Starting);
-        self.robot.state(&Sensed::default(), &mut self.answers);
+        assert_eq!(self.robot.mode(), InterfaceMode::Starting);
+        self.robot.state(&StateSensed::default(), &mut self.answers);
         let id = self.robot.id();
         let bytes = RobotCommand { id, tau: [0.1; 7], finished: false }.to_bytes(protocol);
         assert_eq!(self.robot.command(&bytes), Heard::Taken);
-        assert_eq!(self.robot.close(false, &mut self.answers), Cycle::Torque([0.1; 7]));
+        assert_eq!(self.robot.close(false, &mut self.answers), RobotCycle::Torque([0.1; 7]));
         self.disconnect("the end");
         self.stream("connect", &connect(protocol, 7));
         assert!(self.robot.reflex_reason().has(Reflex::Communication));
-        assert_eq!(self.robot.mode(), Mode::Reflex);
+        assert_eq!(self.robot.mode(), InterfaceMode::Reflex);
     }
 }
 
@@ -256,7 +264,7 @@ fn session(seed: u64) -> BTreeMap<String, u64> {
     };
     for _ in 0..100 {
         match dice.below(12) {
-            0 if session.robot.mode() == Mode::Closed => {
+            0 if session.robot.mode() == InterfaceMode::Closed => {
                 session.stream("connect", &connect(session.protocol, 7));
             }
             0 | 1 => session.requests(&mut dice),

@@ -1,14 +1,15 @@
 //! The Franka Control Interface under bytes that no client and no robot sends.
 
 use phihat_fci::{
-    Cycle, Heard, Mode, Protocol, RobotCommand, RobotSide, RobotState, Rules, Sensed,
+    Heard, InterfaceMode, Protocol, RobotCommand, RobotCycle, RobotRules, RobotSide, RobotState,
+    StateSensed,
 };
 
 use crate::choices::Choices;
 
 const STEP: f64 = 1.0;
 
-const RULES: Rules = Rules {
+const RULES: RobotRules = RobotRules {
     torque_step_max: Some(STEP),
     first_torque_max: Some(0.0),
     velocity_max: [2.0; 7],
@@ -70,7 +71,7 @@ fn cycle(
     piece: &[u8],
 ) -> [f64; 7] {
     let mut answers = Vec::new();
-    let sensed = Sensed { tau_j_d: acted, ..Sensed::default() };
+    let sensed = StateSensed { tau_j_d: acted, ..StateSensed::default() };
     robot.state(&sensed, &mut answers);
     let tau = acted.map(|tau| tau + choice as f64 / 256.0 - 0.5);
     let told = RobotCommand {
@@ -84,9 +85,9 @@ fn cycle(
         packet[at..at + piece.len()].copy_from_slice(piece);
     }
     let heard = robot.command(&packet);
-    let starts = robot.mode() == Mode::Starting;
+    let starts = robot.mode() == InterfaceMode::Starting;
     match robot.close(false, &mut answers) {
-        Cycle::Torque(tau) | Cycle::Finished(tau) => {
+        RobotCycle::Torque(tau) | RobotCycle::Finished(tau) => {
             assert_eq!(heard, Heard::Taken, "a torque acts that nobody told");
             for (tau, before) in tau.iter().zip(acted) {
                 // Protocol 10 has its echo in single precision.
@@ -96,9 +97,9 @@ fn cycle(
                 );
                 assert!(!starts || tau.abs() <= 0.0, "a first torque of {tau}");
             }
-            if robot.mode() == Mode::Moving { tau } else { [0.0; 7] }
+            if robot.mode() == InterfaceMode::Moving { tau } else { [0.0; 7] }
         }
-        Cycle::Lost(tau) => tau,
-        Cycle::Still | Cycle::Reflex(_) => [0.0; 7],
+        RobotCycle::Lost(tau) => tau,
+        RobotCycle::Still | RobotCycle::Reflex(_) => [0.0; 7],
     }
 }

@@ -32,7 +32,7 @@ pub fn study(bytes: &[u8]) {
             let n = study.robot.joints.len();
             assert!(n > 0 && study.duration.is_finite() && study.duration > 0.0);
             assert!(study.control.period_ns > 0);
-            let limits = [&study.spec.error_bound, &study.spec.velocity_error_max];
+            let limits = [&study.spec.error_bound, &study.spec.velocity_error_bound];
             for limit in limits.into_iter().flatten() {
                 assert!(limit.len() == n && limit.iter().all(|x| *x > 0.0 && x.is_finite()));
             }
@@ -223,7 +223,7 @@ pub fn reference_csv(bytes: &[u8]) {
     let Some(path) = file(bytes) else { return };
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let study = format!(
-        "duration_s = 0.5\n[robot]\nname = \"planar3r\"\n[spec]\nerror_max_rad = 1e-3\n[design]\n\
+        "duration_s = 0.5\n[robot]\nname = \"planar3r\"\n[spec]\nerror_bound_rad = 1e-3\n[design]\n\
          [reference]\nkind = \"samples\"\nfile = \"{name}\"\n"
     );
     let read = Study::from_text(&study, "fuzz.toml", &std::env::temp_dir());

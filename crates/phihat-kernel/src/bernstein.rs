@@ -20,7 +20,7 @@ const DEEPEST_EXACT: u32 = 50;
 pub(crate) type Forms = Vec<Vec<BigInt>>;
 
 /// One cell of `[0, 1]`, or a single `t`, with what the polynomials are there.
-pub(crate) struct Cell {
+pub(crate) struct BernsteinCell {
     /// Forms, group by group.
     pub(crate) groups: Vec<Forms>,
     /// Its start, exact while it was halved no more than 52 times.
@@ -43,10 +43,10 @@ pub(crate) struct Fails(pub(crate) f64);
 /// ends. Polynomials of a group share degree and unit.
 pub(crate) fn everywhere(
     groups: &[Vec<Polynomial>],
-    holds: impl Fn(&Cell) -> bool,
+    holds: impl Fn(&BernsteinCell) -> bool,
 ) -> Result<(), Fails> {
     let groups = groups.iter().map(|group| bernstein(group)).collect();
-    let mut cells = vec![Cell { groups, from: 0.0, width: 1.0, depth: 0 }];
+    let mut cells = vec![BernsteinCell { groups, from: 0.0, width: 1.0, depth: 0 }];
     let mut count = 0;
     while let Some(cell) = cells.pop() {
         count += 1;
@@ -118,7 +118,7 @@ fn bernstein(group: &[Polynomial]) -> Forms {
     group.iter().map(of).collect()
 }
 
-impl Cell {
+impl BernsteinCell {
     /// Its end, exact as its start is.
     pub(crate) fn to(&self) -> f64 {
         self.from + self.width

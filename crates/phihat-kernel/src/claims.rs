@@ -5,12 +5,13 @@ use core::cmp::Ordering;
 use num_bigint::{BigInt, Sign};
 
 use crate::bernstein::{
-    Cell, Fails, Forms, everywhere, negative, not_negative, not_positive, positive, times_line,
+    BernsteinCell, Fails, Forms, everywhere, negative, not_negative, not_positive, positive,
+    times_line,
 };
 use crate::circle::{real, sine_squared, turned};
 use crate::multiplier::{Line, Multiplier};
 use crate::schur::inside;
-use crate::{Joint, Number, Polynomial, Unproved};
+use crate::{JointLoop, Number, Polynomial, Unproved};
 
 /// Range of inertia, `0 < low ≤ high`: of ratios `μ`, or of the eigenvalues of `W`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -44,7 +45,7 @@ impl Range {
 
 /// Inertia that changes at a bounded rate, with the multiplier that shows that it may.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Motion<'a> {
+pub struct MovingInertia<'a> {
     /// Range of the eigenvalues of `W`.
     pub range: Range,
     /// Largest `‖dW/dt‖` \[1/s\].
@@ -75,9 +76,9 @@ pub struct Motion<'a> {
 /// # Errors
 ///
 /// [`Unproved`], with the joint or the frequency.
-pub fn frozen(joints: &[Joint], range: &Range) -> Result<(), Unproved> {
+pub fn frozen(joints: &[JointLoop], range: &Range) -> Result<(), Unproved> {
     alone(joints, range)?;
-    let group = |joint: &Joint| {
+    let group = |joint: &JointLoop| {
         let [low, high] = [&range.low, &range.high].map(|mu| joint.at(mu));
         let turned = sine_squared().product(&turned(&joint.back, &joint.open));
         vec![real(&low, &high), turned]
@@ -102,7 +103,7 @@ pub fn frozen(joints: &[Joint], range: &Range) -> Result<(), Unproved> {
 /// # Errors
 ///
 /// [`Unproved`], with the joint and the frequency.
-pub fn moving(joints: &[Joint], motion: &Motion<'_>) -> Result<(), Unproved> {
+pub fn moving(joints: &[JointLoop], motion: &MovingInertia<'_>) -> Result<(), Unproved> {
     let number = |value: f64| Number::of(value).ok_or(Unproved::NoClaim);
     let (drift, rate, period) =
         (number(motion.drift)?, number(motion.rate)?, number(motion.period)?);
@@ -137,7 +138,7 @@ pub fn moving(joints: &[Joint], motion: &Motion<'_>) -> Result<(), Unproved> {
 /// # Errors
 ///
 /// [`Unproved`], with the joint and the frequency.
-pub fn any_speed(joints: &[Joint], range: &Range) -> Result<(), Unproved> {
+pub fn any_speed(joints: &[JointLoop], range: &Range) -> Result<(), Unproved> {
     let drift = &(&range.low * &range.high) * &Number::from(3);
     let width = &range.high - &range.low;
     let whole = (&width * &width).shifted(-2);
@@ -156,13 +157,13 @@ struct Level {
 ///
 /// `above + U turning − U² bent` with `U = y/sin θ` is concave in `U`: over a cell its least value is at an end of what
 /// `U` can be, on one side of a line or the other.
-fn level(joints: &[Joint], range: &Range, of: &Level) -> Result<(), Unproved> {
+fn level(joints: &[JointLoop], range: &Range, of: &Level) -> Result<(), Unproved> {
     alone(joints, range)?;
     let (middle, sine) = (range.middle(), sine_squared());
     let left = (&of.drift * &of.unit).shifted(2);
     let multiplier = Multiplier::new(&of.taps);
     for (index, joint) in joints.iter().enumerate() {
-        let Joint { back, open, kick: Some(kick), .. } = joint else {
+        let JointLoop { back, open, kick: Some(kick), .. } = joint else {
             return Err(Unproved::NoLoop);
         };
         let size = |p: &Polynomial| real(p, p);
@@ -178,7 +179,7 @@ fn level(joints: &[Joint], range: &Range, of: &Level) -> Result<(), Unproved> {
 }
 
 /// Returns true if `above + U turning − U² bent > 0` on a cell, `bent ≥ 0`.
-fn concave(cell: &Cell, multiplier: &Multiplier<'_>) -> bool {
+fn concave(cell: &BernsteinCell, multiplier: &Multiplier<'_>) -> bool {
     let all: Vec<&Vec<BigInt>> = cell.groups.iter().flatten().collect();
     let ([above, turning, bent], Some((from, to))) = (all.as_slice(), cell.ends()) else {
         return false;
@@ -215,7 +216,7 @@ fn concave(cell: &Cell, multiplier: &Multiplier<'_>) -> bool {
 /// # Errors
 ///
 /// [`Unproved`], with the frequency.
-pub fn modulus(joint: &Joint, range: &Range, modulus: f64) -> Result<(), Unproved> {
+pub fn modulus(joint: &JointLoop, range: &Range, modulus: f64) -> Result<(), Unproved> {
     let modulus = Number::of(modulus).ok_or(Unproved::NoClaim)?;
     let one = Number::from(1);
     if modulus < Number::zero() || modulus > one {
@@ -232,7 +233,7 @@ pub fn modulus(joint: &Joint, range: &Range, modulus: f64) -> Result<(), Unprove
     let apart = back.product(&own).minus(&cross.product(&cross));
     let [low, high] = ends;
     let groups = vec![vec![apart], low.to_vec(), high.to_vec()];
-    let holds = |cell: &Cell| {
+    let holds = |cell: &BernsteinCell| {
         let all: Vec<&Vec<BigInt>> = cell.groups.iter().flatten().collect();
         let [apart, low, rising, high, falling] = all.as_slice() else { return false };
         positive(apart)
@@ -252,7 +253,7 @@ pub fn modulus(joint: &Joint, range: &Range, modulus: f64) -> Result<(), Unprove
 /// # Errors
 ///
 /// [`Unproved`], with the frequency.
-pub fn phase(joint: &Joint, range: &Range, angle: f64) -> Result<(), Unproved> {
+pub fn phase(joint: &JointLoop, range: &Range, angle: f64) -> Result<(), Unproved> {
     let angle = Number::of(angle).ok_or(Unproved::NoClaim)?;
     if angle < Number::zero() || angle > Number::from(4) {
         return Err(Unproved::NoClaim);
@@ -265,7 +266,7 @@ pub fn phase(joint: &Joint, range: &Range, angle: f64) -> Result<(), Unproved> {
     let turned = sizes.minus(&cross.product(&cross).times(&(&unit * &unit)));
     let acute = cosine.is_positive();
     let groups = vec![vec![end(&range.high)], vec![end(&range.low)], vec![cross], vec![turned]];
-    let holds = |cell: &Cell| {
+    let holds = |cell: &BernsteinCell| {
         let all: Vec<&Vec<BigInt>> = cell.groups.iter().flatten().collect();
         let [above, below, cross, turned] = all.as_slice() else { return false };
         let elsewhere = if acute {
@@ -294,7 +295,7 @@ pub fn phase(joint: &Joint, range: &Range, angle: f64) -> Result<(), Unproved> {
 /// # Errors
 ///
 /// [`Unproved`], with the frequency.
-pub fn delay(joint: &Joint, range: &Range, samples: f64) -> Result<(), Unproved> {
+pub fn delay(joint: &JointLoop, range: &Range, samples: f64) -> Result<(), Unproved> {
     if !(samples >= 0.0 && samples.is_finite()) {
         return Err(Unproved::NoClaim);
     }
@@ -303,7 +304,7 @@ pub fn delay(joint: &Joint, range: &Range, samples: f64) -> Result<(), Unproved>
     let (cross, turn) = (real(&joint.back, &joint.open), turned(&joint.back, &joint.open));
     let end = |mu: &Number| back.minus(&open.times(&(mu * mu)));
     let groups = vec![vec![end(&range.high)], vec![end(&range.low)], vec![cross, turn]];
-    let holds = |cell: &Cell| {
+    let holds = |cell: &BernsteinCell| {
         let all: Vec<&Vec<BigInt>> = cell.groups.iter().flatten().collect();
         let [above, below, cross, turn] = all.as_slice() else { return false };
         let small = negative(below);
@@ -329,7 +330,7 @@ struct Beyond {
 }
 
 impl Beyond {
-    fn new(cell: &Cell, samples: f64) -> Option<Self> {
+    fn new(cell: &BernsteinCell, samples: f64) -> Option<Self> {
         cell.ends()?;
         let (from, to) = (angle(cell.from), angle(cell.to()));
         let most = samples * to * (1.0 + ROOM) + ROOM;
@@ -394,7 +395,7 @@ fn series(x: &Number, factor: impl Fn(i64) -> i64, last: i64) -> (Number, Number
 }
 
 /// Each joint alone is stable at the middle of the range.
-fn alone(joints: &[Joint], range: &Range) -> Result<(), Unproved> {
+fn alone(joints: &[JointLoop], range: &Range) -> Result<(), Unproved> {
     let middle = range.middle();
     let bad = joints.iter().position(|joint| !inside(&joint.at(&middle)));
     bad.map_or(Ok(()), |joint| Err(Unproved::Unstable { joint }))

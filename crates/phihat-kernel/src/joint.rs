@@ -1,6 +1,6 @@
 //! One joint's loop as polynomials in `z`, from its law and setting.
 
-use crate::matrix::{Matrix, Resolvent, reduced};
+use crate::matrix::{ExactMatrix, Resolvent, reduced};
 use crate::setting::{Law, Reported, Setting};
 use crate::{Number, Polynomial, Unproved};
 
@@ -11,7 +11,7 @@ use crate::{Number, Polynomial, Unproved};
 /// a kick of position by `T²/2` at the end of a sample, `R/(Δ + N/μ)` from one sample's misreading to the torque
 /// commanded \[N·m\], up to its sign and a delay. All of the loop's modes are among the roots, but those at `z = 0`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Joint {
+pub struct JointLoop {
     /// `N`.
     pub back: Polynomial,
     /// `Δ`, times `M̄`, as the others are.
@@ -22,7 +22,7 @@ pub struct Joint {
     pub reading: Polynomial,
 }
 
-impl Joint {
+impl JointLoop {
     /// The loop of a law in its setting, without a rounding.
     ///
     /// # Method
@@ -36,11 +36,11 @@ impl Joint {
     ///
     /// [`Unproved`]: a number that is not finite, or sizes that do not fit.
     pub fn new(law: &Law, setting: &Setting) -> Result<Self, Unproved> {
-        let sample = Sample::new(law, setting).ok_or(Unproved::NoLoop)?;
+        let sample = LoopSample::new(law, setting).ok_or(Unproved::NoLoop)?;
         let all = reduced(sample.matrices());
         let [fixed, moved, kicked, misread] = all.as_slice() else { return Err(Unproved::NoLoop) };
         let resolvent = Resolvent::of(fixed);
-        let added = |rows: &Matrix| resolvent.added(rows).ok_or(Unproved::NoLoop);
+        let added = |rows: &ExactMatrix| resolvent.added(rows).ok_or(Unproved::NoLoop);
         let (back, kick, reading) = (added(moved)?, added(kicked)?, added(misread)?);
         let open = resolvent.determinant;
         let idle = open.roots_at_zero().min(back.roots_at_zero()).min(kick.roots_at_zero());
@@ -68,23 +68,23 @@ impl Joint {
 }
 
 /// A linear form of the state.
-type Form = Vec<Number>;
+type JointForm = Vec<Number>;
 
 /// One sample of the loop as linear forms of its state: `q`, `q̇`, the law's state, position and velocity as they were
 /// given to the law last, the torque reported to it, the drive's torque, commands on their way, the next misreading.
-struct Sample {
+struct LoopSample {
     size: usize,
     period: Number,
     /// Next state with the inertia infinite; entry by entry.
-    next: Matrix,
+    next: ExactMatrix,
     /// `∫(T − t) τ dt`, `∫ τ dt` over the coming interval, the torque that a drive gets, and the command.
-    double: Form,
-    impulse: Form,
-    sent: Form,
-    command: Form,
+    double: JointForm,
+    impulse: JointForm,
+    sent: JointForm,
+    command: JointForm,
 }
 
-impl Sample {
+impl LoopSample {
     fn new(law: &Law, setting: &Setting) -> Option<Self> {
         let n = law.state.len();
         let fits = law.input.len() == n && law.output.len() == n;
@@ -96,8 +96,9 @@ impl Sample {
         let misread = line + setting.late;
         let size = misread + 1;
         let number = Number::of;
-        let unit =
-            |i: usize| -> Form { (0..size).map(|j| Number::from(i64::from(i == j))).collect() };
+        let unit = |i: usize| -> JointForm {
+            (0..size).map(|j| Number::from(i64::from(i == j))).collect()
+        };
         let period = number(setting.period)?;
         let half = (&period * &period).shifted(-1);
 
@@ -110,7 +111,7 @@ impl Sample {
             (number(filter.before)?, &unit(position)),
         ]);
         let inputs = [&read, &speed, &unit(reported)];
-        let law_form = |state: &[f64], input: &[f64; 3]| -> Option<Form> {
+        let law_form = |state: &[f64], input: &[f64; 3]| -> Option<JointForm> {
             let mut form = vec![Number::zero(); size];
             for (i, value) in state.iter().enumerate() {
                 form = plus(&form, &times(&unit(2 + i), &number(*value)?));
@@ -122,7 +123,7 @@ impl Sample {
         };
         let command = law_form(&law.output, &law.direct)?;
         let sent = if setting.late == 0 { command.clone() } else { unit(line) };
-        let mut next: Matrix = vec![vec![Number::zero(); size]; size];
+        let mut next: ExactMatrix = vec![vec![Number::zero(); size]; size];
         let (mut mean, mut double) = (sent.clone(), times(&sent, &half));
         if let Some(drive) = &setting.drive {
             let gap = plus(&unit(end), &times(&sent, &Number::from(-1)));
@@ -151,7 +152,7 @@ impl Sample {
 
     /// The state's matrix with the inertia infinite, and what is added to it: where the torque moves an inertia of 1,
     /// where it kicks the position alone, where the command misreads the next sample.
-    fn matrices(&self) -> Vec<Matrix> {
+    fn matrices(&self) -> Vec<ExactMatrix> {
         let empty = vec![vec![Number::zero(); self.size]; self.size];
         let [mut moved, mut kicked, mut misread] = [empty.clone(), empty.clone(), empty];
         moved[0].clone_from(&self.double);
@@ -162,15 +163,15 @@ impl Sample {
     }
 }
 
-fn plus(a: &Form, b: &Form) -> Form {
+fn plus(a: &JointForm, b: &JointForm) -> JointForm {
     a.iter().zip(b).map(|(a, b)| a + b).collect()
 }
 
-fn times(a: &Form, factor: &Number) -> Form {
+fn times(a: &JointForm, factor: &Number) -> JointForm {
     a.iter().map(|a| a * factor).collect()
 }
 
-fn weighed(terms: &[(Number, &Form)]) -> Form {
+fn weighed(terms: &[(Number, &JointForm)]) -> JointForm {
     let length = terms.first().map_or(0, |(_, form)| form.len());
     let none = vec![Number::zero(); length];
     terms.iter().fold(none, |sum, (weight, form)| plus(&sum, &times(form, weight)))

@@ -5,14 +5,14 @@ use num_bigint::BigInt;
 use crate::{Number, Polynomial};
 
 /// Square matrix, row by row.
-pub(crate) type Matrix = Vec<Vec<Number>>;
+pub(crate) type ExactMatrix = Vec<Vec<Number>>;
 
 /// `det(z − A)` and `adj(z − A)`.
 pub(crate) struct Resolvent {
     /// `det(z − A)`.
     pub(crate) determinant: Polynomial,
     /// `M_1, …, M_n`: `adj(z − A) = Σ M_k z^{n−k}`.
-    adjugate: Vec<Matrix>,
+    adjugate: Vec<ExactMatrix>,
 }
 
 impl Resolvent {
@@ -23,7 +23,7 @@ impl Resolvent {
     /// With `B = 2^{−s} A` of integers: `M_1 = 1`, `c_k = −tr(B M_k)/k`, `M_{k+1} = B M_k + c_k`. The divisions leave
     /// no rest, for the `c_k` are the coefficients of `det(λ − B)`, which are integers; that of `z^{n−k}` is
     /// `2^{sk} c_k`, and `M_k` of `A` is `2^{s(k−1)}` times that of `B`.
-    pub(crate) fn of(a: &Matrix) -> Self {
+    pub(crate) fn of(a: &ExactMatrix) -> Self {
         let n = a.len();
         let unit = a.iter().flatten().filter_map(Number::exponent).min().unwrap_or(0);
         // Row by row only what is not zero.
@@ -57,7 +57,7 @@ impl Resolvent {
 
     /// `bᵀ adj(z − A) e_i`.
     fn through(&self, b: &[Number], i: usize) -> Polynomial {
-        let entry = |m: &Matrix| {
+        let entry = |m: &ExactMatrix| {
             let terms = b.iter().zip(m).filter(|(b, _)| !b.is_zero());
             terms.fold(Number::zero(), |sum, (b, row)| &sum + &(b * &row[i]))
         };
@@ -71,7 +71,7 @@ impl Resolvent {
     /// `B = Σ e_i b_iᵀ` over its `r` rows that are not zero, and `det(z − A − tB) det(z − A)^{r−1} =
     /// det(det(z − A) − tG)` with `G_ij = b_iᵀ adj(z − A) e_j`: linear in `t` for one row always, for two where
     /// `det G = 0`. More rows are not treated.
-    pub(crate) fn added(&self, rows: &Matrix) -> Option<Polynomial> {
+    pub(crate) fn added(&self, rows: &ExactMatrix) -> Option<Polynomial> {
         let of: Vec<usize> =
             (0..rows.len()).filter(|i| !rows[*i].iter().all(Number::is_zero)).collect();
         let through = |i: usize, j: usize| self.through(&rows[i], j);
@@ -87,8 +87,8 @@ impl Resolvent {
 
 /// The matrices without the entries of the state that no other depends on, or that are always zero, in all of them:
 /// each has one eigenvalue 0 less.
-pub(crate) fn reduced(mut all: Vec<Matrix>) -> Vec<Matrix> {
-    let idle = |all: &[Matrix], i: usize| {
+pub(crate) fn reduced(mut all: Vec<ExactMatrix>) -> Vec<ExactMatrix> {
+    let idle = |all: &[ExactMatrix], i: usize| {
         let row = all.iter().all(|a| a[i].iter().all(Number::is_zero));
         row || all.iter().all(|a| a.iter().all(|row| row[i].is_zero()))
     };

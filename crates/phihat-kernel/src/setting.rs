@@ -26,16 +26,16 @@ pub struct Setting {
     /// Samples from a measurement to the torque that it makes.
     pub late: usize,
     /// Velocity that the law gets.
-    pub velocity: Velocity,
+    pub velocity: VelocityModel,
     /// First-order drive; `None`: torque acts at once.
-    pub drive: Option<Drive>,
+    pub drive: Option<DriveModel>,
     /// Torque reported to the law.
     pub reported: Reported,
 }
 
 /// `y_k = last · y_{k−1} + velocity · q̇_k + position · q_k + before · q_{k−1}`, the velocity error that the law gets.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Velocity {
+pub struct VelocityModel {
     /// Weight of its last value.
     pub last: f64,
     /// Weight of the joint's velocity.
@@ -48,7 +48,7 @@ pub struct Velocity {
 
 /// Drive of first order over one sample, from its torque `τ_0` at the start to a command `u`, by `g = τ_0 − u`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Drive {
+pub struct DriveModel {
     /// Torque at the end: `u + (1 − lost) g`.
     pub lost: f64,
     /// Mean torque: `u + mean g`.

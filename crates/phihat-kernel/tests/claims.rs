@@ -5,14 +5,14 @@ use std::f64::consts::PI;
 
 use nalgebra::{Complex, DMatrix};
 use phihat_kernel::{
-    Joint, Law, Motion, Number, Polynomial, Range, Setting, Unproved, any_speed, decays, delay,
-    frozen, modulus, moving, phase,
+    JointLoop, Law, MovingInertia, Number, Polynomial, Range, Setting, Unproved, any_speed, decays,
+    delay, frozen, modulus, moving, phase,
 };
 
 use crate::random::{Dice, alone, law, matrix, radius, setting};
 
 /// Joints that are stable alone at `μ = 1`, with their loops; without a drive, and with the same velocity's source.
-fn arm(dice: &mut Dice, count: usize) -> (Vec<(Law, Setting)>, Vec<Joint>) {
+fn arm(dice: &mut Dice, count: usize) -> (Vec<(Law, Setting)>, Vec<JointLoop>) {
     let mut own = Vec::new();
     while own.len() < count {
         let states = dice.below(3);
@@ -22,7 +22,7 @@ fn arm(dice: &mut Dice, count: usize) -> (Vec<(Law, Setting)>, Vec<Joint>) {
             own.push((law, setting));
         }
     }
-    let joints = own.iter().map(|(law, setting)| Joint::new(law, setting).unwrap()).collect();
+    let joints = own.iter().map(|(law, setting)| JointLoop::new(law, setting).unwrap()).collect();
     (own, joints)
 }
 
@@ -113,7 +113,8 @@ fn no_arm_that_may_move_grows_while_it_moves() {
         let period = own[0].1.period;
         let of = |taps: &[f64]| {
             let drift = 3.0 * low * high;
-            moving(&joints, &Motion { range: range(low, high), rate, period, drift, taps }).is_ok()
+            moving(&joints, &MovingInertia { range: range(low, high), rate, period, drift, taps })
+                .is_ok()
         };
         let sizes = [-3.0, -1.0, -0.3, -0.1, 0.1, 0.3, 1.0, 3.0];
         let bounded = !any && sizes.iter().any(|h| of(&[*h]) || of(&[0.0, *h]));
@@ -147,7 +148,7 @@ fn no_arm_that_may_move_grows_while_it_moves() {
 }
 
 /// `N`, `Δ` at a point of the circle.
-fn values(joint: &Joint, theta: f64) -> [Complex<f64>; 2] {
+fn values(joint: &JointLoop, theta: f64) -> [Complex<f64>; 2] {
     let z = Complex::from_polar(1.0, theta);
     [&joint.back, &joint.open].map(|p: &Polynomial| {
         let c = p.coefficients().iter().map(Number::near);
@@ -239,11 +240,12 @@ fn claims_that_make_no_sense_are_refused() {
     for bad in [-0.1, f64::NAN, f64::INFINITY] {
         assert_eq!(phase(&joints[0], &over, bad), Err(Unproved::NoClaim));
         assert_eq!(delay(&joints[0], &over, bad), Err(Unproved::NoClaim));
-        let good = Motion { range: over.clone(), rate: 0.0, period: 0.01, drift: 1.0, taps: &[] };
+        let good =
+            MovingInertia { range: over.clone(), rate: 0.0, period: 0.01, drift: 1.0, taps: &[] };
         for motion in [
-            Motion { rate: bad, ..good.clone() },
-            Motion { period: bad, ..good.clone() },
-            Motion { drift: bad, ..good.clone() },
+            MovingInertia { rate: bad, ..good.clone() },
+            MovingInertia { period: bad, ..good.clone() },
+            MovingInertia { drift: bad, ..good.clone() },
         ] {
             assert_eq!(moving(&joints, &motion), Err(Unproved::NoClaim));
         }

@@ -2,7 +2,7 @@
 //! drive, a filter or the reported torque entered in another way than they run.
 
 use nalgebra::{Complex, DMatrix};
-use phihat_kernel::{Joint, Law, Number, Polynomial, Range, Unproved, frozen};
+use phihat_kernel::{JointLoop, Law, Number, Polynomial, Range, Unproved, frozen};
 
 use crate::random::{Dice, Memory, alone, law, radius, setting};
 
@@ -18,7 +18,7 @@ fn roots_are_eigenvalues() {
     for case in 0..200 {
         let states = dice.below(4);
         let (law, setting) = (law(&mut dice, states), setting(&mut dice));
-        let joint = Joint::new(&law, &setting).unwrap();
+        let joint = JointLoop::new(&law, &setting).unwrap();
         for mu in [0.4, 1.0, 3.0] {
             let a = alone(&law, &setting, mu);
             let p = joint.at(&Number::of(mu).unwrap());
@@ -49,14 +49,14 @@ fn stable_is_what_eigenvalues_say() {
     for _ in 0..400 {
         let states = dice.below(5);
         let (law, setting) = (law(&mut dice, states), setting(&mut dice));
-        let joint = Joint::new(&law, &setting).unwrap();
+        let joint = JointLoop::new(&law, &setting).unwrap();
         let mu = 4.0_f64.powf(dice.roll());
         let found = radius(&alone(&law, &setting, mu));
         if (found - 1.0).abs() < 1e-6 {
             continue;
         }
         let range = Range::new(mu, mu).unwrap();
-        let proved = |joint: Joint| frozen(&[joint], &range).is_ok();
+        let proved = |joint: JointLoop| frozen(&[joint], &range).is_ok();
         assert_eq!(proved(joint.clone()), found < 1.0, "{found} {law:?} {setting:?}");
         // On both sides of its slowest root.
         let within = |share: f64| joint.within(&Number::of(found * share).unwrap());
@@ -74,7 +74,7 @@ fn kicks_and_misreadings_are_answered_as_the_loop_does() {
         let states = dice.below(4);
         let (law, mut setting) = (law(&mut dice, states), setting(&mut dice));
         setting.drive = None;
-        let joint = Joint::new(&law, &setting).unwrap();
+        let joint = JointLoop::new(&law, &setting).unwrap();
         let z = Complex::from_polar(3.0, dice.between(0.1, 3.0));
         let t = setting.period;
         // Torque that acts, from an acceleration or a kick of one sample, and the command from one misreading, all with
@@ -111,7 +111,7 @@ fn kicks_and_misreadings_are_answered_as_the_loop_does() {
 fn what_is_no_loop_is_refused() {
     let mut dice = Dice(6);
     let (good, around) = (law(&mut dice, 2), setting(&mut dice));
-    assert!(Joint::new(&good, &around).is_ok());
+    assert!(JointLoop::new(&good, &around).is_ok());
     let mut bad: Vec<Law> = vec![good.clone(); 5];
     bad[0].state.pop();
     bad[1].input.pop();
@@ -119,7 +119,7 @@ fn what_is_no_loop_is_refused() {
     bad[3].direct[1] = f64::NAN;
     bad[4].state[1][0] = f64::INFINITY;
     for law in bad {
-        assert_eq!(Joint::new(&law, &around), Err(Unproved::NoLoop));
+        assert_eq!(JointLoop::new(&law, &around), Err(Unproved::NoLoop));
     }
     for (low, high) in [(0.0, 1.0), (2.0, 1.0), (-1.0, 1.0), (1.0, f64::INFINITY), (f64::NAN, 1.0)]
     {

@@ -1,7 +1,7 @@
 //! Random laws in random settings, and their loops written sample by sample, in doubles.
 
 use nalgebra::DMatrix;
-use phihat_kernel::{Drive, Law, Reported, Setting, Velocity};
+use phihat_kernel::{DriveModel, Law, Reported, Setting, VelocityModel};
 
 /// Numbers that are the same in every run.
 pub(crate) struct Dice(pub(crate) u64);
@@ -45,13 +45,18 @@ pub(crate) fn law(dice: &mut Dice, states: usize) -> Law {
 pub(crate) fn setting(dice: &mut Dice) -> Setting {
     let share = dice.between(0.3, 1.0);
     let velocity = match dice.below(3) {
-        0 => Velocity { last: 0.0, velocity: 1.0, position: 0.0, before: 0.0 },
-        1 => Velocity { last: 1.0 - share, velocity: share, position: 0.0, before: 0.0 },
-        _ => Velocity { last: 1.0 - share, velocity: 0.0, position: share / T, before: -share / T },
+        0 => VelocityModel { last: 0.0, velocity: 1.0, position: 0.0, before: 0.0 },
+        1 => VelocityModel { last: 1.0 - share, velocity: share, position: 0.0, before: 0.0 },
+        _ => VelocityModel {
+            last: 1.0 - share,
+            velocity: 0.0,
+            position: share / T,
+            before: -share / T,
+        },
     };
     let x = dice.between(0.3, 2.0);
     let lost = 1.0 - (-x).exp();
-    let drive = Drive { lost, mean: lost / x, double: (x - lost) / (x * x) * T * T };
+    let drive = DriveModel { lost, mean: lost / x, double: (x - lost) / (x * x) * T * T };
     Setting {
         period: T,
         inertia: dice.between(0.3, 3.0),

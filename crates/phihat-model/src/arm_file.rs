@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::estimate::{Estimate, SPEED_ASSUMED, dry_friction, rotor_inertia};
+use crate::estimate::{EstimatedInterval, SPEED_ASSUMED, dry_friction, rotor_inertia};
 use crate::{Joint, JointKind, Part, Robot};
 
 /// Encoder resolution that is assumed \[bit\] over one turn, and that of small servos.
@@ -259,7 +259,7 @@ fn line(text: &mut String, words: &str) {
     let _ = writeln!(text, "{words}");
 }
 
-impl Estimate {
+impl EstimatedInterval {
     /// With two digits, the ends outwards, and a value of three between them.
     fn rounded(self) -> Self {
         let unit = |x: f64, digits: f64| 10.0_f64.powf(x.log10().floor() - digits + 1.0);

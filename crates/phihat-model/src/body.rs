@@ -78,17 +78,17 @@ impl Body {
         Self { inertia: second, ..*self }.check().is_ok()
     }
 
-    pub(crate) fn lumped(&self) -> Lumped {
+    pub(crate) fn lumped(&self) -> LumpedBody {
         let [xx, xy, xz, yy, yz, zz] = self.inertia;
         let about_com =
-            Lumped { m: self.mass, h: [0.0; 3], i: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]] };
+            LumpedBody { m: self.mass, h: [0.0; 3], i: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]] };
         about_com.seen_from(&Placement { p: self.com, ..Placement::IDENTITY })
     }
 }
 
 /// Mass, first and second moments about a frame's origin, in its axes: these add up.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Lumped {
+pub(crate) struct LumpedBody {
     pub(crate) m: f64,
     /// Mass times centre of mass \[kg·m\].
     pub(crate) h: [f64; 3],
@@ -96,7 +96,7 @@ pub(crate) struct Lumped {
     pub(crate) i: Matrix3,
 }
 
-impl Lumped {
+impl LumpedBody {
     /// The same matter, in a frame in which this one is placed at `at`.
     pub(crate) fn seen_from(&self, at: &Placement) -> Self {
         let h = apply(&at.r, self.h);

@@ -18,9 +18,9 @@ use crate::Lanes;
 /// assert_eq!(<[f64; 8]>::from(x.round()), [-3.0, -1.0, 0.0, 1.0, 1.0, 3.0, 9.0, 1e17]);
 /// ```
 #[derive(Debug, Clone, Copy)]
-pub struct Choice(f64x8);
+pub struct FileChoice(f64x8);
 
-impl Choice {
+impl FileChoice {
     /// `yes` in the lanes that are chosen, `no` in the others.
     #[must_use]
     #[inline(always)]
@@ -49,7 +49,7 @@ impl Choice {
     }
 }
 
-impl From<[bool; Lanes::COUNT]> for Choice {
+impl From<[bool; Lanes::COUNT]> for FileChoice {
     fn from(chosen: [bool; Lanes::COUNT]) -> Self {
         let number = chosen.map(|chosen| if chosen { 1.0 } else { 0.0 });
         Lanes::from(number).exceeds(Lanes::default())
@@ -60,8 +60,8 @@ impl Lanes {
     /// Lanes in which `self` is greater than `other`; a NaN is not.
     #[must_use]
     #[inline(always)]
-    pub fn exceeds(self, other: Self) -> Choice {
-        Choice(self.0.simd_gt(other.0))
+    pub fn exceeds(self, other: Self) -> FileChoice {
+        FileChoice(self.0.simd_gt(other.0))
     }
 
     /// The greater of both, lane by lane, of numbers that are none of them NaN.

@@ -1,7 +1,7 @@
 //! Wrenches in columns, four side by side, moved between frames by one pair of screws.
 
-use crate::description::Motion;
-use crate::inertia::Inertia;
+use crate::description::JointMotion;
+use crate::inertia::LinkInertia;
 use crate::segment::Segment;
 use crate::vector::{Turn, Vec3};
 use crate::{Four, Scalar};
@@ -100,7 +100,7 @@ impl<S: Scalar> Columns<S> {
     #[inline(always)]
     pub(crate) fn along(&self, segment: &Segment) -> S::Four {
         match segment.motion {
-            Motion::Prismatic => self.fz,
+            JointMotion::Prismatic => self.fz,
             _ => self.nz,
         }
     }
@@ -123,10 +123,10 @@ pub(crate) fn mask<S: Scalar>(chunk: usize, inside: impl Fn(usize) -> bool) -> S
 
 /// The wrench that accelerates `inertia` at unit rate along the joint of `segment`.
 #[inline(always)]
-pub(crate) fn unit_wrench<S: Scalar>(segment: &Segment, inertia: &Inertia<S>) -> Wrench<S> {
+pub(crate) fn unit_wrench<S: Scalar>(segment: &Segment, inertia: &LinkInertia<S>) -> Wrench<S> {
     let (h, zero) = (inertia.h, S::splat(0.0));
     match segment.motion {
-        Motion::Prismatic => (Vec3::new(zero, zero, inertia.m), Vec3::new(h.y, -h.x, zero)),
+        JointMotion::Prismatic => (Vec3::new(zero, zero, inertia.m), Vec3::new(h.y, -h.x, zero)),
         _ => (Vec3::new(-h.y, h.x, zero), Vec3::new(inertia.xz, inertia.yz, inertia.zz)),
     }
 }

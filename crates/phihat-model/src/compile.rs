@@ -21,12 +21,12 @@
 //! 1986.
 
 use crate::Scalar;
-use crate::body::Lumped;
+use crate::body::LumpedBody;
 use crate::columns::LANES;
-use crate::description::{Description, JointOf, Motion};
+use crate::description::{Description, JointMotion, JointOf};
 use crate::placement::{Placement, SNAP, about, apply, mul, transpose, with_z_along};
 use crate::segment::Segment;
-use crate::shape::Shape;
+use crate::shape::SegmentShape;
 use crate::straight::Kernel;
 use crate::vector::Turn;
 
@@ -61,12 +61,12 @@ pub(crate) struct Compiled {
     /// Link that each coordinate moves.
     pub(crate) link_of_joint: Vec<usize>,
     /// Matter of each coordinate, fixed links merged, in the moved link's axes.
-    pub(crate) lumped: Vec<Lumped>,
+    pub(crate) lumped: Vec<LumpedBody>,
 }
 
 /// The two screws and the gauge of one placement.
 #[derive(Debug, Clone, Copy)]
-struct Screws {
+struct CompiledScrews {
     gamma: f64,
     b: f64,
     /// A segment between parent and child, for nearly parallel axes: its `a` and `θ`.
@@ -85,7 +85,7 @@ struct Mover<'a> {
     parent: Option<usize>,
     /// From the axes with z along the joint axis into the link's axes.
     align: Placement,
-    screws: Screws,
+    screws: CompiledScrews,
     /// Turn and slide about its own axis that its first child asks for.
     gauge: (f64, f64),
     first: bool,
@@ -107,7 +107,7 @@ pub(crate) fn compile(description: &Description) -> Compiled {
             None => *base.get_or_insert(in_link),
             Some(p) => movers[p].align,
         };
-        let screws = Screws::of(&origin.inverse().then(&in_link));
+        let screws = CompiledScrews::of(&origin.inverse().then(&in_link));
         if first && let Some(p) = parent {
             movers[p].gauge = (screws.gamma, screws.b);
         }
@@ -125,7 +125,7 @@ fn anchor_links(description: &Description) -> Vec<(Option<usize>, Placement)> {
     for link in &description.links {
         let anchor = match &link.joint {
             None => (None, Placement::IDENTITY),
-            Some(joint) if joint.motion == Motion::Fixed => {
+            Some(joint) if joint.motion == JointMotion::Fixed => {
                 let (mover, at) = anchors[joint.parent];
                 (mover, at.then(&joint.placement))
             }
@@ -145,7 +145,7 @@ fn assemble(
     movers: &[Mover<'_>],
     base: Placement,
 ) -> Compiled {
-    let mut lumped = vec![Lumped::default(); movers.len()];
+    let mut lumped = vec![LumpedBody::default(); movers.len()];
     for (link, (mover, at)) in description.links.iter().zip(anchors) {
         if let Some(j) = *mover {
             lumped[j] = lumped[j].plus(&link.matter.seen_from(at));
@@ -185,8 +185,9 @@ fn assemble(
     let seats = anchors.iter().map(seat).collect();
     let link_of_joint = movers.iter().map(|mover| mover.link).collect();
     let plain = segments.len() == movers.len()
-        && segments.iter().all(|segment| segment.motion == Motion::Revolute);
-    let shapes: Vec<Shape> = segments.iter().map(|segment| Shape::shared(&[segment])).collect();
+        && segments.iter().all(|segment| segment.motion == JointMotion::Revolute);
+    let shapes: Vec<SegmentShape> =
+        segments.iter().map(|segment| SegmentShape::shared(&[segment])).collect();
     let chain = (1..segments.len()).all(|i| segments[i].follows_parent(i));
     let kernel = if plain && chain { Kernel::of(&shapes) } else { None };
     thetas.resize(segments.len().next_multiple_of(LANES), 0.0);
@@ -206,7 +207,7 @@ fn assemble(
 /// Tells every segment what hangs on it.
 fn link_up(segments: &mut [Segment]) {
     for i in (0..segments.len()).rev() {
-        if segments[i].motion != Motion::Fixed {
+        if segments[i].motion != JointMotion::Fixed {
             let (first, end) = segments[i].coordinates;
             let own = segments[i].joint;
             segments[i].coordinates = (first.min(own), end.max(own + 1));
@@ -238,7 +239,7 @@ impl Segment {
     fn massless(parent: Option<usize>, a: f64, d: f64) -> Self {
         let nothing = [0.0; 6];
         Self {
-            motion: Motion::Fixed,
+            motion: JointMotion::Fixed,
             joint: 0,
             parent,
             bears: false,
@@ -255,7 +256,7 @@ impl Segment {
         }
     }
 
-    fn moving(joint: usize, mover: &Mover<'_>, parent: Option<usize>, matter: &Lumped) -> Self {
+    fn moving(joint: usize, mover: &Mover<'_>, parent: Option<usize>, matter: &LumpedBody) -> Self {
         let i = &matter.i;
         let half = 0.5 * (i[0][0] + i[1][1] + i[2][2]);
         let second = [half - i[0][0], half - i[1][1], half - i[2][2]];
@@ -276,7 +277,7 @@ impl Segment {
     }
 }
 
-impl Screws {
+impl CompiledScrews {
     /// Splits `at` as in the module's text.
     fn of(at: &Placement) -> Self {
         let [[_, _, c02], [_, _, c12], [_, _, c22]] = at.r;

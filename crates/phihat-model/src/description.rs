@@ -1,11 +1,11 @@
 //! A kinematic tree as its author drew it: links, joints, and bodies in link axes.
 
-use crate::body::Lumped;
+use crate::body::LumpedBody;
 use crate::placement::{Placement, about};
 
 /// Motion of a joint's child.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Motion {
+pub(crate) enum JointMotion {
     Fixed,
     Revolute,
     Prismatic,
@@ -15,7 +15,7 @@ pub(crate) enum Motion {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct JointOf {
     pub(crate) name: String,
-    pub(crate) motion: Motion,
+    pub(crate) motion: JointMotion,
     /// Index of the parent link.
     pub(crate) parent: usize,
     /// Pose of the child link in the parent link at position 0.
@@ -26,9 +26,9 @@ pub(crate) struct JointOf {
 
 /// A link and how it hangs on its parent.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Link {
+pub(crate) struct DescribedLink {
     pub(crate) name: String,
-    pub(crate) matter: Lumped,
+    pub(crate) matter: LumpedBody,
     /// `None` for the root, which is link 0.
     pub(crate) joint: Option<JointOf>,
 }
@@ -37,21 +37,21 @@ pub(crate) struct Link {
 /// follows it without a gap.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Description {
-    pub(crate) links: Vec<Link>,
+    pub(crate) links: Vec<DescribedLink>,
 }
 
 impl Description {
     /// Links with a joint that moves, in coordinate order.
     pub(crate) fn moving(&self) -> impl Iterator<Item = (usize, &JointOf)> {
         self.links.iter().enumerate().filter_map(|(at, link)| {
-            link.joint.as_ref().filter(|joint| joint.motion != Motion::Fixed).map(|j| (at, j))
+            link.joint.as_ref().filter(|joint| joint.motion != JointMotion::Fixed).map(|j| (at, j))
         })
     }
 
     /// Fixes the joint called `name` at `position`; `false` if no moving joint has that name.
     pub(crate) fn fix(&mut self, name: &str, position: f64) -> bool {
         let joints = self.links.iter_mut().filter_map(|link| link.joint.as_mut());
-        let mut moving = joints.filter(|joint| joint.motion != Motion::Fixed);
+        let mut moving = joints.filter(|joint| joint.motion != JointMotion::Fixed);
         let Some(joint) = moving.find(|joint| joint.name == name) else { return false };
         joint.hold(position);
         true
@@ -62,15 +62,17 @@ impl JointOf {
     /// Fixes it at `position`.
     pub(crate) fn hold(&mut self, position: f64) {
         self.placement = self.placement.then(&self.displacement(position));
-        self.motion = Motion::Fixed;
+        self.motion = JointMotion::Fixed;
     }
 
     /// Displacement of the joint at `position`, relative to its placement.
     fn displacement(&self, position: f64) -> Placement {
         match self.motion {
-            Motion::Fixed => Placement::IDENTITY,
-            Motion::Revolute => Placement { r: about(self.axis, position), ..Placement::IDENTITY },
-            Motion::Prismatic => {
+            JointMotion::Fixed => Placement::IDENTITY,
+            JointMotion::Revolute => {
+                Placement { r: about(self.axis, position), ..Placement::IDENTITY }
+            }
+            JointMotion::Prismatic => {
                 Placement { p: self.axis.map(|x| position * x), ..Placement::IDENTITY }
             }
         }

@@ -1,6 +1,6 @@
 //! Kinetic and potential energy, and the torque of gravity alone.
 
-use crate::description::Motion;
+use crate::description::JointMotion;
 use crate::inverse_dynamics::wrench_on_parent;
 use crate::segment::Segment;
 use crate::vector::Vec3;
@@ -46,9 +46,9 @@ impl Model {
                 moment += borne.1;
             }
             match segment.motion {
-                Motion::Revolute => tau[segment.joint] = moment.z,
-                Motion::Prismatic => tau[segment.joint] = force.z,
-                Motion::Fixed => {}
+                JointMotion::Revolute => tau[segment.joint] = moment.z,
+                JointMotion::Prismatic => tau[segment.joint] = force.z,
+                JointMotion::Fixed => {}
             }
             let Some(parent) = segment.parent else { continue };
             borne = wrench_on_parent(segment, screws.at(i, segment), (force, moment));
@@ -84,9 +84,9 @@ impl Model {
             let (mut omega, velocity) = (inward(omega), inward(velocity));
             let mut velocity = velocity + Vec3::new(d * omega.y, -(d * omega.x), zero);
             match segment.motion {
-                Motion::Revolute => omega.z += dq[segment.joint],
-                Motion::Prismatic => velocity.z += dq[segment.joint],
-                Motion::Fixed => {}
+                JointMotion::Revolute => omega.z += dq[segment.joint],
+                JointMotion::Prismatic => velocity.z += dq[segment.joint],
+                JointMotion::Fixed => {}
             }
             // The velocity takes the acceleration's place.
             (node.motion.omega, node.motion.acc) = (omega, velocity);

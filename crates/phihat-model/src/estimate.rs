@@ -37,7 +37,7 @@
 
 /// An interval with the value in it that is simulated.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
+pub struct EstimatedInterval {
     /// Lower end.
     pub low: f64,
     /// The geometric middle.
@@ -61,7 +61,7 @@ pub const SPEED_ASSUMED: f64 = core::f64::consts::PI;
 /// Dry friction over the torque limit \[1\].
 const FRICTION: (f64, f64) = (0.006, 0.07);
 
-impl Estimate {
+impl EstimatedInterval {
     fn over(unit: f64, (low, high): (f64, f64)) -> Self {
         Self { low: unit * low, value: unit * (low * high).sqrt(), high: unit * high }
     }
@@ -78,10 +78,10 @@ impl Estimate {
 /// let estimate = rotor_inertia(87.0, Some(2.175)); // Franka's joint 1, which has 0.606 kg·m²
 /// assert!(estimate.low < 0.606 && 0.606 < estimate.high);
 /// ```
-pub fn rotor_inertia(torque_max: f64, velocity_max: Option<f64>) -> Estimate {
+pub fn rotor_inertia(torque_max: f64, velocity_max: Option<f64>) -> EstimatedInterval {
     let speed = velocity_max.unwrap_or(SPEED_ASSUMED);
     let time = if speed > DIRECT_RAD_S { DIRECT_S } else { GEARED_S };
-    Estimate::over(torque_max / speed, time)
+    EstimatedInterval::over(torque_max / speed, time)
 }
 
 /// Dry friction \[N·m\] from the largest torque \[N·m\] of a joint: 0.6 to 7 % of it.
@@ -89,6 +89,6 @@ pub fn rotor_inertia(torque_max: f64, velocity_max: Option<f64>) -> Estimate {
 /// Of the Panda's identified friction (`robots/panda.toml`) the amplitudes are 0.6 to 7 % of the torque
 /// limits. Of the PUMA 560 (P. I. Corke, B. Armstrong-Hélouvry, A meta-study of PUMA 560 dynamics, Robotica
 /// 13, 1995) joints 2 to 6 have 1 to 8 %; its first one a quarter, which is far outside.
-pub fn dry_friction(torque_max: f64) -> Estimate {
-    Estimate::over(torque_max, FRICTION)
+pub fn dry_friction(torque_max: f64) -> EstimatedInterval {
+    EstimatedInterval::over(torque_max, FRICTION)
 }

@@ -20,7 +20,7 @@ type Result<T> = core::result::Result<T, RobotError>;
 /// The file as it is written.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
+struct ExtrasFile {
     name: Option<String>,
     #[serde(default)]
     description: String,
@@ -37,10 +37,10 @@ struct File {
     /// The order of the lists; none: the URDF's.
     #[serde(default)]
     joints: Vec<String>,
-    rotor: Option<Rotor>,
+    rotor: Option<RotorExtras>,
     friction: Option<FrictionKeys>,
-    limits: Option<Limits>,
-    drive: Option<Drive>,
+    limits: Option<ExtrasLimits>,
+    drive: Option<DriveExtras>,
     encoder: Option<Encoder>,
     profile: Option<ProfileKey>,
     #[serde(default)]
@@ -57,7 +57,7 @@ enum Each {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Rotor {
+struct RotorExtras {
     armature_kg_m2: Option<Each>,
     armature_min_kg_m2: Option<Each>,
     armature_max_kg_m2: Option<Each>,
@@ -79,7 +79,7 @@ struct FrictionKeys {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Limits {
+struct ExtrasLimits {
     torque_max_nm: Option<Each>,
     torque_rate_max_nm_s: Option<Each>,
     velocity_max_rad_s: Option<Each>,
@@ -88,7 +88,7 @@ struct Limits {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Drive {
+struct DriveExtras {
     bandwidth_hz: Each,
     source: Option<String>,
 }
@@ -182,7 +182,7 @@ pub(crate) fn apply(mut robot: Robot, text: &str, origin: &str) -> Result<Robot>
     })
 }
 
-fn parse(text: &str, origin: &str) -> Result<File> {
+fn parse(text: &str, origin: &str) -> Result<ExtrasFile> {
     if text.len() > BYTES_MAX {
         let (origin, found) = (origin.to_owned(), text.len());
         return Err(RobotError::TooMuch { origin, what: "bytes", found, limit: BYTES_MAX });
@@ -256,15 +256,15 @@ impl Lists<'_> {
         robot: &mut Robot,
         key: &str,
         stated: Option<&Each>,
-        range: Range,
+        range: ExtrasRange,
         set: impl Fn(&mut crate::Joint, f64),
     ) -> Result<()> {
         let Some(stated) = stated else { return Ok(()) };
         let (valid, wanted): (fn(f64) -> bool, _) = match range {
-            Range::Any => (f64::is_finite, "finite"),
-            Range::NotNegative => (|x| x.is_finite() && x >= 0.0, "finite and at least 0"),
-            Range::Positive => (|x| x.is_finite() && x > 0.0, "finite and above 0"),
-            Range::Bits => (
+            ExtrasRange::Any => (f64::is_finite, "finite"),
+            ExtrasRange::NotNegative => (|x| x.is_finite() && x >= 0.0, "finite and at least 0"),
+            ExtrasRange::Positive => (|x| x.is_finite() && x > 0.0, "finite and above 0"),
+            ExtrasRange::Bits => (
                 |x| (1.0..=32.0).contains(&x) && (x - x.round()).abs() < f64::EPSILON,
                 "a whole number from 1 to 32",
             ),
@@ -274,7 +274,7 @@ impl Lists<'_> {
         Ok(())
     }
 
-    fn set_joints(&self, robot: &mut Robot, file: &File) -> Result<()> {
+    fn set_joints(&self, robot: &mut Robot, file: &ExtrasFile) -> Result<()> {
         if let Some(rotor) = &file.rotor {
             self.set_rotor(robot, rotor)?;
         }
@@ -283,24 +283,26 @@ impl Lists<'_> {
         }
         if let Some(limits) = &file.limits {
             let (torque, rate) = (limits.torque_max_nm.as_ref(), &limits.torque_rate_max_nm_s);
-            self.set(robot, "limits.torque_max_nm", torque, Range::Positive, |joint, x| {
+            self.set(robot, "limits.torque_max_nm", torque, ExtrasRange::Positive, |joint, x| {
                 joint.torque_max = Some(x);
             })?;
             let (speed, key) = (limits.velocity_max_rad_s.as_ref(), "limits.velocity_max_rad_s");
-            self.set(robot, key, speed, Range::Positive, |joint, x| joint.velocity_max = Some(x))?;
+            self.set(robot, key, speed, ExtrasRange::Positive, |joint, x| {
+                joint.velocity_max = Some(x)
+            })?;
             let key = "limits.torque_rate_max_nm_s";
-            self.set(robot, key, rate.as_ref(), Range::Positive, |joint, x| {
+            self.set(robot, key, rate.as_ref(), ExtrasRange::Positive, |joint, x| {
                 joint.torque_rate_max = Some(x);
             })?;
         }
         if let Some(drive) = &file.drive {
             let stated = Some(&drive.bandwidth_hz);
-            self.set(robot, "drive.bandwidth_hz", stated, Range::Positive, |joint, x| {
+            self.set(robot, "drive.bandwidth_hz", stated, ExtrasRange::Positive, |joint, x| {
                 joint.drive_bandwidth_hz = Some(x);
             })?;
         }
         if let Some(encoder) = &file.encoder {
-            self.set(robot, "encoder.bits", Some(&encoder.bits), Range::Bits, |joint, x| {
+            self.set(robot, "encoder.bits", Some(&encoder.bits), ExtrasRange::Bits, |joint, x| {
                 joint.encoder_bits = (1..=32).find(|bits| f64::from(*bits) > x - 0.5);
             })?;
         }
@@ -309,11 +311,11 @@ impl Lists<'_> {
 
     /// Rotor inertia: a value, an interval, or a value in an interval; alone, an interval is simulated in its geometric
     /// middle.
-    fn set_rotor(&self, robot: &mut Robot, rotor: &Rotor) -> Result<()> {
+    fn set_rotor(&self, robot: &mut Robot, rotor: &RotorExtras) -> Result<()> {
         let named =
             ["rotor.armature_min_kg_m2", "rotor.armature_kg_m2", "rotor.armature_max_kg_m2"];
         let stated = rotor.armature_kg_m2.as_ref();
-        self.set(robot, named[1], stated, Range::NotNegative, |joint, x| joint.armature = x)?;
+        self.set(robot, named[1], stated, ExtrasRange::NotNegative, |joint, x| joint.armature = x)?;
         let ends = (rotor.armature_min_kg_m2.as_ref(), rotor.armature_max_kg_m2.as_ref());
         let Some(ends) = self.ends(named, ends)? else {
             return match stated {
@@ -368,11 +370,17 @@ impl Lists<'_> {
 
     fn set_friction(&self, robot: &mut Robot, keys: &FrictionKeys) -> Result<()> {
         let viscous = keys.viscous_nm_s_rad.as_ref();
-        self.set(robot, "friction.viscous_nm_s_rad", viscous, Range::NotNegative, |joint, x| {
-            joint.friction.viscous = x;
-        })?;
+        self.set(
+            robot,
+            "friction.viscous_nm_s_rad",
+            viscous,
+            ExtrasRange::NotNegative,
+            |joint, x| {
+                joint.friction.viscous = x;
+            },
+        )?;
         let coulomb = keys.coulomb_nm.as_ref();
-        self.set(robot, "friction.coulomb_nm", coulomb, Range::NotNegative, |joint, x| {
+        self.set(robot, "friction.coulomb_nm", coulomb, ExtrasRange::NotNegative, |joint, x| {
             joint.friction.coulomb = x;
         })?;
         let ends = (keys.coulomb_min_nm.as_ref(), keys.coulomb_max_nm.as_ref());
@@ -385,9 +393,13 @@ impl Lists<'_> {
             }
         }
         let sigmoid = [
-            ("friction.sigmoid_amplitude_nm", &keys.sigmoid_amplitude_nm, Range::NotNegative),
-            ("friction.sigmoid_steepness_s_rad", &keys.sigmoid_steepness_s_rad, Range::Positive),
-            ("friction.sigmoid_offset_rad_s", &keys.sigmoid_offset_rad_s, Range::Any),
+            ("friction.sigmoid_amplitude_nm", &keys.sigmoid_amplitude_nm, ExtrasRange::NotNegative),
+            (
+                "friction.sigmoid_steepness_s_rad",
+                &keys.sigmoid_steepness_s_rad,
+                ExtrasRange::Positive,
+            ),
+            ("friction.sigmoid_offset_rad_s", &keys.sigmoid_offset_rad_s, ExtrasRange::Any),
         ];
         if sigmoid.iter().all(|(_, stated, _)| stated.is_none()) {
             return Ok(());
@@ -406,7 +418,7 @@ impl Lists<'_> {
 
 /// Range of a value.
 #[derive(Debug, Clone, Copy)]
-enum Range {
+enum ExtrasRange {
     Any,
     NotNegative,
     Positive,

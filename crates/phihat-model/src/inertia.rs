@@ -6,7 +6,7 @@ use crate::vector::{Turn, Vec3};
 
 /// Mass, first moment and inertia about a frame's origin, in its axes.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Inertia<S> {
+pub(crate) struct LinkInertia<S> {
     pub(crate) m: S,
     pub(crate) h: Vec3<S>,
     pub(crate) xx: S,
@@ -17,7 +17,7 @@ pub(crate) struct Inertia<S> {
     pub(crate) yz: S,
 }
 
-impl<S: Scalar> Inertia<S> {
+impl<S: Scalar> LinkInertia<S> {
     #[inline(always)]
     pub(crate) fn of(segment: &Segment) -> Self {
         let [xx, yy, zz, xy, xz, yz] = segment.i.map(S::splat);

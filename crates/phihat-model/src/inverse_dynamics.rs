@@ -1,6 +1,6 @@
 //! Joint torques from motion: recursive Newton–Euler.
 
-use crate::description::Motion;
+use crate::description::JointMotion;
 use crate::segment::Segment;
 use crate::vector::{Turn, Vec3};
 use crate::workspace::Spin;
@@ -88,7 +88,7 @@ impl Model {
                 motion = segment.parent.map_or(base, |p| nodes[p].motion);
             }
             let rates = match segment.motion {
-                Motion::Fixed => (S::splat(0.0), S::splat(0.0)),
+                JointMotion::Fixed => (S::splat(0.0), S::splat(0.0)),
                 _ => (dq[segment.joint], ddq(segment.joint)),
             };
             let gamma;
@@ -159,15 +159,15 @@ impl<S: Scalar> Spin<S> {
         let inward = |v| turn.into_z(tilt.into_x(v));
         let (mut omega, mut alpha, mut acc) = (inward(w), inward(l), inward(acc));
         match segment.motion {
-            Motion::Revolute => {
+            JointMotion::Revolute => {
                 alpha += Vec3::new(omega.y * dq, -(omega.x * dq), ddq);
                 omega.z += dq;
             }
-            Motion::Prismatic => {
+            JointMotion::Prismatic => {
                 let twice = dq + dq;
                 acc += Vec3::new(omega.y * twice, -(omega.x * twice), ddq);
             }
-            Motion::Fixed => {}
+            JointMotion::Fixed => {}
         }
         let gamma = Gamma::of(omega, alpha);
         acc += Vec3::new(gamma.xz, gamma.yz, gamma.zz).scale(d);

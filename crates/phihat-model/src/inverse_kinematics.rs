@@ -8,7 +8,7 @@ use crate::{Model, Workspace};
 
 /// Target of a frame, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Target {
+pub enum PoseTarget {
     /// Origin \[m\] only; orientation as it comes.
     Position([f64; 3]),
     /// Origin and orientation.
@@ -94,12 +94,12 @@ impl Model {
     /// # Example
     ///
     /// ```
-    /// use phihat_model::{IkOptions, Robot, Target, Workspace};
+    /// use phihat_model::{IkOptions, Robot, PoseTarget, Workspace};
     ///
     /// let arm = Robot::named("planar3r")?;
     /// let tip = arm.model.frame(&arm.tip).ok_or("no such frame")?;
     /// let mut ws = Workspace::new(&arm.model);
-    /// let target = Target::Position([0.25, 0.0, 0.35]);
+    /// let target = PoseTarget::Position([0.25, 0.0, 0.35]);
     /// let seed = &arm.poses["ready"];
     /// let q = arm.model.inverse_kinematics(&mut ws, tip, &target, seed, &IkOptions::default())?;
     /// arm.model.forward_kinematics(&mut ws, &q);
@@ -111,7 +111,7 @@ impl Model {
         &self,
         ws: &mut Workspace<f64>,
         frame: FrameId,
-        target: &Target,
+        target: &PoseTarget,
         seed: &[f64],
         options: &IkOptions,
     ) -> Result<Vec<f64>, IkError> {
@@ -123,7 +123,7 @@ impl Model {
         if !shape {
             return Err(IkError::Shape { joints: n });
         }
-        let mut search = Search::new(self, ws, frame, *target, options);
+        let mut search = PoseSearch::new(self, ws, frame, *target, options);
         let mut best: Option<(f64, Vec<f64>)> = None;
         for start in 0..=options.restarts {
             let from = if start == 0 { seed.to_vec() } else { search.start(start) };
@@ -142,22 +142,22 @@ impl Model {
 }
 
 /// One call's problem and scratch.
-struct Search<'a> {
+struct PoseSearch<'a> {
     model: &'a Model,
     ws: &'a mut Workspace<f64>,
     frame: FrameId,
-    target: Target,
+    target: PoseTarget,
     options: &'a IkOptions,
     jacobian: Vec<f64>,
     normal: Vec<f64>,
 }
 
-impl<'a> Search<'a> {
+impl<'a> PoseSearch<'a> {
     fn new(
         model: &'a Model,
         ws: &'a mut Workspace<f64>,
         frame: FrameId,
-        target: Target,
+        target: PoseTarget,
         options: &'a IkOptions,
     ) -> Self {
         let n = model.joint_count();
@@ -189,8 +189,8 @@ impl<'a> Search<'a> {
         self.model.forward_kinematics(self.ws, q);
         let pose = self.model.pose(self.ws, self.frame);
         let (p, rotation) = match self.target {
-            Target::Position(p) => (p, [0.0; 3]),
-            Target::Pose(wanted) => (wanted.p, rotation_between(&pose.r, &wanted.r)),
+            PoseTarget::Position(p) => (p, [0.0; 3]),
+            PoseTarget::Pose(wanted) => (wanted.p, rotation_between(&pose.r, &wanted.r)),
         };
         let [x, y, z] = core::array::from_fn(|k| p[k] - pose.p[k]);
         [x, y, z, rotation[0], rotation[1], rotation[2]]
@@ -233,7 +233,7 @@ impl<'a> Search<'a> {
     fn step(&mut self, q: &[f64], error: &[f64; 6], damping: f64) -> Vec<f64> {
         let n = q.len();
         self.model.jacobian(self.ws, q, self.frame, &mut self.jacobian);
-        if matches!(self.target, Target::Position(_)) {
+        if matches!(self.target, PoseTarget::Position(_)) {
             self.jacobian[3 * n..].fill(0.0);
         }
         let column = |j: &[f64], joint: usize| -> [f64; 6] {

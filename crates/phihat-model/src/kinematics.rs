@@ -1,6 +1,6 @@
 //! Poses of frames, and the Jacobian.
 
-use crate::description::Motion;
+use crate::description::JointMotion;
 use crate::model::FrameId;
 use crate::placement::Placement;
 use crate::vector::{Turn, Vec3};
@@ -81,11 +81,11 @@ impl Model {
         while let Some(i) = next {
             let (segment, pose) = (&self.segments()[i], &ws.nodes[i].pose);
             let (linear, angular) = match segment.motion {
-                Motion::Revolute => (pose.z.cross(origin - pose.p), pose.z),
-                Motion::Prismatic => (pose.z, Vec3::zero()),
-                Motion::Fixed => (Vec3::zero(), Vec3::zero()),
+                JointMotion::Revolute => (pose.z.cross(origin - pose.p), pose.z),
+                JointMotion::Prismatic => (pose.z, Vec3::zero()),
+                JointMotion::Fixed => (Vec3::zero(), Vec3::zero()),
             };
-            if segment.motion != Motion::Fixed {
+            if segment.motion != JointMotion::Fixed {
                 let column = linear.array().into_iter().chain(angular.array());
                 for (entry, value) in out[segment.joint..].iter_mut().step_by(n).zip(column) {
                     *entry = value;

@@ -1,8 +1,8 @@
 //! The mass matrix: composite rigid bodies.
 
 use crate::columns::{Columns, LANES, Screws4, mask, unit_wrench};
-use crate::description::Motion;
-use crate::inertia::Inertia;
+use crate::description::JointMotion;
+use crate::inertia::LinkInertia;
 use crate::{Four, Model, Scalar, Workspace};
 
 impl Model {
@@ -53,10 +53,10 @@ impl Model {
         let Workspace { screws, nodes, columns, rows } = ws;
         let (n, chunks) = (self.joint_count(), columns.len());
         columns.fill(Columns::default());
-        let mut inertia = Inertia::default();
+        let mut inertia = LinkInertia::default();
         for (i, segment) in self.segments().iter().enumerate().rev() {
             let node = &mut nodes[i];
-            let mut own = Inertia::of(segment);
+            let mut own = LinkInertia::of(segment);
             if segment.forks {
                 own = own.plus(&core::mem::take(&mut node.inertia));
             }
@@ -67,7 +67,7 @@ impl Model {
             let (first, end) = segment.coordinates;
             // Columns of other branches stay where they are, and do nothing along this joint.
             let here = |k: usize| (first..end).contains(&k) || lane == Some(k);
-            if segment.motion != Motion::Fixed {
+            if segment.motion != JointMotion::Fixed {
                 columns[first / LANES].add(first, unit_wrench(segment, &inertia));
                 let row = &mut rows[first * chunks..][..chunks];
                 for (chunk, (row, columns)) in row.iter_mut().zip(&*columns).enumerate() {

@@ -195,7 +195,7 @@ impl Model {
     /// `τ = Y(q, q̇, q̈) π` with [`regressor`](Self::regressor) as `Y` and these, joint after joint,
     /// as `π`.
     pub fn dynamic_parameters(&self) -> Vec<[f64; 10]> {
-        self.compiled.lumped.iter().map(crate::body::Lumped::parameters).collect()
+        self.compiled.lumped.iter().map(crate::body::LumpedBody::parameters).collect()
     }
 
     pub(crate) fn description(&self) -> &Description {

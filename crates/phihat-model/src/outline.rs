@@ -2,7 +2,7 @@
 
 use crate::Model;
 use crate::body::Body;
-use crate::description::{Link, Motion};
+use crate::description::{DescribedLink, JointMotion};
 use crate::kinematics::Pose;
 use crate::placement::{Matrix3, dot};
 
@@ -43,9 +43,9 @@ impl Model {
     }
 }
 
-fn outline(link: &Link, joints: &mut usize) -> Outline {
+fn outline(link: &DescribedLink, joints: &mut usize) -> Outline {
     let own = link.joint.as_ref();
-    let moving = own.filter(|joint| joint.motion != Motion::Fixed);
+    let moving = own.filter(|joint| joint.motion != JointMotion::Fixed);
     let joint = moving.map(|_| *joints);
     *joints += usize::from(moving.is_some());
     let at = own.map_or(crate::placement::Placement::IDENTITY, |joint| joint.placement);
@@ -55,7 +55,7 @@ fn outline(link: &Link, joints: &mut usize) -> Outline {
         name: link.name.clone(),
         parent: own.map(|joint| joint.parent),
         joint,
-        slides: moving.is_some_and(|joint| joint.motion == Motion::Prismatic),
+        slides: moving.is_some_and(|joint| joint.motion == JointMotion::Prismatic),
         pose: Pose { p: at.p, r: at.r },
         axis: own.map_or([0.0, 0.0, 1.0], |joint| joint.axis),
         body: Body { mass: m, com, inertia: about(com, m, &link.matter.i) },

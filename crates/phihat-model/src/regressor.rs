@@ -1,6 +1,6 @@
 //! The regressor: torques as a linear function of the dynamic parameters.
 
-use crate::description::Motion;
+use crate::description::JointMotion;
 use crate::inverse_dynamics::Gamma;
 use crate::placement::Placement;
 use crate::vector::Vec3;
@@ -58,13 +58,13 @@ impl Model {
         for (j, &at) in compiled.segment_of_joint.iter().enumerate() {
             let seat = &compiled.seats[compiled.link_of_joint[j]].at;
             let link = Pose3::of(seat).within(&ws.nodes[at].pose);
-            let factors = Factors::of(&ws.nodes[at].motion.at(seat));
+            let factors = RegressorFactors::of(&ws.nodes[at].motion.at(seat));
             let mut next = Some(at);
             while let Some(i) = next {
                 let (segment, pose) = (&compiled.segments[i], &ws.nodes[i].pose);
-                if segment.motion != Motion::Fixed {
+                if segment.motion != JointMotion::Fixed {
                     let (w, v) = match segment.motion {
-                        Motion::Prismatic => (Vec3::zero(), pose.z),
+                        JointMotion::Prismatic => (Vec3::zero(), pose.z),
                         _ => (pose.z, pose.z.cross(link.p - pose.p)),
                     };
                     let row = factors.project(link.turn_back(w), link.turn_back(v));
@@ -92,12 +92,12 @@ impl<S: Scalar> Spin<S> {
 }
 
 /// Factors of a link's motion in its rows of `Y`.
-struct Factors<S> {
+struct RegressorFactors<S> {
     acc: Vec3<S>,
     gamma: Gamma<S>,
 }
 
-impl<S: Scalar> Factors<S> {
+impl<S: Scalar> RegressorFactors<S> {
     #[inline(always)]
     fn of(motion: &Spin<S>) -> Self {
         Self { acc: motion.acc, gamma: Gamma::of(motion.omega, motion.alpha) }

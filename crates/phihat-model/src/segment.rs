@@ -1,11 +1,11 @@
 //! One body of the compiled form.
 
-use crate::description::Motion;
+use crate::description::JointMotion;
 
 /// One body of the compiled form: how it sits on its parent, and its matter in its own frame.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Segment {
-    pub(crate) motion: Motion,
+    pub(crate) motion: JointMotion,
     /// Coordinate index; meaningless for [`Motion::Fixed`].
     pub(crate) joint: usize,
     /// Index of the parent segment; `None`: the base.

@@ -1,6 +1,6 @@
 //! Structure of a segment: a branch that arms share, or a product that need not be computed.
 
-use crate::description::Motion;
+use crate::description::JointMotion;
 use crate::segment::Segment;
 
 /// Rotation of the first screw.
@@ -18,7 +18,7 @@ pub(crate) enum Tilt {
 
 /// Structure of a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Shape {
+pub(crate) struct SegmentShape {
     pub(crate) tilt: Tilt,
     /// True if there is an `a`.
     pub(crate) reaches: bool,
@@ -26,7 +26,7 @@ pub(crate) struct Shape {
     pub(crate) slides: bool,
 }
 
-impl Shape {
+impl SegmentShape {
     /// Common structure of the same segment of several arms.
     pub(crate) fn shared(segments: &[&Segment]) -> Self {
         let turned = |cos: f64, sin: f64| {
@@ -44,7 +44,7 @@ impl Shape {
         Self {
             tilt,
             reaches: any(&|s| s.a),
-            slides: any(&|s| s.d) || segments.iter().any(|s| s.motion == Motion::Prismatic),
+            slides: any(&|s| s.d) || segments.iter().any(|s| s.motion == JointMotion::Prismatic),
         }
     }
 }

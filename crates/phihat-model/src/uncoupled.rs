@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::Model;
-use crate::body::Lumped;
-use crate::description::{Description, JointOf, Link, Motion};
+use crate::body::LumpedBody;
+use crate::description::{DescribedLink, Description, JointMotion, JointOf};
 use crate::joint::{Joint, JointKind};
 use crate::placement::Placement;
 use crate::robot::Robot;
@@ -39,16 +39,16 @@ impl Robot {
     /// assert_eq!(m, [0.3, 0.0, 0.0, 0.1]);
     /// ```
     pub fn uncoupled(joints: Vec<Joint>) -> Self {
-        let nothing = Lumped::default();
-        let root = Link { name: "base".to_owned(), matter: nothing, joint: None };
-        let link = |joint: &Joint| Link {
+        let nothing = LumpedBody::default();
+        let root = DescribedLink { name: "base".to_owned(), matter: nothing, joint: None };
+        let link = |joint: &Joint| DescribedLink {
             name: joint.name.clone(),
             matter: nothing,
             joint: Some(JointOf {
                 name: joint.name.clone(),
                 motion: match joint.kind {
-                    JointKind::Prismatic => Motion::Prismatic,
-                    JointKind::Revolute | JointKind::Continuous => Motion::Revolute,
+                    JointKind::Prismatic => JointMotion::Prismatic,
+                    JointKind::Revolute | JointKind::Continuous => JointMotion::Revolute,
                 },
                 parent: 0,
                 placement: Placement::IDENTITY,

@@ -2,8 +2,8 @@
 
 use crate::columns::{Columns, LANES};
 use crate::compile::Compiled;
-use crate::description::Motion;
-use crate::inertia::Inertia;
+use crate::description::JointMotion;
+use crate::inertia::LinkInertia;
 use crate::segment::Segment;
 use crate::vector::{Turn, Vec3};
 use crate::{Model, Scalar};
@@ -31,7 +31,7 @@ use crate::{Model, Scalar};
 #[derive(Debug, Clone)]
 pub struct Workspace<S: Scalar = f64> {
     pub(crate) screws: Screws<S>,
-    pub(crate) nodes: Vec<Node<S>>,
+    pub(crate) nodes: Vec<WorkspaceNode<S>>,
     /// One lane per coordinate and one more.
     pub(crate) columns: Vec<Columns<S>>,
     /// `n` rows, each as many lanes.
@@ -50,13 +50,13 @@ pub(crate) struct Screws<S> {
 
 /// Intermediate results of the recursions per segment.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Node<S> {
+pub(crate) struct WorkspaceNode<S> {
     pub(crate) motion: Spin<S>,
     pub(crate) force: Vec3<S>,
     pub(crate) moment: Vec3<S>,
     pub(crate) pose: Pose3<S>,
     /// Composite inertia of later branches, stored until their parent's turn comes.
-    pub(crate) inertia: Inertia<S>,
+    pub(crate) inertia: LinkInertia<S>,
 }
 
 /// Angular velocity, angular acceleration and linear acceleration of a frame, in its axes.
@@ -85,7 +85,7 @@ impl<S: Scalar> Workspace<S> {
         let chunks = (n + 1).div_ceil(LANES);
         Self {
             screws,
-            nodes: vec![Node::default(); model.segments().len()],
+            nodes: vec![WorkspaceNode::default(); model.segments().len()],
             columns: vec![Columns::default(); chunks],
             rows: vec![[S::splat(0.0); LANES]; n * chunks],
         }
@@ -97,7 +97,7 @@ impl<S: Scalar> Screws<S> {
     #[inline(always)]
     pub(crate) fn at(&self, i: usize, segment: &Segment) -> (Turn<S>, S) {
         let d = match segment.motion {
-            Motion::Prismatic => self.shifts[i],
+            JointMotion::Prismatic => self.shifts[i],
             _ => S::splat(segment.d),
         };
         (Turn { c: self.cosines[i], s: self.sines[i] }, d)
@@ -133,9 +133,11 @@ impl<S: Scalar> Screws<S> {
             for (i, segment) in segments.iter().enumerate() {
                 angles[i] = S::splat(theta[i]);
                 match segment.motion {
-                    Motion::Revolute => angles[i] += q[segment.joint],
-                    Motion::Prismatic => self.shifts[i] = q[segment.joint] + S::splat(segment.d),
-                    Motion::Fixed => {}
+                    JointMotion::Revolute => angles[i] += q[segment.joint],
+                    JointMotion::Prismatic => {
+                        self.shifts[i] = q[segment.joint] + S::splat(segment.d)
+                    }
+                    JointMotion::Fixed => {}
                 }
             }
         }

@@ -2,7 +2,7 @@
 //! and says how far it missed those that do not.
 
 use crate::support::{Random, robots};
-use phihat_model::{IkError, IkOptions, Robot, Target, Workspace};
+use phihat_model::{IkError, IkOptions, PoseTarget, Robot, Workspace};
 
 fn options(robot: &Robot) -> IkOptions {
     let turn = (-6.3, 6.3);
@@ -24,7 +24,7 @@ fn random_reachable_poses_are_reached_inside_the_limits() {
             let (there, seed) = (draw(&mut random), draw(&mut random));
             model.forward_kinematics(&mut ws, &there);
             let pose = model.pose(&ws, tip);
-            for target in [Target::Position(pose.p), Target::Pose(pose)] {
+            for target in [PoseTarget::Position(pose.p), PoseTarget::Pose(pose)] {
                 match model.inverse_kinematics(&mut ws, tip, &target, &seed, &options) {
                     Ok(q) => {
                         model.forward_kinematics(&mut ws, &q);
@@ -50,7 +50,7 @@ fn the_same_call_gives_the_same_bits() {
     let robot = Robot::named("panda").unwrap();
     let (model, options) = (&robot.model, options(&robot));
     let tip = model.frame(&robot.tip).unwrap();
-    let target = Target::Position([0.4, 0.3, 0.5]);
+    let target = PoseTarget::Position([0.4, 0.3, 0.5]);
     let solve = |ws: &mut Workspace| {
         model.inverse_kinematics(ws, tip, &target, &robot.poses["ready"], &options).unwrap()
     };
@@ -66,7 +66,7 @@ fn a_target_out_of_reach_is_missed_by_what_is_missing() {
     let robot = Robot::named("planar3r").unwrap();
     let (model, options) = (&robot.model, options(&robot));
     let tip = model.frame(&robot.tip).unwrap();
-    let target = Target::Position([2.0, 0.0, 0.0]);
+    let target = PoseTarget::Position([2.0, 0.0, 0.0]);
     let mut ws = Workspace::new(model);
     let error = model.inverse_kinematics(&mut ws, tip, &target, &[0.1; 3], &options).unwrap_err();
     let IkError::NotReached { position, rotation, nearest } = error else { panic!("{error}") };
@@ -77,7 +77,7 @@ fn a_target_out_of_reach_is_missed_by_what_is_missing() {
 #[test]
 fn a_seed_of_another_length_is_refused() {
     let model = Robot::named("ur5").unwrap().model;
-    let (tip, target) = (model.frame("tool0").unwrap(), Target::Position([0.3; 3]));
+    let (tip, target) = (model.frame("tool0").unwrap(), PoseTarget::Position([0.3; 3]));
     let options = IkOptions::default();
     let error =
         model.inverse_kinematics(&mut Workspace::new(&model), tip, &target, &[0.0], &options);

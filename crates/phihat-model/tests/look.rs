@@ -5,7 +5,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use phihat_model::{Look, Robot, Shape};
+use phihat_model::{LinkShape, Look, Robot};
 
 /// The corners of a cube of 2 around the origin, and its faces, outwards.
 const FACES: [[usize; 4]; 6] =
@@ -112,7 +112,7 @@ fn folder(name: &str, visual: &str) -> (PathBuf, Robot) {
 }
 
 /// Six times the enclosed volume, by the divergence theorem.
-fn volume(shape: &Shape) -> f64 {
+fn volume(shape: &LinkShape) -> f64 {
     let part = |t: &[usize; 3]| {
         let [a, b, c] = t.map(|k| shape.points[k]);
         a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])

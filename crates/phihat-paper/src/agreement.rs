@@ -49,7 +49,7 @@ impl Kept {
     ///
     /// The text is no reproduction, or of another [`FORMAT`].
     pub fn from_json(text: &str) -> Result<Self, KeptError> {
-        let found: Found = serde_json::from_str(text).map_err(KeptError::NoObject)?;
+        let found: DocumentHead = serde_json::from_str(text).map_err(KeptError::NoObject)?;
         match found.format {
             Some(Value::Number(format)) if format.as_u64() == Some(FORMAT.into()) => {
                 serde_json::from_str(text).map_err(KeptError::Unreadable)
@@ -85,7 +85,7 @@ impl Kept {
 
 /// As much as tells a reproduction from other documents.
 #[derive(Deserialize)]
-struct Found {
+struct DocumentHead {
     format: Option<Value>,
 }
 
@@ -102,8 +102,9 @@ fn compare(old: &Statement, new: &Statement, same_extent: bool, lines: &mut Vec<
         match new.numbers.iter().find(|other| other.name == number.name) {
             Some(other) if agree(number, other) => {}
             Some(other) => {
-                let show =
-                    |n: &record::Number| n.value.map_or("none".to_owned(), |v| format!("{v:?}"));
+                let show = |n: &record::PaperNumber| {
+                    n.value.map_or("none".to_owned(), |v| format!("{v:?}"))
+                };
                 lines.push(format!(
                     "{id}: {} was {}, is {} {} (agrees within {})",
                     number.name,
@@ -119,7 +120,7 @@ fn compare(old: &Statement, new: &Statement, same_extent: bool, lines: &mut Vec<
     }
 }
 
-fn agree(old: &record::Number, new: &record::Number) -> bool {
+fn agree(old: &record::PaperNumber, new: &record::PaperNumber) -> bool {
     match (old.value, new.value) {
         (Some(a), Some(b)) => (a - b).abs() <= old.tolerance * a.abs().max(b.abs()),
         (None, None) => true,

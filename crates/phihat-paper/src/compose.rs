@@ -1,6 +1,6 @@
 //! Small words for putting a [`Section`](crate::record::Section) together.
 
-use super::record::{Number, Origin, Section, Statement, Table, Verdict};
+use super::record::{Origin, PaperNumber, Section, Statement, Table, Verdict};
 use phihat_report::kit::figure::{Axis, Bound, Figure, Panel, Series};
 
 /// Most points of a curve: more than a figure can show.
@@ -12,9 +12,9 @@ pub(crate) fn number(
     unit: &str,
     value: impl Into<Option<f64>>,
     tolerance: f64,
-) -> Number {
+) -> PaperNumber {
     let value = value.into().filter(|value: &f64| value.is_finite());
-    Number { name: name.to_owned(), unit: unit.to_owned(), value, tolerance }
+    PaperNumber { name: name.to_owned(), unit: unit.to_owned(), value, tolerance }
 }
 
 /// Owned words.
@@ -120,7 +120,7 @@ pub(crate) fn statement(
     [id, place, claim, paper]: [&str; 4],
     verdict: Verdict,
     (ours, why): (String, String),
-    numbers: Vec<Number>,
+    numbers: Vec<PaperNumber>,
 ) -> Statement {
     Statement {
         id: id.to_owned(),

@@ -3,7 +3,7 @@
 //! Nothing here knows the sampled controller or the claims about it: it is what they are compared with.
 
 use phihat_design::claims::UnitLaw;
-use phihat_design::claims::matrix::{Matrix, apply, dot, exponential, norm_inf, product};
+use phihat_design::claims::matrix::{RationalMatrix, apply, dot, exponential, norm_inf, product};
 
 /// Form of the estimator, one of the paper's two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,14 +16,14 @@ pub(crate) enum PaperForm {
 
 /// The unknown dynamics `φ` as a function of time.
 #[derive(Debug, Clone)]
-pub(crate) enum Phi {
+pub(crate) enum PhiCourse {
     /// Solution of `ẇ = F w`, `φ = Σ w` over the marked entries.
-    Generated { f: Matrix, sum: Vec<f64>, start: Vec<f64> },
+    Generated { f: RationalMatrix, sum: Vec<f64>, start: Vec<f64> },
     /// Values at the steps, joined by straight lines; the last one stays.
     Joined(Vec<f64>),
 }
 
-impl Phi {
+impl PhiCourse {
     /// `Σ_k c_k t^k/k!`.
     pub(crate) fn polynomial(coefficients: &[f64]) -> Self {
         let n = coefficients.len();
@@ -69,7 +69,7 @@ pub(crate) struct Instant {
 }
 
 /// `ẋ = A x + b φ`, and the row that gives `φ̂`.
-pub(crate) fn system(law: &UnitLaw, form: PaperForm) -> (Matrix, Vec<f64>, Vec<f64>) {
+pub(crate) fn system(law: &UnitLaw, form: PaperForm) -> (RationalMatrix, Vec<f64>, Vec<f64>) {
     let (m, n) = (law.order(), law.order() + 2);
     let mut b = vec![0.0; n];
     if form == PaperForm::Ladder {
@@ -97,14 +97,14 @@ pub(crate) fn run(
     law: &UnitLaw,
     form: PaperForm,
     start: &[f64],
-    phi: &Phi,
+    phi: &PhiCourse,
     (dt, steps): (f64, usize),
 ) -> Vec<Instant> {
     let (a, b, row) = system(law, form);
     let n = a.len();
     let (f, sum) = match phi {
-        Phi::Generated { f, sum, .. } => (f.clone(), sum.clone()),
-        Phi::Joined(_) => (vec![vec![0.0, 1.0], vec![0.0, 0.0]], vec![1.0, 0.0]),
+        PhiCourse::Generated { f, sum, .. } => (f.clone(), sum.clone()),
+        PhiCourse::Joined(_) => (vec![vec![0.0, 1.0], vec![0.0, 0.0]], vec![1.0, 0.0]),
     };
     let whole = beside(&a, &outer(&b, &sum), &f);
     let per_step = flow(&whole, dt);
@@ -112,12 +112,12 @@ pub(crate) fn run(
     let mut z = start.to_vec();
     z.resize(n, 0.0);
     z.extend(match phi {
-        Phi::Generated { start, .. } => start.clone(),
-        Phi::Joined(_) => vec![0.0; 2],
+        PhiCourse::Generated { start, .. } => start.clone(),
+        PhiCourse::Joined(_) => vec![0.0; 2],
     });
     let mut out = Vec::with_capacity(steps + 1);
     for k in 0..=steps {
-        if let Phi::Joined(values) = phi {
+        if let PhiCourse::Joined(values) = phi {
             let value = |k: usize| values.get(k).or(values.last()).copied().unwrap_or(0.0);
             (z[n], z[n + 1]) = (value(k), (value(k + 1) - value(k)) / dt);
         }
@@ -130,7 +130,7 @@ pub(crate) fn run(
 }
 
 /// `e^{At}`, in coordinates in which no entry outweighs the rest.
-pub(crate) fn flow(a: &Matrix, t: f64) -> Matrix {
+pub(crate) fn flow(a: &RationalMatrix, t: f64) -> RationalMatrix {
     let n = a.len();
     let mut scale = vec![1.0_f64; n];
     for _ in 0..20 {
@@ -166,17 +166,17 @@ pub(crate) fn flow(a: &Matrix, t: f64) -> Matrix {
 }
 
 /// A matrix of zeros.
-pub(crate) fn zeros(rows: usize, columns: usize) -> Matrix {
+pub(crate) fn zeros(rows: usize, columns: usize) -> RationalMatrix {
     vec![vec![0.0; columns]; rows]
 }
 
 /// `u vᵀ`.
-pub(crate) fn outer(u: &[f64], v: &[f64]) -> Matrix {
+pub(crate) fn outer(u: &[f64], v: &[f64]) -> RationalMatrix {
     u.iter().map(|a| v.iter().map(|b| a * b).collect()).collect()
 }
 
 /// `[A, C; 0, F]`.
-fn beside(a: &Matrix, c: &Matrix, f: &Matrix) -> Matrix {
+fn beside(a: &RationalMatrix, c: &RationalMatrix, f: &RationalMatrix) -> RationalMatrix {
     let top = a.iter().zip(c).map(|(a, c)| a.iter().chain(c).copied().collect());
     let low = f.iter().map(|f| vec![0.0; a.len()].into_iter().chain(f.iter().copied()).collect());
     top.chain(low).collect()

@@ -44,8 +44,8 @@ pub use own::{
     LeftOutOfPaper, OWN_FORMAT, OwnAnswer, OwnError, OwnOptions, OwnReproduction, own, own_page,
 };
 pub use page::reproduction_page;
-pub use part::{Extent, Part, PartError};
+pub use part::{Extent, PaperPart, PartError};
 pub use record::{
-    Assumption, FORMAT, Number, Origin, Reproduction, Section, Statement, Table, Verdict,
+    Assumption, FORMAT, Origin, PaperNumber, Reproduction, Section, Statement, Table, Verdict,
 };
 pub use reproduce::{ReproduceError, parts, reproduce, reproduce_only, studies};

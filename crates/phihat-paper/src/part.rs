@@ -5,7 +5,7 @@ use phihat_compare::CompareError;
 use phihat_design::claims::{PaperError, Refutation};
 use phihat_design::{ArmError, GainsError};
 use phihat_model::ModelError;
-use phihat_rivals::Refusal;
+use phihat_rivals::RivalRefusal;
 use phihat_sim::SimError;
 use phihat_study::StudyError;
 use thiserror::Error;
@@ -21,7 +21,7 @@ pub struct Extent {
 
 /// Result of one part of the reproduction.
 #[derive(Debug, Clone, Default)]
-pub struct Part {
+pub struct PaperPart {
     /// Assumptions that it needed.
     pub assumptions: Vec<Assumption>,
     /// Its sections, in the order of the paper.
@@ -59,7 +59,7 @@ pub enum PartError {
     Sim(#[from] SimError),
     /// A rival does not apply.
     #[error(transparent)]
-    Rival(#[from] Refusal),
+    Rival(#[from] RivalRefusal),
     /// There is no law of this id.
     #[error("no law {0}")]
     NoLaw(String),

@@ -1,7 +1,7 @@
 //! A statement of the paper, and what was found.
 
 use super::item::Item;
-use super::record::{Number, Origin, Statement, Verdict};
+use super::record::{Origin, PaperNumber, Statement, Verdict};
 
 /// Statement of the paper, before it is checked.
 #[derive(Debug, Clone, Copy)]
@@ -23,7 +23,7 @@ impl Published<'_> {
         ours: impl Into<String>,
         verdict: Verdict,
         why: impl Into<String>,
-        numbers: Vec<Number>,
+        numbers: Vec<PaperNumber>,
     ) -> Statement {
         Statement {
             id: self.id.to_owned(),

@@ -9,7 +9,7 @@ use phihat_design::{Arm, JointRecord};
 use phihat_study::Study;
 
 use super::compose::{figure, log_axis, number, section, statement, table, three};
-use crate::part::{Extent, Part, PartError};
+use crate::part::{Extent, PaperPart, PartError};
 use crate::record::{Assumption, Section, Statement, Verdict};
 use phihat_report::kit::figure::{Content, Figure, Panel};
 
@@ -27,19 +27,19 @@ const CLASSES: [&str; 4] = ["neither", "printed law only", "M̄ per joint only",
 
 /// Eigenvalues of `M̄^{-1/2} M(q) M̄^{-1/2}` over an arm's postures.
 #[derive(Debug, Clone, Copy)]
-struct Range {
+struct EigenvalueRange {
     low: f64,
     high: f64,
 }
 
 /// An arm measured in 1 kg·m², as printed, and in a nominal inertia per joint.
-struct Measured {
-    printed: Range,
-    per_joint: Range,
+struct MeasuredReach {
+    printed: EigenvalueRange,
+    per_joint: EigenvalueRange,
 }
 
 /// One map and what it says of the paper's own rate.
-struct Mapped {
+struct MappedReach {
     arm: &'static str,
     law: &'static str,
     /// Least and largest inertia, over the arm's, at which the printed law is stable at [`PRINTED_HZ`].
@@ -52,7 +52,7 @@ struct Mapped {
 /// # Errors
 ///
 /// An arm that cannot be read.
-pub fn reach(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, PartError> {
+pub fn reach(extent: Extent, progress: &dyn Fn(f64)) -> Result<PaperPart, PartError> {
     let (rates, scales) = axes(extent);
     let mut maps = Vec::new();
     for name in ARMS {
@@ -61,7 +61,12 @@ pub fn reach(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, PartError> 
             let columns: Vec<Vec<u8>> =
                 rates.iter().map(|rate| column(&arm, a, *rate, &scales)).collect();
             let cells = (0..scales.len()).map(|i| columns.iter().map(|column| column[i]).collect());
-            maps.push(Mapped { arm: name, law, scales: held(&arm, a), cells: cells.collect() });
+            maps.push(MappedReach {
+                arm: name,
+                law,
+                scales: held(&arm, a),
+                cells: cells.collect(),
+            });
             progress(maps.len() as f64 / (ARMS.len() * LAWS.len()) as f64);
         }
     }
@@ -76,7 +81,7 @@ pub fn reach(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, PartError> 
     Ok(part(section))
 }
 
-fn part(mut section: Section) -> Part {
+fn part(mut section: Section) -> PaperPart {
     super::compose::rests_on(&mut section, &["arms-of-the-maps"], &[]);
     let assumption = Assumption {
         id: "arms-of-the-maps".to_owned(),
@@ -86,7 +91,7 @@ fn part(mut section: Section) -> Part {
             .to_owned(),
         influence: "The maps are the influence: along their vertical axis the arm is scaled by 10⁴ in all.".to_owned(),
     };
-    Part { assumptions: vec![assumption], sections: vec![section] }
+    PaperPart { assumptions: vec![assumption], sections: vec![section] }
 }
 
 /// Sample rates \[Hz\] and scales, evenly on logarithmic axes.
@@ -99,19 +104,19 @@ fn axes(extent: Extent) -> (Vec<f64>, Vec<f64>) {
     (even(125.0, 8000.0), even(0.01, 100.0))
 }
 
-fn measured(name: &str) -> Result<Measured, PartError> {
+fn measured(name: &str) -> Result<MeasuredReach, PartError> {
     let text = format!(
         "duration_s = 1.0\n[spec]\nsettle_s = 0.5\n[robot]\nname = \"{name}\"\n[gains]\nbandwidth_rad_s = 20.0\n\
          estimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = 1.0\n[reference]\nkind = \"hold\"\npose = \"ready\"\n"
     );
     let study = Study::from_text(&text, "map.toml", Path::new(""))?;
     let arm = Arm::of(&study)?;
-    let against = |nominal: Vec<f64>| -> Result<Range, PartError> {
+    let against = |nominal: Vec<f64>| -> Result<EigenvalueRange, PartError> {
         let inertia = arm.against(nominal)?;
-        Ok(Range { low: inertia.low, high: inertia.high })
+        Ok(EigenvalueRange { low: inertia.low, high: inertia.high })
     };
     let printed = against(vec![1.0; study.robot.joints.len()])?;
-    Ok(Measured { printed, per_joint: against(arm.nominal())? })
+    Ok(MeasuredReach { printed, per_joint: against(arm.nominal())? })
 }
 
 /// The printed gains with `M̄ = 1`: the window is in units of `M̄`.
@@ -141,32 +146,33 @@ fn model(form: Form, rate: f64) -> LoopModel {
 }
 
 /// Classes of all scales at one rate.
-fn column(arm: &Measured, a: &[f64], rate: f64, scales: &[f64]) -> Vec<u8> {
-    let printed = Window::of(a, Form::Literal, rate);
-    let ours = Window::of(a, Form::Observer, rate).holds(arm.per_joint);
+fn column(arm: &MeasuredReach, a: &[f64], rate: f64, scales: &[f64]) -> Vec<u8> {
+    let printed = ReachWindow::of(a, Form::Literal, rate);
+    let ours = ReachWindow::of(a, Form::Observer, rate).holds(arm.per_joint);
     let class = |scale: &f64| {
-        let range = Range { low: arm.printed.low * scale, high: arm.printed.high * scale };
+        let range =
+            EigenvalueRange { low: arm.printed.low * scale, high: arm.printed.high * scale };
         u8::from(printed.holds(range)) + 2 * u8::from(ours)
     };
     scales.iter().map(class).collect()
 }
 
 /// The stable ratios of a loop.
-struct Window {
+struct ReachWindow {
     law: JointRecord,
     model: LoopModel,
     /// `None` where the loop is unstable at `μ = 1`.
     around_one: Option<InertiaWindow>,
 }
 
-impl Window {
+impl ReachWindow {
     fn of(a: &[f64], form: Form, rate: f64) -> Self {
         let (law, model) = (record(a), model(form, rate));
         Self { around_one: InertiaWindow::find(&law, &model).ok(), law, model }
     }
 
     /// Returns true if the loop is stable for every ratio of a range.
-    fn holds(&self, Range { low, high }: Range) -> bool {
+    fn holds(&self, EigenvalueRange { low, high }: EigenvalueRange) -> bool {
         if let Some(window) = self.around_one {
             return window.contains(low, high);
         }
@@ -177,13 +183,13 @@ impl Window {
 }
 
 /// Between which scales the printed law is stable at the printed rate; `None` where no scale is.
-fn held(arm: &Measured, a: &[f64]) -> Option<(f64, f64)> {
-    let window = Window::of(a, Form::Literal, PRINTED_HZ).around_one?;
+fn held(arm: &MeasuredReach, a: &[f64]) -> Option<(f64, f64)> {
+    let window = ReachWindow::of(a, Form::Literal, PRINTED_HZ).around_one?;
     let scales = (window.low / arm.printed.low, window.high / arm.printed.high);
     (scales.0 < scales.1).then_some(scales)
 }
 
-fn shares(maps: &[Mapped]) -> [f64; 2] {
+fn shares(maps: &[MappedReach]) -> [f64; 2] {
     let cells = || maps.iter().flat_map(|map| map.cells.iter().flatten());
     let share = |bit: u8| {
         cells().filter(|class| *class & bit != 0).count() as f64 / cells().count().max(1) as f64
@@ -191,10 +197,10 @@ fn shares(maps: &[Mapped]) -> [f64; 2] {
     [share(1), share(2)]
 }
 
-fn model_free(maps: &[Mapped], extent: Extent) -> Statement {
+fn model_free(maps: &[MappedReach], extent: Extent) -> Statement {
     let [printed, ours] = shares(maps);
     let described =
-        |map: &Mapped| map.scales.is_some_and(|(low, high)| (low..=high).contains(&1.0));
+        |map: &MappedReach| map.scales.is_some_and(|(low, high)| (low..=high).contains(&1.0));
     let everywhere = printed >= 1.0;
     let why = if everywhere {
         "The printed law is stable on all arms and at all rates tried."
@@ -243,8 +249,8 @@ fn model_free(maps: &[Mapped], extent: Extent) -> Statement {
     .ours()
 }
 
-fn at_printed_rate(maps: &[Mapped]) -> crate::record::Table {
-    let row = |map: &Mapped| {
+fn at_printed_rate(maps: &[MappedReach]) -> crate::record::Table {
+    let row = |map: &MappedReach| {
         let (low, high) = (map.scales.map(|s| s.0), map.scales.map(|s| s.1));
         vec![map.arm.to_owned(), map.law.to_owned(), three(low), three(high)]
     };
@@ -253,8 +259,8 @@ fn at_printed_rate(maps: &[Mapped]) -> crate::record::Table {
     table("how-far", title, &columns, maps.iter().map(row).collect())
 }
 
-fn map_figure(maps: Vec<Mapped>, rates: &[f64], scales: &[f64]) -> Figure {
-    let panel = |map: Mapped| Panel {
+fn map_figure(maps: Vec<MappedReach>, rates: &[f64], scales: &[f64]) -> Figure {
+    let panel = |map: MappedReach| Panel {
         title: format!("{}, {}", map.arm, map.law),
         x: log_axis("sample rate [Hz]"),
         y: log_axis("inertia over the arm's"),

@@ -106,7 +106,7 @@ pub struct Statement {
     /// Why, and what would be right.
     pub why: String,
     /// The figures behind `ours`, which a check can compare.
-    pub numbers: Vec<Number>,
+    pub numbers: Vec<PaperNumber>,
     /// Ids of the assumptions that it rests on.
     pub assumptions: Vec<String>,
     /// The studies behind it, relative to the repository: `studies/paper/m1.toml`.
@@ -180,7 +180,7 @@ impl Verdict {
 
 /// A figure by name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Number {
+pub struct PaperNumber {
     /// Name of the quantity.
     pub name: String,
     /// Its unit; empty for none.

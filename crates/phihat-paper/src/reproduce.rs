@@ -7,7 +7,7 @@ use phihat_session::SessionError;
 use phihat_session::disk::DiskError;
 use thiserror::Error;
 
-use crate::part::{Extent, Part, PartError};
+use crate::part::{Extent, PaperPart, PartError};
 use crate::record::{Assumption, FORMAT, Reproduction};
 use crate::{arm, details, orders, reach, table1, table2, table3, theory};
 
@@ -48,11 +48,11 @@ fn part_names() -> String {
 }
 
 /// A part, by name; `progress` is told the share that is done, 0 to 1.
-type Work = fn(Extent, &dyn Fn(f64)) -> Result<Part, PartError>;
+type PartWork = fn(Extent, &dyn Fn(f64)) -> Result<PaperPart, PartError>;
 
 /// Every part, in the order of the page. One line each; long ones first would end sooner, but threads
 /// take the next one as they become free.
-const PARTS: &[(&str, Work)] = &[
+const PARTS: &[(&str, PartWork)] = &[
     ("theory", theory::theory),
     ("table 1", |_, progress| table1::table1(progress)),
     ("arm in simulation", |extent, progress| {

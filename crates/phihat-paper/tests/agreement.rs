@@ -1,9 +1,9 @@
 //! Wrong if a reproduction that says something else passed for the same, or the same one for another.
 
-use phihat_paper::{FORMAT, Kept, Number, Origin, Reproduction, Section, Statement, Verdict};
+use phihat_paper::{FORMAT, Kept, Origin, PaperNumber, Reproduction, Section, Statement, Verdict};
 
-fn number(name: &str, value: Option<f64>, tolerance: f64) -> Number {
-    Number { name: name.into(), unit: "mrad".into(), value, tolerance }
+fn number(name: &str, value: Option<f64>, tolerance: f64) -> PaperNumber {
+    PaperNumber { name: name.into(), unit: "mrad".into(), value, tolerance }
 }
 
 fn statement(id: &str) -> Statement {

@@ -2,24 +2,24 @@
 
 use phihat::Form;
 use phihat_design::{Arm, arm_inside_window, requested_gains};
-use phihat_paper::arm::{Kind, Setting, Studies, experiment, resized, simulation};
-use phihat_paper::{Extent, Part, Statement, Verdict};
-use phihat_sim::{Outcome, Simulation};
-use phihat_study::{Curve, Reference, Study};
+use phihat_paper::arm::{GainSetting, Studies, StudyKind, experiment, resized, simulation};
+use phihat_paper::{Extent, PaperPart, Statement, Verdict};
+use phihat_sim::{Simulation, SimulationOutcome};
+use phihat_study::{Curve, ReferenceRequest, Study};
 
 const QUICK: Extent = Extent { quick: true };
 
-fn statement<'a>(part: &'a Part, id: &str) -> &'a Statement {
+fn statement<'a>(part: &'a PaperPart, id: &str) -> &'a Statement {
     let all = part.sections.iter().flat_map(|section| &section.statements);
     all.into_iter().find(|statement| statement.id == id).unwrap_or_else(|| panic!("no {id}"))
 }
 
-fn value(part: &Part, id: &str, name: &str) -> Option<f64> {
+fn value(part: &PaperPart, id: &str, name: &str) -> Option<f64> {
     let numbers = &statement(part, id).numbers;
     numbers.iter().find(|number| number.name == name).unwrap_or_else(|| panic!("no {name}")).value
 }
 
-fn run(study: &Study) -> Outcome {
+fn run(study: &Study) -> SimulationOutcome {
     let names = study.robot.joint_names();
     let form = study.control.form;
     let gains = requested_gains(study).unwrap();
@@ -92,7 +92,7 @@ fn without_a_torque_limit_the_printed_form_does_what_fig_11_says() {
         assert_eq!(statement(part, "phi-hat-to-zero").verdict, Verdict::WithCorrection);
     }
     // A page that says rad draws rad.
-    let figure = |part: &Part| {
+    let figure = |part: &PaperPart| {
         let mut all = part.sections.iter().flat_map(|section| section.figures.clone());
         all.find(|figure| figure.id == "fig-11").unwrap()
     };
@@ -106,7 +106,7 @@ fn without_a_torque_limit_the_printed_form_does_what_fig_11_says() {
 }
 
 /// When every |e| has come below 10 mrad for good \[s\].
-fn settled(outcome: &Outcome) -> Option<f64> {
+fn settled(outcome: &SimulationOutcome) -> Option<f64> {
     let last = outcome
         .trace
         .joints
@@ -117,11 +117,13 @@ fn settled(outcome: &Outcome) -> Option<f64> {
 }
 
 /// The path is moved here by hand: the stretched arm reaches 0.883 m, and the path begins at 0.70 m.
-fn the_start_decides(part: &Part) {
+fn the_start_decides(part: &PaperPart) {
     let study = |distance: f64, limit: Option<f64>| {
-        let mut study =
-            Studies::shipped().study(Kind::Experiment, Setting::First, Form::Literal).unwrap();
-        let Reference::Cartesian { curve: Curve::Spline { points }, .. } = &mut study.reference
+        let mut study = Studies::shipped()
+            .study(StudyKind::Experiment, GainSetting::First, Form::Literal)
+            .unwrap();
+        let ReferenceRequest::Cartesian { curve: Curve::Spline { points }, .. } =
+            &mut study.reference
         else {
             panic!("no curve")
         };
@@ -166,7 +168,7 @@ fn a_misprinted_name_gives_gains_with_a_certificate() {
 }
 
 /// Largest |∬e| of a run, counted here from the first sample of its steady part.
-fn twice_integrated(outcome: &Outcome, from: usize) -> f64 {
+fn twice_integrated(outcome: &SimulationOutcome, from: usize) -> f64 {
     let of = |joint: &phihat_sim::JointTrace| {
         let (mut once, mut twice, mut most) = (0.0, 0.0, 0.0_f64);
         for k in from + 1..joint.e.len() {
@@ -185,8 +187,8 @@ fn both_forms_are_judged_by_the_same_quantities() {
     let studies = Studies::shipped();
     let part = experiment(&studies, QUICK, &|_| ()).unwrap();
     let worst = |form| {
-        let settings = Setting::SECOND.iter().map(|setting| {
-            let study = studies.study(Kind::Experiment, *setting, form).unwrap();
+        let settings = GainSetting::SECOND.iter().map(|setting| {
+            let study = studies.study(StudyKind::Experiment, *setting, form).unwrap();
             let outcome = run(&study);
             let from = outcome.trace.index_at(study.spec.settle);
             twice_integrated(&outcome, from)
@@ -241,7 +243,7 @@ fn peaking_is_told_apart() {
 fn a_start_on_the_path_at_rest_is_no_zero_start() {
     let studies = Studies::shipped();
     let part = simulation(&studies, QUICK, &|_| ()).unwrap();
-    let study = studies.study(Kind::Simulation, Setting::First, Form::Observer).unwrap();
+    let study = studies.study(StudyKind::Simulation, GainSetting::First, Form::Observer).unwrap();
     let joints = run(&study).trace.joints;
     let fastest = joints.iter().map(|joint| joint.dq_desired[0].abs()).fold(0.0, f64::max);
     let rests = value(&part, "zero-start", "largest |φ̂(0)|, printed form, at rest on the path");
@@ -264,7 +266,8 @@ fn the_error_keeps_its_bound_from_phi() {
 /// alone, the other's (m = 1) an average of the φ that was there.
 #[test]
 fn the_printed_form_winds_up_and_the_observer_cannot() {
-    let study = |form| Studies::shipped().study(Kind::Experiment, Setting::First, form).unwrap();
+    let study =
+        |form| Studies::shipped().study(StudyKind::Experiment, GainSetting::First, form).unwrap();
     let outcome = run(&study(Form::Literal));
     let joint = &outcome.trace.joints[0];
     let (mut integral, mut saturated) = (0.0, 0);
@@ -290,7 +293,8 @@ fn the_printed_form_winds_up_and_the_observer_cannot() {
 /// A heavier arm is run as this one in other units: against an arm that really is heavier.
 #[test]
 fn a_heavier_surrogate_is_the_arm_it_stands_for() {
-    let study = Studies::shipped().study(Kind::Simulation, Setting::H1, Form::Literal).unwrap();
+    let study =
+        Studies::shipped().study(StudyKind::Simulation, GainSetting::H1, Form::Literal).unwrap();
     let in_units = run(&resized(study.clone(), 2.0, 0.6));
     let mut heavier = study;
     heavier.robot.model = heavier.robot.model.with_masses_times(2.0).unwrap();

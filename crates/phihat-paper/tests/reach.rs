@@ -6,14 +6,14 @@ use phihat::Form;
 use phihat_design::{Arm, requested_gains};
 use phihat_paper::arm::{Studies, order_switching};
 use phihat_paper::reach::reach;
-use phihat_paper::{Extent, Part, Verdict};
+use phihat_paper::{Extent, PaperPart, Verdict};
 use phihat_report::kit::figure::Content;
 use phihat_sim::Simulation;
 use phihat_study::Study;
 
 const QUICK: Extent = Extent { quick: true };
 
-fn value(part: &Part, name: &str) -> f64 {
+fn value(part: &PaperPart, name: &str) -> f64 {
     let statement = &part.sections[0].statements[0];
     let number = statement.numbers.iter().find(|number| number.name == name);
     number.unwrap_or_else(|| panic!("no {name}")).value.unwrap()

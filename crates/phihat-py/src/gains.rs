@@ -228,7 +228,7 @@ impl Gains {
     #[getter]
     fn error_bound(&self) -> Option<Vec<f64>> {
         let certificate = self.inner.certificate.as_ref()?;
-        let bound = |joint| certificate.error_bound(joint).map(|bound| bound.error_rad);
+        let bound = |joint| certificate.error_bound(joint).map(|bound| bound.error_bound_rad);
         (0..certificate.joints.len()).map(bound).collect()
     }
 
@@ -245,7 +245,7 @@ impl Gains {
             let slides = self.inner.slides(&joint.name);
             let bound = certificate.and_then(|certificate| certificate.error_bound(i));
             let error = bound.map(|bound| {
-                format!("{} {}", number(MILLI * bound.error_rad), unit_of("mrad", slides))
+                format!("{} {}", number(MILLI * bound.error_bound_rad), unit_of("mrad", slides))
             });
             let inertia = format!("{} {}", number(joint.inertia_kg_m2), unit_of("kg·m²", slides));
             (&joint.name, inertia, joint, error)

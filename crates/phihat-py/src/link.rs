@@ -33,13 +33,13 @@ pub(crate) struct DriveAsked {
     log: Option<PathBuf>,
     csv: bool,
     accept: Vec<String>,
-    link: Declared,
+    link: DeclaredLink,
 }
 
 /// A link as its author declares it.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-struct Declared {
+struct DeclaredLink {
     object: Py<PyAny>,
     name: String,
     joint_names: Vec<String>,
@@ -169,11 +169,11 @@ struct OwnLink {
 }
 
 /// Position and velocity of each joint, and the torque that acted, where it is known.
-type Told = (Vec<f64>, Vec<f64>, Option<Vec<f64>>);
+type JointReport = (Vec<f64>, Vec<f64>, Option<Vec<f64>>);
 
 impl OwnLink {
-    fn new(py: Python<'_>, declared: Declared, raised: &Raised) -> PyResult<Self> {
-        let Declared { object, name, joint_names, period, adds_gravity } = declared;
+    fn new(py: Python<'_>, declared: DeclaredLink, raised: &Raised) -> PyResult<Self> {
+        let DeclaredLink { object, name, joint_names, period, adds_gravity } = declared;
         let width = joint_names.len();
         if !(period.is_finite() && period >= 1e-6) {
             let limit = "seconds, at least 1e-6";
@@ -197,13 +197,13 @@ impl OwnLink {
     }
 
     /// Reads a sample of the robot; `None`: this sample is lost.
-    fn read(&self, py: Python<'_>) -> PyResult<Option<Told>> {
+    fn read(&self, py: Python<'_>) -> PyResult<Option<JointReport>> {
         let answer = self.object.bind(py).call_method0("read")?;
         if answer.is_none() {
             return Ok(None);
         }
         let list = |i: usize| -> PyResult<Vec<f64>> { answer.get_item(i)?.extract() };
-        let told: Told = match answer.len()? {
+        let told: JointReport = match answer.len()? {
             2 => (list(0)?, list(1)?, None),
             3 => (list(0)?, list(1)?, Some(list(2)?)),
             other => {

@@ -2,7 +2,9 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use phihat_rivals::{All, Card, Entry, Grade, Needs, Refusal, Running, Scalar, Supply, Tuning};
+use phihat_rivals::{
+    All, Card, Entry, Grade, Needs, RivalRefusal, Running, Scalar, Supply, Tuning,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -68,9 +70,9 @@ pub(crate) fn entry(declared: Declared, raised: &Raised) -> &'static Entry {
         ..Needs::NONE
     };
     let (make, raised, preview) = (declared.make, Arc::clone(raised), declared.preview);
-    let build = move |tuning: &Tuning, supply: &Supply| -> Result<Box<dyn Running>, Refusal> {
+    let build = move |tuning: &Tuning, supply: &Supply| -> Result<Box<dyn Running>, RivalRefusal> {
         if raised.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
-            return Err(Refusal::NotApplicable("it raised an exception before".to_owned()));
+            return Err(RivalRefusal::NotApplicable("it raised an exception before".to_owned()));
         }
         let made = Python::attach(|py| law(py, &make, scalars, tuning, supply));
         match made {
@@ -79,7 +81,7 @@ pub(crate) fn entry(declared: Declared, raised: &Raised) -> &'static Entry {
                 Ok(Box::new(OwnLaw { law, raised, preview, period, samples: 0 }))
             }
             Err(why) => {
-                let refusal = Refusal::NotApplicable(why.to_string());
+                let refusal = RivalRefusal::NotApplicable(why.to_string());
                 kept(&raised, why);
                 Err(refusal)
             }

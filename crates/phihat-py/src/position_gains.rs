@@ -41,7 +41,7 @@ pub(crate) struct PositionGains {
     #[pyo3(get)]
     velocity_correction: Option<Vec<Vec<f64>>>,
     /// Sections of each joint's filter on the innovation: rates and weights; None: there is none.
-    innovation_filter: Option<Vec<Vec<Section>>>,
+    innovation_filter: Option<Vec<Vec<FilterSectionNumbers>>>,
     /// Cut-off of the low-pass on the torque command [Hz]; None: none.
     #[pyo3(get)]
     torque_filter_hz: Option<f64>,
@@ -50,7 +50,7 @@ pub(crate) struct PositionGains {
 }
 
 /// A section as it is stated, by any sequences: `(c_0, c_1), (b_0, b_1)`.
-type Section = [[f64; 2]; 2];
+type FilterSectionNumbers = [[f64; 2]; 2];
 
 /// And as it is told: tuples.
 type ToldSection = ((f64, f64), (f64, f64));
@@ -74,7 +74,7 @@ impl PositionGains {
         share: Vec<f64>,
         delay_samples: Vec<i64>,
         velocity_correction: Option<Vec<Vec<f64>>>,
-        innovation_filter: Option<Vec<Vec<Section>>>,
+        innovation_filter: Option<Vec<Vec<FilterSectionNumbers>>>,
         torque_filter_hz: Option<f64>,
     ) -> PyResult<Self> {
         if joint_names.is_empty() {
@@ -115,7 +115,7 @@ impl PositionGains {
     /// Sections of each joint's filter on the innovation; None: there is none.
     #[getter]
     fn innovation_filter(&self) -> Option<Vec<Vec<ToldSection>>> {
-        let told = |own: &Section| {
+        let told = |own: &FilterSectionNumbers| {
             let [[c0, c1], [b0, b1]] = *own;
             ((c0, c1), (b0, b1))
         };
@@ -147,7 +147,8 @@ impl PositionGains {
         };
         let gains = JointGains::from_positions(&design);
         let stated = self.innovation_filter.as_ref().map_or(&[][..], |of| &of[i]);
-        let section = |own: &Section| InnovationSection { rates: own[0], weights: own[1] };
+        let section =
+            |own: &FilterSectionNumbers| InnovationSection { rates: own[0], weights: own[1] };
         let sections: Vec<InnovationSection> = stated.iter().map(section).collect();
         let gains = if sections.is_empty() {
             gains

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 
 use numpy::PyArrayDyn;
 use phihat_model::{Body, FrameId, Model, Part, Workspace};
-use phihat_sim::Friction;
+use phihat_sim::SimulatedFriction;
 use pyo3::prelude::*;
 
 use crate::arrays::{Batch, common_axes, shaped};
 use crate::failure;
 
-type Array<'py> = PyResult<Bound<'py, PyArrayDyn<f64>>>;
+type RobotArray<'py> = PyResult<Bound<'py, PyArrayDyn<f64>>>;
 
 /// Batches from this many postures on let other threads run.
 const LONG: usize = 64;
@@ -61,11 +61,11 @@ impl Robot {
         let torque = |(joint, dq): (&phihat_model::Joint, &f64)| {
             let own = &joint.friction;
             let part = |on: bool, value: f64| if on { value } else { 0.0 };
-            let law = Friction {
+            let law = SimulatedFriction {
                 viscous: part(viscous, own.viscous),
                 coulomb: part(dry, own.coulomb),
                 sigmoid: own.sigmoid.filter(|_| dry),
-                ..Friction::default()
+                ..SimulatedFriction::default()
             };
             law.torque(*dq)
         };
@@ -79,7 +79,7 @@ impl Robot {
         arguments: &[(&str, &Batch)],
         tail: &[usize],
         compute: impl Fn(&mut Workspace<f64>, usize, &mut [f64]) + Send + Sync,
-    ) -> Array<'py> {
+    ) -> RobotArray<'py> {
         let (axes, count) = common_axes(py, arguments)?;
         let size: usize = tail.iter().product();
         let mut values = vec![0.0; count * size];
@@ -252,7 +252,7 @@ impl Robot {
         armature: bool,
         damping: bool,
         friction: bool,
-    ) -> Array<'py> {
+    ) -> RobotArray<'py> {
         let (q, dq, ddq) = (self.batch("q", q)?, self.batch("dq", dq)?, self.batch("ddq", ddq)?);
         let model = self.model(armature);
         let arguments = [("q", &q), ("dq", &dq), ("ddq", &ddq)];
@@ -274,7 +274,7 @@ impl Robot {
         armature: bool,
         damping: bool,
         friction: bool,
-    ) -> Array<'py> {
+    ) -> RobotArray<'py> {
         let (q, dq, tau) = (self.batch("q", q)?, self.batch("dq", dq)?, self.batch("tau", tau)?);
         let model = self.model(armature);
         let arguments = [("q", &q), ("dq", &dq), ("tau", &tau)];
@@ -294,7 +294,7 @@ impl Robot {
         own: bool,
         extra_viscous: Vec<f64>,
         extra_coulomb: Vec<f64>,
-    ) -> Array<'py> {
+    ) -> RobotArray<'py> {
         let dq = self.batch("dq", dq)?;
         let n = self.names().len();
         Self::each(py, self.model(false), &[("dq", &dq)], &[n], |_, k, tau| {
@@ -302,14 +302,14 @@ impl Robot {
             for (i, tau) in tau.iter_mut().enumerate() {
                 let at = |values: &[f64]| values.get(i).copied().unwrap_or(0.0);
                 let (viscous, coulomb) = (at(&extra_viscous), at(&extra_coulomb));
-                let extra = Friction { viscous, coulomb, ..Friction::default() };
+                let extra = SimulatedFriction { viscous, coulomb, ..SimulatedFriction::default() };
                 *tau = lost[i] + extra.torque(dq.at(k)[i]);
             }
         })
     }
 
     /// The part of the friction that is neither viscous nor dry: an identified smooth law.
-    fn smooth_friction<'py>(&self, py: Python<'py>, dq: &Bound<'py, PyAny>) -> Array<'py> {
+    fn smooth_friction<'py>(&self, py: Python<'py>, dq: &Bound<'py, PyAny>) -> RobotArray<'py> {
         let dq = self.batch("dq", dq)?;
         let n = self.names().len();
         Self::each(py, self.model(false), &[("dq", &dq)], &[n], |_, k, tau| {
@@ -325,7 +325,7 @@ impl Robot {
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
         armature: bool,
-    ) -> Array<'py> {
+    ) -> RobotArray<'py> {
         let (q, model, n) = (self.batch("q", q)?, self.model(armature), self.names().len());
         Self::each(py, model, &[("q", &q)], &[n, n], |ws, k, m| model.mass_matrix(ws, q.at(k), m))
     }
@@ -335,7 +335,7 @@ impl Robot {
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
         dq: &Bound<'py, PyAny>,
-    ) -> Array<'py> {
+    ) -> RobotArray<'py> {
         let (q, dq, model) = (self.batch("q", q)?, self.batch("dq", dq)?, self.model(false));
         let n = self.names().len();
         Self::each(py, model, &[("q", &q), ("dq", &dq)], &[n], |ws, k, tau| {
@@ -343,7 +343,7 @@ impl Robot {
         })
     }
 
-    fn gravity<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>) -> Array<'py> {
+    fn gravity<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>) -> RobotArray<'py> {
         let (q, model, n) = (self.batch("q", q)?, self.model(false), self.names().len());
         Self::each(py, model, &[("q", &q)], &[n], |ws, k, g| model.gravity_torque(ws, q.at(k), g))
     }
@@ -354,7 +354,7 @@ impl Robot {
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
         frame: Option<&str>,
-    ) -> Array<'py> {
+    ) -> RobotArray<'py> {
         let (at, q, model) = (self.frame(py, frame)?, self.batch("q", q)?, self.model(false));
         Self::each(py, model, &[("q", &q)], &[4, 4], |ws, k, out| {
             model.forward_kinematics(ws, q.at(k));
@@ -374,7 +374,7 @@ impl Robot {
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
         frame: Option<&str>,
-    ) -> Array<'py> {
+    ) -> RobotArray<'py> {
         let (at, q, model) = (self.frame(py, frame)?, self.batch("q", q)?, self.model(false));
         let n = self.names().len();
         Self::each(py, model, &[("q", &q)], &[6, n], |ws, k, out| {
@@ -388,7 +388,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         dq: &Bound<'py, PyAny>,
         ddq: &Bound<'py, PyAny>,
-    ) -> Array<'py> {
+    ) -> RobotArray<'py> {
         let (q, dq, ddq) = (self.batch("q", q)?, self.batch("dq", dq)?, self.batch("ddq", ddq)?);
         let (model, n) = (self.model(false), self.names().len());
         let arguments = [("q", &q), ("dq", &dq), ("ddq", &ddq)];
@@ -398,7 +398,7 @@ impl Robot {
     }
 
     #[getter]
-    fn dynamic_parameters<'py>(&self, py: Python<'py>) -> Array<'py> {
+    fn dynamic_parameters<'py>(&self, py: Python<'py>) -> RobotArray<'py> {
         let rows = self.robot.model.dynamic_parameters();
         let shape = [rows.len(), 10];
         shaped(py, rows.concat(), &shape)

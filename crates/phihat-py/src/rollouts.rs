@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
-use phihat_campaign::rollouts::{JOINT_FIGURES, Keep, Numbers, Rolled, RolloutsError};
+use phihat_campaign::rollouts::{JOINT_FIGURES, Keep, Rolled, RolloutsError, RunNumbers};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -43,7 +43,7 @@ impl Rollouts {
         let (study, origin) = study::read(py, path.as_deref(), document.as_deref(), &name)?;
         let given = gains.map(|gains| (gains.get().inner.clone(), Path::new("gains.json")));
         let numbers = numbers.into_iter();
-        let numbers = numbers.map(|(name, paths, values)| Numbers { name, paths, values });
+        let numbers = numbers.map(|(name, paths, values)| RunNumbers { name, paths, values });
         let told = (numbers.collect(), seeds);
         let made = move || {
             let input = (study, origin.as_path());

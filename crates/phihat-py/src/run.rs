@@ -10,7 +10,7 @@ use phihat_design::Outcome;
 use phihat_paper::ReproduceOptions;
 use phihat_session::{Done, Session, SessionError, TraceKind, budget, designed_for};
 use phihat_sim::JointTrace;
-use phihat_synthesis::{Advice, Tried};
+use phihat_synthesis::{Advice, BudgetSearch};
 use pyo3::prelude::*;
 
 use crate::gains::Gains;
@@ -35,7 +35,7 @@ pub(crate) fn design(
         let told = match &outcome {
             Outcome::Designed(_) => None,
             Outcome::Infeasible(_) => {
-                Some(budget(&study, &arm, &origin, (&outcome, Tried::Nothing), &mut ())?)
+                Some(budget(&study, &arm, &origin, (&outcome, BudgetSearch::Nothing), &mut ())?)
             }
         };
         Ok((outcome, told))

@@ -68,7 +68,7 @@ pub(crate) fn study_document<'py>(
         "as_written": as_written,
         "duration_s": study.duration,
         "settle_s": study.spec.settle,
-        "error_max_rad": study.spec.error_bound,
+        "error_bound_rad": study.spec.error_bound,
         "period_ns": study.control.period_ns,
         "delay_samples": study.control.delay_samples,
         "form": match study.control.form {

@@ -33,12 +33,12 @@ impl SweepAsked {
 }
 
 /// Tells Python how far a sweep is; what that raises is kept until the end.
-struct Told {
+struct SweepProgress {
     progress: Option<Py<PyAny>>,
     raised: Option<PyErr>,
 }
 
-impl Watch for Told {
+impl Watch for SweepProgress {
     fn progress(&mut self, done: u64, all: u64) {
         let Some(progress) = &self.progress else { return };
         if let Err(why) = Python::attach(|py| progress.call1(py, (done, all))) {
@@ -62,7 +62,7 @@ pub(crate) fn sweep(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'_, PyDict>> {
     let options = asked.options();
-    let mut told = Told { progress, raised: None };
+    let mut told = SweepProgress { progress, raised: None };
     let answer = py.detach(|| options.run(&mut told)).map_err(|why| failure::campaign(py, why))?;
     if let Some(why) = told.raised {
         return Err(why);

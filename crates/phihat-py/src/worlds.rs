@@ -33,7 +33,7 @@ const STOPPED: u8 = 3;
 #[derive(Debug)]
 pub(crate) struct Worlds {
     maker: Maker,
-    held: Mutex<Held>,
+    held: Mutex<HeldWorlds>,
     #[pyo3(get)]
     joint_names: Vec<String>,
     #[pyo3(get)]
@@ -41,13 +41,13 @@ pub(crate) struct Worlds {
     #[pyo3(get)]
     torque_max: Vec<f64>,
     #[pyo3(get)]
-    error_max: Vec<f64>,
+    error_bound: Vec<f64>,
 }
 
 /// The worlds, and what those of each thread share.
 #[derive(Debug)]
-struct Held {
-    worlds: Vec<Option<World>>,
+struct HeldWorlds {
+    worlds: Vec<Option<WorldOfPython>>,
     abreast: Vec<Abreast>,
 }
 
@@ -67,14 +67,14 @@ struct Maker {
 
 /// A run, and the law that answers in it, if one does.
 #[derive(Debug)]
-struct World {
+struct WorldOfPython {
     run: OutsideRun,
-    law: Option<Law>,
+    law: Option<WorldLaw>,
     tau: Vec<f64>,
 }
 
 #[derive(Debug)]
-struct Law {
+struct WorldLaw {
     gains: Vec<JointGains<f64>>,
     states: Vec<JointState<f64>>,
     commands: Vec<Command<f64>>,
@@ -114,8 +114,8 @@ impl Worlds {
         let first = maker.world(maker.study.clone(), None);
         maker.inertia = first.map_err(|why| why.raise(py))?.run.inertia;
         let worlds = (0..count).map(|_| None).collect();
-        let held = Mutex::new(Held { worlds, abreast: Vec::new() });
-        Ok(Self { maker, held, joint_names, period, torque_max: limits, error_max: bounds })
+        let held = Mutex::new(HeldWorlds { worlds, abreast: Vec::new() });
+        Ok(Self { maker, held, joint_names, period, torque_max: limits, error_bound: bounds })
     }
 
     /// Begins a world anew: its seed, and numbers of the study by their paths.
@@ -153,7 +153,7 @@ impl Worlds {
             return Err(failure::argument(py, "action", Some(joint), value, "finite", &message));
         }
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        let Held { worlds, abreast } = &mut *held;
+        let HeldWorlds { worlds, abreast } = &mut *held;
         let told = worlds.iter_mut().zip(values.chunks_exact(n)).zip(&acting);
         let mut told: Vec<_> = told
             .filter_map(|((world, action), acts)| Some((world.as_mut().filter(|_| *acts)?, action)))
@@ -187,7 +187,7 @@ impl Worlds {
         let worlds = &held.worlds;
         let mut all = Vec::with_capacity(worlds.len() * 6 * n);
         for world in worlds {
-            let Some(World { run, .. }) = world else {
+            let Some(WorldOfPython { run, .. }) = world else {
                 all.extend(std::iter::repeat_n(f64::NAN, 6 * n));
                 continue;
             };
@@ -223,7 +223,7 @@ impl Worlds {
             return Err(failure::argument(py, "record", None, false, "True", message));
         }
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        let over = |world: &mut World| state(world) != RUNS;
+        let over = |world: &mut WorldOfPython| state(world) != RUNS;
         let taken = held.worlds.get_mut(world).and_then(|place| place.take_if(over));
         let ended = taken.and_then(|world| py.detach(|| world.run.end()));
         let (done, trace) = ended.ok_or_else(|| {
@@ -236,12 +236,12 @@ impl Worlds {
 }
 
 /// Why a world cannot begin.
-enum Refused {
+enum WorldRefused {
     Key(RolloutsError),
     Session(SessionError),
 }
 
-impl Refused {
+impl WorldRefused {
     fn raise(&self, py: Python<'_>) -> PyErr {
         match self {
             Self::Key(why) => plain(py, "ArgumentError", &why.to_string()),
@@ -250,18 +250,19 @@ impl Refused {
     }
 }
 
-impl From<SessionError> for Refused {
+impl From<SessionError> for WorldRefused {
     fn from(why: SessionError) -> Self {
         Self::Session(why)
     }
 }
 
 impl Maker {
-    fn begin(&self, seed: u64, numbers: &[(String, f64)]) -> Result<World, Refused> {
+    fn begin(&self, seed: u64, numbers: &[(String, f64)]) -> Result<WorldOfPython, WorldRefused> {
         let mut table = self.table.clone();
         set(&mut table, &["seed"], i64::try_from(seed).unwrap_or(i64::MAX).into());
         for (path, value) in numbers {
-            let no = |why: String| Refused::Key(RolloutsError::Key { name: path.clone(), why });
+            let no =
+                |why: String| WorldRefused::Key(RolloutsError::Key { name: path.clone(), why });
             let key = NumericKey::find(&self.study, path, "reset");
             let key = key.map_err(|why| no(why.message().to_owned()))?;
             if !key.admits(*value) {
@@ -277,15 +278,23 @@ impl Maker {
         self.world(study, Some(self.inertia.clone()))
     }
 
-    fn world(&self, mut study: Box<Study>, inertia: Option<Vec<f64>>) -> Result<World, Refused> {
+    fn world(
+        &self,
+        mut study: Box<Study>,
+        inertia: Option<Vec<f64>>,
+    ) -> Result<WorldOfPython, WorldRefused> {
         let (mut inertia, mut law) = (inertia, None);
         if let Some(gains) = &self.gains {
-            let own = |why| Refused::from(SessionError::at(&self.origin, why));
+            let own = |why| WorldRefused::from(SessionError::at(&self.origin, why));
             gains.complete(&mut study).map_err(own)?;
             // The filter that the gains were designed with is the study's now.
             study.sensor.velocity_filter_designed = false;
             inertia = Some(gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect());
-            law = if self.corrects { Some(Law::new(&study, gains, &self.origin)?) } else { None };
+            law = if self.corrects {
+                Some(WorldLaw::new(&study, gains, &self.origin)?)
+            } else {
+                None
+            };
         }
         let command = "phihat.gym, in Python".to_owned();
         let n = study.robot.joints.len();
@@ -293,20 +302,24 @@ impl Maker {
         if !self.records {
             run.run.forget();
         }
-        Ok(World { run, law, tau: vec![0.0; n] })
+        Ok(WorldOfPython { run, law, tau: vec![0.0; n] })
     }
 }
 
-impl World {
+impl WorldOfPython {
     /// The run, and the torque that it waits for.
     fn waiting(&mut self) -> (&mut Stepped, &[f64]) {
         (&mut self.run.run, &self.tau)
     }
 }
 
-impl Law {
+impl WorldLaw {
     /// The law of gains, behind the limits of a study.
-    fn new(study: &Study, gains: &phihat_design::Gains, origin: &Path) -> Result<Self, Refused> {
+    fn new(
+        study: &Study,
+        gains: &phihat_design::Gains,
+        origin: &Path,
+    ) -> Result<Self, WorldRefused> {
         let names = study.robot.joint_names();
         let period = study.control.period_ns;
         let laws = gains.joint_gains(&names, period, study.control.form);
@@ -337,12 +350,12 @@ fn beside_the_law(study: &Study) -> Option<&'static str> {
 }
 
 /// Some worlds, so many samples on.
-fn go(told: &mut [(&mut World, &[f64])], repeat: u32, abreast: &mut Abreast) {
+fn go(told: &mut [(&mut WorldOfPython, &[f64])], repeat: u32, abreast: &mut Abreast) {
     for _ in 0..repeat {
         for (world, action) in &mut *told {
-            let World { run, law, tau } = &mut **world;
+            let WorldOfPython { run, law, tau } = &mut **world;
             tau.copy_from_slice(action);
-            if let Some(Law { gains, states, commands }) =
+            if let Some(WorldLaw { gains, states, commands }) =
                 law.as_mut().filter(|_| !run.run.is_over())
             {
                 update_joints(gains, states, run.run.sensed(), run.run.wanted(), commands);
@@ -357,7 +370,7 @@ fn go(told: &mut [(&mut World, &[f64])], repeat: u32, abreast: &mut Abreast) {
     }
 }
 
-fn state(world: &World) -> u8 {
+fn state(world: &WorldOfPython) -> u8 {
     let run = &world.run.run;
     match (run.is_over(), run.diverged(), run.stopped()) {
         (false, ..) => RUNS,

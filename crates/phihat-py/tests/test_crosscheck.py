@@ -19,7 +19,7 @@ STUDIES = Path(__file__).parents[3] / "studies"
 STUDY: dict[str, Any] = {
     "duration_s": 2.5,
     "robot": {"name": "panda", "locked": {"panda_joint3": 0.2}},
-    "spec": {"settle_s": 1.5, "error_max_rad": 2e-3},
+    "spec": {"settle_s": 1.5, "error_bound_rad": 2e-3},
     "gains": {
         "order": 2,
         "bandwidth_rad_s": 20.0,

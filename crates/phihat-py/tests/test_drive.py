@@ -22,7 +22,7 @@ duration_s = {duration}
 name = "planar3r"
 [spec]
 settle_s = 1.0
-error_max_rad = 0.05
+error_bound_rad = 0.05
 [gains]
 bandwidth_rad_s = 20.0
 estimator_bandwidth_rad_s = 60.0
@@ -97,7 +97,7 @@ duration_s = 5.0
 name = "panda"
 [spec]
 settle_s = 2.0
-error_max_rad = 5e-3
+error_bound_rad = 5e-3
 [design]
 payload_max_kg = 1.0
 window_margin = 1.1

@@ -17,7 +17,7 @@ from phihat.gym import Env, VectorEnv
 STUDY: dict[str, Any] = {
     "duration_s": 0.3,
     "robot": {"name": "planar3r"},
-    "spec": {"settle_s": 0.03, "error_max_rad": 0.01},
+    "spec": {"settle_s": 0.03, "error_bound_rad": 0.01},
     "gains": {"bandwidth_rad_s": 20.0, "estimator_bandwidth_rad_s": 60.0, "inertia_kg_m2": [0.42, 0.18, 0.14]},
     "loop": {"delay_samples": 2, "torque_max_nm": 20.0, "torque_rate_max_nm_s": 4000.0},
     "sensor": {"encoder_bits": 16, "velocity": "differenced", "velocity_filter_hz": 80.0},

@@ -56,7 +56,7 @@ def _design(path: Path, motion: Sine) -> phihat.Gains:
         {
             "duration_s": END,
             "robot": {"file": str(path)},
-            "spec": {"settle_s": SETTLE, "error_max_rad": 5e-3},
+            "spec": {"settle_s": SETTLE, "error_bound_rad": 5e-3},
             "design": {"payload_max_kg": PAYLOAD_MAX_KG, "window_margin": 1.1},
             "world": {"substeps": 20},
             "reference": motion.words,

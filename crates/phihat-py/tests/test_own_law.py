@@ -18,7 +18,7 @@ INERTIA = np.array([0.42, 0.18, 0.14])
 STUDY: dict[str, Any] = {
     "duration_s": 2.0,
     "robot": {"name": "planar3r"},
-    "spec": {"settle_s": 1.0, "error_max_rad": 0.05},
+    "spec": {"settle_s": 1.0, "error_bound_rad": 0.05},
     "gains": {"bandwidth_rad_s": 20.0, "estimator_bandwidth_rad_s": 60.0, "inertia_kg_m2": INERTIA},
     "loop": {"delay_samples": 1, "torque_max_nm": 20.0},
     "sensor": {"encoder_bits": 18, "velocity": "differenced", "velocity_filter_hz": 100.0},
@@ -145,7 +145,7 @@ def test_a_record_without_gains_is_read_back_and_has_a_page(tmp_path: Path) -> N
 def test_an_own_law_is_a_rival_like_the_others(tmp_path: Path) -> None:
     study = tmp_path / "own.toml"
     study.write_text(
-        "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 2.0\nerror_max_rad = 0.05\n"
+        "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 2.0\nerror_bound_rad = 0.05\n"
         "[design]\npayload_max_kg = 0.3\n[loop]\nform = \"observer\"\n[world]\nsubsteps = 4\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = 100.0\n"
         "[reference]\nkind = \"sines\"\ncenter = \"ready\"\n[[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.3\n"
     )

@@ -13,7 +13,7 @@ from phihat.trace import FLAGS, SIGNALS
 STUDY: dict[str, Any] = {
     "duration_s": 0.3,
     "robot": {"name": "planar3r"},
-    "spec": {"settle_s": 0.1, "error_max_rad": 0.05},
+    "spec": {"settle_s": 0.1, "error_bound_rad": 0.05},
     "gains": {"bandwidth_rad_s": 20.0, "estimator_bandwidth_rad_s": 60.0, "inertia_kg_m2": [0.42, 0.18, 0.14]},
     "sensor": {"encoder_bits": 18},
     "reference": {"kind": "sines", "center": "ready", "sine": [{"amplitude_rad": 0.2, "frequency_hz": 0.5}]},

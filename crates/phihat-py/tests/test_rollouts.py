@@ -18,7 +18,7 @@ BASE: dict[str, Any] = {
     "duration_s": 0.4,
     "seed": 5,
     "robot": {"name": "planar3r"},
-    "spec": {"settle_s": 0.1, "error_max_rad": 0.05},
+    "spec": {"settle_s": 0.1, "error_bound_rad": 0.05},
     "gains": {"bandwidth_rad_s": 20.0, "estimator_bandwidth_rad_s": 60.0, "inertia_kg_m2": [0.42, 0.18, 0.14]},
     "loop": {"delay_samples": 1, "torque_max_nm": 25.0},
     "sensor": {"encoder_bits": 18, "velocity": "differenced", "velocity_filter_hz": 100.0},
@@ -72,7 +72,7 @@ def test_each_run_is_the_single_run_to_the_last_bit() -> None:
 @long
 def test_designed_gains_are_those_of_the_study_as_it_stands() -> None:
     designed = {"design": {"payload_max_kg": 0.5}, "world": {"payload": {"mass_kg": 0.3}}, "sensor": {"encoder_bits": 20}}
-    study = {key: value for key, value in BASE.items() if key != "gains"} | designed | {"spec": {"settle_s": 0.2, "error_max_rad": 2e-3}}
+    study = {key: value for key, value in BASE.items() if key != "gains"} | designed | {"spec": {"settle_s": 0.2, "error_bound_rad": 2e-3}}
     gains = phihat.design(study)
     rolled = phihat.rollouts(study, {"payload_kg": [0.2, 0.4], "duration_s": 0.5})
     assert rolled.gains.to_json() == gains.to_json()

@@ -23,7 +23,7 @@ duration_s = 0.3
 name = "planar3r"
 [spec]
 settle_s = 0.1
-error_max_rad = 0.01
+error_bound_rad = 0.01
 [gains]
 bandwidth_rad_s = 20.0
 estimator_bandwidth_rad_s = 60.0

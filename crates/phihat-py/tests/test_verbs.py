@@ -18,7 +18,7 @@ STUDIES = Path(__file__).parents[3] / "studies"
 SHORT: dict[str, Any] = {
     "duration_s": 3.0,
     "robot": {"name": "planar3r"},
-    "spec": {"settle_s": 1.5, "error_max_rad": 2e-3},
+    "spec": {"settle_s": 1.5, "error_bound_rad": 2e-3},
     "design": {"payload_max_kg": 0.5},
     "loop": {"rate_hz": 1000.0, "delay_samples": 1},
     "sensor": {"encoder_bits": 20, "velocity": "differenced", "velocity_filter_hz": 100.0},
@@ -83,7 +83,7 @@ def test_a_comparison_answers_law_by_law(tmp_path: Path) -> None:
     pd, designed = answer["rows"]
     assert [pd["rival"], designed["rival"]] == chosen
     worst = designed["cells"][1]["worst"]
-    assert worst["error_max_rad"] <= worst["bound_rad"] <= 5e-3
+    assert worst["error_peak_rad"] <= worst["error_bound_rad"] <= 5e-3
     with pytest.raises(phihat.Error, match="nobody"):
         phihat.compare(study, only=["nobody"], out=tmp_path)
 
@@ -117,8 +117,8 @@ def test_exports_hold_the_gains(gains: phihat.Gains) -> None:
 
 
 def test_impossible_is_told_with_clauses() -> None:
-    strict = SHORT | {"spec": {"settle_s": 1.5, "error_max_rad": 1e-9}}
-    with pytest.raises(phihat.Infeasible, match="error_max_rad") as caught:
+    strict = SHORT | {"spec": {"settle_s": 1.5, "error_bound_rad": 1e-9}}
+    with pytest.raises(phihat.Infeasible, match="error_bound_rad") as caught:
         phihat.design(strict)
     assert any(clause["possible"] and clause["possible"] > 1e-9 for clause in caught.value.clauses)
     # What the error of the nearest law is spent on: parts that are not within others add up.

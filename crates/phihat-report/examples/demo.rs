@@ -48,7 +48,7 @@ fn diverged() -> Fixture {
         }
     }
     metrics.error_steady_max_rad = f64::NAN;
-    metrics.error_max_rad = f64::NAN;
+    metrics.error_peak_rad = f64::NAN;
     metrics.velocity_error_steady_max_rad_s = 1e10;
     fixture.run.warnings = vec!["joint3: the run was stopped at 3 s, it had diverged".into()];
     fixture

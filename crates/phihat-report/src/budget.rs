@@ -89,7 +89,7 @@ fn row(joint: &JointBudget, causes: &[(Cause, bool)]) -> Markup {
     let unit = if joint.prismatic { "mm" } else { "mrad" };
     let cell = |value: Option<f64>| {
         html! {
-            td { @match (value, joint.allowed_rad) {
+            td { @match (value, joint.error_bound_rad) {
                 (Some(value), Some(allowed)) => {
                     (number(value * MILLI)) span.note { (percent(value, allowed)) }
                 }
@@ -104,7 +104,7 @@ fn row(joint: &JointBudget, causes: &[(Cause, bool)]) -> Markup {
     };
     html! { tr {
         th scope="row" { (line(&joint.name)) " " span.unit { "[" (unit) "]" } }
-        td { @match joint.allowed_rad { Some(allowed) => { (stated(allowed * MILLI)) } None => { "–" } } }
+        td { @match joint.error_bound_rad { Some(allowed) => { (stated(allowed * MILLI)) } None => { "–" } } }
         (cell(joint.total_rad))
         @for cause in causes { (cell(of(*cause))) }
     } }

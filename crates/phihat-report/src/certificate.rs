@@ -101,14 +101,14 @@ fn bounds(certificate: &Certificate, measured: &[JointMetrics]) -> Markup {
                 tbody { @for (i, (claim, joint)) in rows().enumerate() { tr {
                     th scope="row" { (line(&claim.name)) }
                     @if let Some(bound) = certificate.error_bound(i) {
-                        @let holds = joint.error_steady_max_rad <= bound.error_rad
-                            && joint.velocity_error_steady_max_rad_s <= bound.velocity_error_rad_s;
+                        @let holds = joint.error_steady_max_rad <= bound.error_bound_rad
+                            && joint.velocity_error_steady_max_rad_s <= bound.velocity_error_bound_rad_s;
                         @let way = own_unit("mrad", joint.slides);
                         @let speed = own_unit("mrad/s", joint.slides);
-                        td { (number(bound.error_rad * MILLI)) (way) }
+                        td { (number(bound.error_bound_rad * MILLI)) (way) }
                         td { (number(joint.error_steady_max_rad * MILLI)) (way) }
-                        td { (number(bound.error_rad / joint.error_steady_max_rad)) }
-                        td { (number(bound.velocity_error_rad_s * MILLI)) (speed) }
+                        td { (number(bound.error_bound_rad / joint.error_steady_max_rad)) }
+                        td { (number(bound.velocity_error_bound_rad_s * MILLI)) (speed) }
                         td { (number(joint.velocity_error_steady_max_rad_s * MILLI)) (speed) }
                         td { @if holds { "yes" } @else { "no" } }
                     } @else {

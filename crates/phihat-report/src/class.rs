@@ -28,13 +28,13 @@ pub(crate) const CLASS_CLAUSES: [ClassClause; 4] = [
         unit: "mrad",
         scale: MILLI,
         bound: |class| &class.error_rad,
-        measured: |joint| joint.error_max_rad,
+        measured: |joint| joint.error_bound_rad,
     },
     ClassClause {
         symbol: "|ė|",
         unit: "mrad/s",
         scale: MILLI,
-        bound: |class| &class.velocity_error_rad_s,
+        bound: |class| &class.velocity_error_bound_rad_s,
         measured: |joint| joint.velocity_error_steady_max_rad_s,
     },
     ClassClause {

@@ -56,7 +56,7 @@ fn bounds(class: &ClassBound, joints: &[JointMetrics]) -> Markup {
                     td { (figure(&class.speed_max_rad_s, "rad/s")) }
                     td { (figure(&class.acceleration_max_rad_s2, "rad/s²")) }
                     td { (figure(&class.jerk_max_rad_s3, "rad/s³")) }
-                    td { (number(MILLI * at(&class.frozen_error_rad))) (own("mrad")) }
+                    td { (number(MILLI * at(&class.frozen_error_bound_rad))) (own("mrad")) }
                     @for clause in &CLASS_CLAUSES { (cells(clause, at((clause.bound)(class)), joint)) }
                 } } }
             }

@@ -10,7 +10,7 @@ use phihat_design::Gains;
 pub(crate) fn coarser(gains: &Gains) -> Markup {
     let tube = gains.certificate.as_ref().and_then(|certificate| certificate.tube.as_ref());
     let Some(tube) = tube.filter(|_| !gains.coarser.is_empty()) else { return html! {} };
-    let errors: Vec<f64> = tube.joints.iter().map(|joint| joint.error_max_rad).collect();
+    let errors: Vec<f64> = tube.joints.iter().map(|joint| joint.error_bound_rad).collect();
     let slides: Vec<bool> = tube.joints.iter().map(|joint| gains.slides(&joint.name)).collect();
     let steps: Vec<f64> = tube.joints.iter().map(|joint| joint.torque_step_max_nm).collect();
     html! {
@@ -33,7 +33,7 @@ pub(crate) fn coarser(gains: &Gains) -> Markup {
                                 td.why colspan=(errors.len() + 2) { "no tube: " (line(why)) }
                             }
                         } @else {
-                            (row(&bits, (&one.error_max_rad, &one.torque_step_max_nm), &slides, one.within_rate_limits))
+                            (row(&bits, (&one.error_bound_rad, &one.torque_step_max_nm), &slides, one.within_rate_limits))
                         }
                     }
                 }

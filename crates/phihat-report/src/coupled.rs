@@ -39,9 +39,9 @@ pub(crate) fn coupled(gains: &Gains) -> Markup {
 /// Units of what a joint does, and of what is done to one.
 type Units = (&'static str, &'static str);
 
-type Other<'a> = (&'static str, Units, &'a [Vec<f64>], f64);
+type OtherMatrix<'a> = (&'static str, Units, &'a [Vec<f64>], f64);
 
-fn others(coupled: &CoupledGains) -> [Other<'_>; 6] {
+fn others(coupled: &CoupledGains) -> [OtherMatrix<'_>; 6] {
     [
         ("Velocity error |ė|", ("mrad/s", "N·m"), &coupled.velocity_rad_s_per_nm, MILLI),
         ("Acceleration |ë|", ("rad/s²", "N·m"), &coupled.acceleration_rad_s2_per_nm, 1.0),

@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use phihat_sim::{JointTrace, Trace};
 
-use crate::arm::Arm;
+use crate::arm::DrawnArm;
 use crate::kind::{CHARTS, ChartKind, DRAWABLE_MAX, PlotPlane};
 use crate::signal::{self, CodedSignal, SampleTimes};
 use crate::stretches::{CURVES, ChartSample, Stretches};
@@ -23,7 +23,7 @@ pub struct Drawing {
     /// Number of samples that share a value of them.
     pub(crate) each: u64,
     pub(crate) times: SampleTimes,
-    pub(crate) arm: Option<Arm>,
+    pub(crate) arm: Option<DrawnArm>,
     /// The command before, per joint.
     tau: Vec<Option<f64>>,
     pub(crate) joints: Vec<String>,
@@ -81,7 +81,7 @@ impl Drawing {
 
     /// The same with the arm, to be seen as it moves.
     #[must_use]
-    pub fn with_arm(mut self, arm: Arm) -> Self {
+    pub fn with_arm(mut self, arm: DrawnArm) -> Self {
         self.arm = Some(arm);
         self
     }

@@ -144,7 +144,7 @@ pub(crate) static CHARTS: [ChartKind; 8] = [
         y_label: "error e [mrad]",
         scale: 1e3,
         curves: &[E],
-        bound: spec(|m| m.error_spec_rad),
+        bound: spec(|m| m.error_bound_rad),
         envelope: EnvelopeParts { tube: Some(band::error), class: Some(|class| &class.error_rad) },
         ..PLAIN
     },
@@ -154,8 +154,8 @@ pub(crate) static CHARTS: [ChartKind; 8] = [
         y_label: "∫e [mrad·s]",
         scale: 1e3,
         curves: &[curve("∫e", "mrad·s", |j, k, _| at(&j.e_integral, k))],
-        bound: spec(|m| m.error_integral_spec_rad_s),
-        shown: |metrics, _| metrics.joints.iter().any(|j| j.error_integral_spec_rad_s.is_some()),
+        bound: spec(|m| m.error_integral_bound_rad_s),
+        shown: |metrics, _| metrics.joints.iter().any(|j| j.error_integral_bound_rad_s.is_some()),
         ..PLAIN
     },
     ChartKind {
@@ -168,13 +168,13 @@ pub(crate) static CHARTS: [ChartKind; 8] = [
         y_label: "ė [mrad/s]",
         scale: 1e3,
         curves: &[DE],
-        bound: spec(|m| m.velocity_error_spec_rad_s),
+        bound: spec(|m| m.velocity_error_bound_rad_s),
         envelope: EnvelopeParts {
             tube: Some(band::velocity),
-            class: Some(|class| &class.velocity_error_rad_s),
+            class: Some(|class| &class.velocity_error_bound_rad_s),
         },
         shown: |metrics, enveloped| {
-            enveloped || metrics.joints.iter().any(|j| j.velocity_error_spec_rad_s.is_some())
+            enveloped || metrics.joints.iter().any(|j| j.velocity_error_bound_rad_s.is_some())
         },
         ..PLAIN
     },
@@ -212,7 +212,7 @@ pub(crate) static CHARTS: [ChartKind; 8] = [
         plane: PlotPlane::Phase,
         scale: 1e3,
         curves: &[E, DE],
-        bound: spec(|m| m.error_spec_rad),
+        bound: spec(|m| m.error_bound_rad),
         ..PLAIN
     },
     ChartKind {

@@ -45,7 +45,7 @@ mod tube;
 mod tube_section;
 mod verdict;
 
-pub use arm::{Arm, ArmLink, Carried, JointTorque, Plane, PointForce, Surface};
+pub use arm::{ArmLink, DrawnArm, DrawnLoad, JointTorque, Plane, PointForce, Surface};
 pub use band::Envelope;
 pub use budget::budget_page;
 pub use drawing::Drawing;

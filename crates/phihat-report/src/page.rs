@@ -29,7 +29,7 @@ use maud::{Markup, PreEscaped, html};
 /// #     name = "planar3r"
 /// #     [spec]
 /// #     settle_s = 1.0
-/// #     error_max_rad = 2e-3
+/// #     error_bound_rad = 2e-3
 /// #     [gains]
 /// #     order = 1
 /// #     bandwidth_rad_s = 20.0
@@ -127,10 +127,10 @@ fn tip(record: &Record<'_>) -> Markup {
     let mm = |metres: f64| number(metres * MILLI);
     html! { p {
         "The tip (" (line(&tip.frame)) ") was at most " (mm(tip.error_steady_max_m)) " mm and "
-        (number(tip.angle_steady_max_rad.to_degrees())) "° off in the steady part, " (mm(tip.error_max_m)) " mm in the whole run"
-        @if let Some(bound) = tip.error_spec_m { "; the study allows " (mm(bound)) " mm" }
+        (number(tip.angle_steady_max_rad.to_degrees())) "° off in the steady part, " (mm(tip.error_peak_m)) " mm in the whole run"
+        @if let Some(bound) = tip.error_bound_m { "; the study allows " (mm(bound)) " mm" }
         @if let Some(tube) = tube {
-            "; by its tube at most " (mm(tube.error_max_m)) " mm and " (number(tube.angle_max_rad.to_degrees())) "°"
+            "; by its tube at most " (mm(tube.error_bound_m)) " mm and " (number(tube.angle_max_rad.to_degrees())) "°"
         }
         "."
     } }

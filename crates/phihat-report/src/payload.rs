@@ -1,6 +1,6 @@
 //! The page's data: every signal and what the charts make of them, as JSON that cannot leave its script element.
 
-use crate::arm::Arm;
+use crate::arm::DrawnArm;
 use crate::chart::{Chart, JointChart, charts};
 use crate::kind::{KindCurve, PlotPlane};
 use crate::kit::number::{number, rounded};
@@ -28,7 +28,7 @@ struct PageData<'a> {
     signals: Vec<BTreeMap<&'static str, Vec<String>>>,
     charts: Vec<ChartData>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    arm: Option<&'a Arm>,
+    arm: Option<&'a DrawnArm>,
 }
 
 #[derive(Serialize)]

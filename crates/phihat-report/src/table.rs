@@ -26,7 +26,7 @@ pub fn tracking(metrics: &Metrics) -> Markup {
                     th scope="row" { (line(&joint.name)) }
                     @for clause in &CLAUSES { (against_spec(clause, joint)) }
                     td { (number(MILLI * joint.error_rms_rad)) (own_unit("mrad", joint.slides)) }
-                    td { (number(MILLI * joint.error_max_rad)) (own_unit("mrad", joint.slides)) }
+                    td { (number(MILLI * joint.error_peak_rad)) (own_unit("mrad", joint.slides)) }
                 } } }
             }
         }

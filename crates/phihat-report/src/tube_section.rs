@@ -58,11 +58,11 @@ fn beside(tube: &Tube, run: &TubeRun, metrics: &Metrics) -> Markup {
                     @let slides = slides(&joint.name);
                     @let (way, speed) = (own_unit("mrad", slides), own_unit("mrad/s", slides));
                     th scope="row" { (line(&joint.name)) }
-                    td { (number(joint.error_tube_rad * MILLI)) (way) }
-                    td { (number(joint.error_max_rad * MILLI)) (way) }
-                    td { (number(joint.error_tube_rad / joint.error_max_rad)) }
-                    td { (number(joint.velocity_error_tube_rad_s * MILLI)) (speed) }
-                    td { (number(joint.velocity_error_max_rad_s * MILLI)) (speed) }
+                    td { (number(joint.error_bound_rad * MILLI)) (way) }
+                    td { (number(joint.error_peak_rad * MILLI)) (way) }
+                    td { (number(joint.error_bound_rad / joint.error_peak_rad)) }
+                    td { (number(joint.velocity_error_bound_rad_s * MILLI)) (speed) }
+                    td { (number(joint.velocity_error_peak_rad_s * MILLI)) (speed) }
                     td.outside[joint.room_rad < 0.0] { (number(joint.room_rad * MILLI)) (way) }
                     td { (friction(i)) (own_unit("N·m", slides)) }
                 } } }

@@ -21,19 +21,19 @@ pub(crate) const CLAUSES: [SpecClause; 3] = [
         symbol: "|e|",
         unit: "mrad",
         measured: |j| j.error_steady_max_rad,
-        bound: |j| j.error_spec_rad,
+        bound: |j| j.error_bound_rad,
     },
     SpecClause {
         symbol: "|∫e|",
         unit: "mrad·s",
         measured: |j| j.error_integral_steady_max_rad_s,
-        bound: |j| j.error_integral_spec_rad_s,
+        bound: |j| j.error_integral_bound_rad_s,
     },
     SpecClause {
         symbol: "|ė|",
         unit: "mrad/s",
         measured: |j| j.velocity_error_steady_max_rad_s,
-        bound: |j| j.velocity_error_spec_rad_s,
+        bound: |j| j.velocity_error_bound_rad_s,
     },
 ];
 
@@ -106,7 +106,7 @@ pub(crate) fn verdict(metrics: &Metrics, tube: Option<&TubeRun>) -> SpecVerdict 
             broken.push(format!("{}: {}", line(&joint.name), phrases.join(", ")));
         }
     }
-    if let Some((tip, bound)) = metrics.tip.as_ref().and_then(|tip| Some((tip, tip.error_spec_m?)))
+    if let Some((tip, bound)) = metrics.tip.as_ref().and_then(|tip| Some((tip, tip.error_bound_m?)))
     {
         let (name, share) = (line(&tip.frame), share(tip.error_steady_max_m, bound));
         if share > 1.0 {

@@ -2,7 +2,7 @@
 //! than the document, if a run beyond it were not called so, or if a run that it says nothing of were held against it.
 #![allow(clippy::float_cmp, reason = "in a test a panic is the report")]
 
-use phihat_design::{ClassBound, ClassPace, PayloadSet};
+use phihat_design::{ClassBound, ClassPace, TubePayloadSet};
 use phihat_report::{figures, page};
 use roxmltree::Document;
 use scraper::{Html, Selector};
@@ -27,7 +27,7 @@ fn of_class() -> Fixture {
         speed_max_rad_s: vec![0.2; 3],
         acceleration_max_rad_s2: vec![0.4, 0.4, 0.6],
         jerk_max_rad_s3: vec![1.0; 3],
-        payload: PayloadSet {
+        payload: TubePayloadSet {
             frame: "tool".into(),
             mass_kg: (0.0, 1.5),
             com_m: [(0.0, 0.0); 3],
@@ -35,11 +35,11 @@ fn of_class() -> Fixture {
         },
         force_nm: vec![0.3; 3],
         reading_rad: vec![1e-5; 3],
-        error_rad: above(|j| j.error_max_rad),
-        velocity_error_rad_s: above(|j| j.velocity_error_steady_max_rad_s),
+        error_rad: above(|j| j.error_bound_rad),
+        velocity_error_bound_rad_s: above(|j| j.velocity_error_steady_max_rad_s),
         torque_step_nm: above(|j| j.tau_step_max_nm),
         torque_nm: above(|j| j.tau_max_nm),
-        frozen_error_rad: above(|j| 0.5 * j.error_max_rad),
+        frozen_error_bound_rad: above(|j| 0.5 * j.error_bound_rad),
         spectral_radius: 0.149,
         postures: 101,
         points: 4385,
@@ -80,11 +80,11 @@ fn the_verdict_says_bound_measurement_and_status() {
     assert_eq!(class, "verdict within");
     // The third joint starts farthest away: 70 mrad.
     let worst = &fixture.metrics.joints[2];
-    assert!((worst.error_max_rad - 0.07).abs() < 1e-3);
+    assert!((worst.error_bound_rad - 0.07).abs() < 1e-3);
     let bound = format!(
         "|e| ≤ {:.2} mrad (the largest bound, of joint3; measured {:.2})",
-        1250.0 * worst.error_max_rad,
-        1e3 * worst.error_max_rad
+        1250.0 * worst.error_bound_rad,
+        1e3 * worst.error_bound_rad
     );
     for part in [
         "Any motion within ±0.3 rad, 0.2 rad/s, 0.4 … 0.6 rad/s², 1 rad/s³:",

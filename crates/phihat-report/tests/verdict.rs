@@ -24,13 +24,13 @@ fn numbered() -> Fixture {
     let mut fixture = fixture(1, 2_000);
     let joint = &mut fixture.metrics.joints[0];
     joint.error_rms_rad = 0.001_1;
-    joint.error_max_rad = 0.022;
+    joint.error_peak_rad = 0.022;
     joint.error_steady_max_rad = 0.003_3;
-    joint.error_spec_rad = Some(0.004_4);
+    joint.error_bound_rad = Some(0.004_4);
     joint.error_integral_steady_max_rad_s = 0.000_55;
-    joint.error_integral_spec_rad_s = Some(0.000_66);
+    joint.error_integral_bound_rad_s = Some(0.000_66);
     joint.velocity_error_steady_max_rad_s = 0.077;
-    joint.velocity_error_spec_rad_s = Some(0.088);
+    joint.velocity_error_bound_rad_s = Some(0.088);
     joint.tau_max_nm = 9.9;
     joint.tau_limit_nm = Some(12.5);
     joint.tau_step_max_nm = 0.13;
@@ -133,8 +133,8 @@ fn what_is_not_a_number_is_outside() {
 fn no_verdict_without_bounds_or_samples() {
     let mut fixture = fixture(2, 2_000);
     for joint in &mut fixture.metrics.joints {
-        joint.error_spec_rad = None;
-        joint.velocity_error_spec_rad_s = None;
+        joint.error_bound_rad = None;
+        joint.velocity_error_bound_rad_s = None;
     }
     assert!(verdict_of(&fixture).starts_with("No verdict. The study states no bound"));
     fixture.metrics = Metrics { samples: 0, joints: vec![], within_spec: true, ..fixture.metrics };

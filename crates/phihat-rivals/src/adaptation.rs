@@ -1,13 +1,13 @@
 //! Parameters of a regressor, estimated while the arm runs.
 
-use crate::regressor::{Group, Regressor};
+use crate::regressor::{ParameterGroup, Regressor};
 use crate::tuning::Tuning;
 
 /// `Y θ̂` over the identifiable columns of a regressor, and `dθ̂/dt = −Γ Yᵀ s − σ θ̂` (1).
 ///
 /// `Γ = γ U_j` for a parameter of joint `j`; `θ̂(0) = 0`.
 #[derive(Debug)]
-pub(crate) struct Estimate {
+pub(crate) struct AdaptedEstimate {
     pub(crate) regressor: Regressor,
     columns: Vec<usize>,
     full: Vec<f64>,
@@ -19,7 +19,7 @@ pub(crate) struct Estimate {
     pub(crate) rate: Vec<f64>,
 }
 
-impl Estimate {
+impl AdaptedEstimate {
     pub(crate) fn new(regressor: Regressor, tuning: &Tuning, gain: f64) -> Self {
         Self::by_group(regressor, tuning, |_| gain)
     }
@@ -28,7 +28,7 @@ impl Estimate {
     pub(crate) fn by_group(
         mut regressor: Regressor,
         tuning: &Tuning,
-        gain: impl Fn(Group) -> f64,
+        gain: impl Fn(ParameterGroup) -> f64,
     ) -> Self {
         let columns = regressor.identifiable();
         let unit =

@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::handed::All;
 use crate::needs::Needs;
 use crate::running::Running;
@@ -36,7 +36,7 @@ fn offered(needs: &Needs, scalars: &[Scalar]) -> impl Iterator<Item = Choice> {
 
 /// The loop that a law is handed measurements of.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sensed {
+pub struct SensedChoice {
     /// Samples per second \[Hz\].
     pub rate_hz: f64,
     /// Cut-off of the velocity's filter as it is \[Hz\]; `None`: not filtered.
@@ -45,7 +45,7 @@ pub struct Sensed {
 
 /// Free choices for a law, as scalars whose default values are its inputs without a choice; those whose
 /// ranges may give way come first, and their number is returned.
-pub(crate) fn scalars(needs: &Needs, own: &[Scalar], sensed: Sensed) -> (Vec<Scalar>, usize) {
+pub(crate) fn scalars(needs: &Needs, own: &[Scalar], sensed: SensedChoice) -> (Vec<Scalar>, usize) {
     let scalar = |choice| match choice {
         Choice::Inertia => Scalar {
             name: INERTIA_SHARE,
@@ -92,14 +92,14 @@ pub struct Chosen {
 }
 
 impl Chosen {
-    pub(crate) fn of(needs: &Needs, own: &[Scalar], values: &[f64]) -> Result<Self, Refusal> {
+    pub(crate) fn of(needs: &Needs, own: &[Scalar], values: &[f64]) -> Result<Self, RivalRefusal> {
         let free: Vec<Choice> = offered(needs, own).collect();
         if values.is_empty() {
             return Ok(Self::default());
         }
         if values.len() != free.len() || values.iter().any(|v| !(v.is_finite() && *v > 0.0)) {
             let why = format!("{values:?} for {} choices of what it is handed", free.len());
-            return Err(Refusal::Tuning(why));
+            return Err(RivalRefusal::Tuning(why));
         }
         let mut chosen = Self::default();
         for (choice, value) in free.into_iter().zip(values) {

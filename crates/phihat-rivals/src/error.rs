@@ -4,7 +4,7 @@ use thiserror::Error;
 
 /// Why a rival cannot be built for an arm and a tuning. An outcome, not a fault.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-pub enum Refusal {
+pub enum RivalRefusal {
     /// The law does not apply to this arm or task; the text says why.
     #[error("does not apply: {0}")]
     NotApplicable(String),

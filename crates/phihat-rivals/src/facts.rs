@@ -1,6 +1,6 @@
 //! Facts that a rival can know of an arm before it starts, short of a model, each a type.
 
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::handed::Knows;
 use crate::needs::Needs;
 use crate::supply::{DesignedJoint, DesignedPosition, Supply};
@@ -11,14 +11,14 @@ pub struct Nothing;
 
 impl Knows for Nothing {
     const NEEDS: Needs = Needs::NONE;
-    fn of(_: &Supply) -> Result<Self, Refusal> {
+    fn of(_: &Supply) -> Result<Self, RivalRefusal> {
         Ok(Self)
     }
 }
 
 impl<A: Knows, B: Knows> Knows for (A, B) {
     const NEEDS: Needs = A::NEEDS.and(B::NEEDS);
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal> {
         Ok((A::of(supply)?, B::of(supply)?))
     }
 }
@@ -36,7 +36,7 @@ impl Inertia {
 
 impl Knows for Inertia {
     const NEEDS: Needs = Needs { inertia: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal> {
         Ok(Self(supply.inertia.clone()))
     }
 }
@@ -54,10 +54,10 @@ impl TorqueMax {
 
 impl Knows for TorqueMax {
     const NEEDS: Needs = Needs { limits: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal> {
         match &supply.torque_max {
             Some(values) => Ok(Self(values.clone())),
-            None => Err(Refusal::NotApplicable("the arm states no torque limits".to_owned())),
+            None => Err(RivalRefusal::NotApplicable("the arm states no torque limits".to_owned())),
         }
     }
 }
@@ -65,7 +65,7 @@ impl Knows for TorqueMax {
 /// The limits of an arm that states them; a law that does without where there are none.
 impl Knows for Option<TorqueMax> {
     const NEEDS: Needs = TorqueMax::NEEDS;
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal> {
         Ok(supply.torque_max.clone().map(TorqueMax))
     }
 }
@@ -83,8 +83,8 @@ impl Period {
 
 impl Knows for Period {
     const NEEDS: Needs = Needs { period: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
-        let missing = || Refusal::NotApplicable("the reference has no period".to_owned());
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal> {
+        let missing = || RivalRefusal::NotApplicable("the reference has no period".to_owned());
         supply.task_period.map(Self).ok_or_else(missing)
     }
 }
@@ -102,7 +102,7 @@ impl Designed {
 
 impl Knows for Designed {
     const NEEDS: Needs = Needs { designed: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal> {
         supply.designed.clone().map(Self)
     }
 }
@@ -120,7 +120,7 @@ impl DesignedPositions {
 
 impl Knows for DesignedPositions {
     const NEEDS: Needs = Needs { designed: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal> {
         supply.designed_positions.clone().map(Self)
     }
 }
@@ -138,7 +138,7 @@ impl DesignedFilters {
 
 impl Knows for DesignedFilters {
     const NEEDS: Needs = Needs { designed: true, filter: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal> {
         supply.designed_filters.clone().map(Self)
     }
 }
@@ -166,7 +166,7 @@ impl Drives {
 
 impl Knows for Drives {
     const NEEDS: Needs = Needs { delay: true, limits: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal> {
         let (most, rate) = (supply.torque_max.clone(), supply.torque_rate_max.clone());
         Ok(Self { delay: supply.delay_samples, most, rate })
     }

@@ -1,6 +1,6 @@
 //! Dry friction as it was identified, and a law with it fed forward.
 
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::handed::{All, Knows};
 use crate::needs::Needs;
 use crate::running::Running;
@@ -23,7 +23,7 @@ impl Dry {
 
 impl Knows for Dry {
     const NEEDS: Needs = Needs { dry: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal> {
         Ok(Self(supply.dry.clone()))
     }
 }
@@ -44,7 +44,7 @@ pub(crate) struct WithFriction {
 }
 
 impl WithFriction {
-    pub(crate) fn new(law: Box<dyn Running>, supply: &Supply) -> Result<Self, Refusal> {
+    pub(crate) fn new(law: Box<dyn Running>, supply: &Supply) -> Result<Self, RivalRefusal> {
         let n = supply.joints();
         let rows = usize::try_from(supply.delay_samples).unwrap_or(0) + 1;
         let zero = vec![0.0; n];

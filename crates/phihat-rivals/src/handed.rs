@@ -1,6 +1,6 @@
 //! Inputs of a rival, by its types: measurements, reference and knowledge of the arm, and nothing else.
 
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::needs::Needs;
 use crate::supply::Supply;
 
@@ -54,5 +54,5 @@ pub trait Knows: Sized {
     /// # Errors
     ///
     /// [`Refusal::NotApplicable`] when the supply does not have it.
-    fn of(supply: &Supply) -> Result<Self, Refusal>;
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal>;
 }

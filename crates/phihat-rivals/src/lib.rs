@@ -42,25 +42,25 @@ mod supply;
 mod tuning;
 
 pub use card::{Card, Grade, Tick, Ticks};
-pub use choice::{Chosen, Sensed};
+pub use choice::{Chosen, SensedChoice};
 pub use claim::{Condition, DeclaredArm};
-pub use error::Refusal;
+pub use error::RivalRefusal;
 pub use facts::{
     Designed, DesignedFilters, DesignedPositions, Drives, Inertia, Nothing, Period, TorqueMax,
 };
 pub use friction::Dry;
 pub use handed::{All, Knows, Sees, Wants};
 pub use measured::{
-    Acceleration, Motion, MotionAndCommand, MotionAndTorque, NoReference, Positions,
-    PositionsAndTorque, Preview, Velocity,
+    Acceleration, MeasuredMotion, MeasuredPositions, MotionAndCommand, MotionAndTorque,
+    NoReference, PositionsAndTorque, Preview, Velocity,
 };
 pub use needs::Needs;
 pub use nominal::{Gravity, Nominal, Viscous};
 pub use orbit::Orbit;
 pub use planar::{LINKS, Planar, Tip};
-pub use regressor::{Group, Regressor};
+pub use regressor::{ParameterGroup, Regressor};
 pub use rival::{Entry, Make, Rival};
 pub use rivals::{RIVALS, position_law, rival};
 pub use running::Running;
-pub use supply::{Curve, DesignedJoint, DesignedPosition, Supply};
+pub use supply::{DesignedJoint, DesignedPosition, Supply, TaskCurve};
 pub use tuning::{Scalar, Tuning};

@@ -5,14 +5,14 @@ use crate::needs::Needs;
 
 /// Measured positions.
 #[derive(Debug, Clone, Copy)]
-pub struct Positions<'a> {
+pub struct MeasuredPositions<'a> {
     /// \[rad\]
     pub q: &'a [f64],
 }
 
 /// Measured positions and velocities.
 #[derive(Debug, Clone, Copy)]
-pub struct Motion<'a> {
+pub struct MeasuredMotion<'a> {
     /// \[rad\]
     pub q: &'a [f64],
     /// \[rad/s\]
@@ -85,14 +85,14 @@ pub struct Preview<'a> {
 #[derive(Debug, Clone, Copy)]
 pub struct NoReference;
 
-impl<'a> Sees<'a> for Positions<'a> {
+impl<'a> Sees<'a> for MeasuredPositions<'a> {
     const NEEDS: Needs = Needs::NONE;
     fn of(all: &All<'a>) -> Self {
         Self { q: all.q }
     }
 }
 
-impl<'a> Sees<'a> for Motion<'a> {
+impl<'a> Sees<'a> for MeasuredMotion<'a> {
     const NEEDS: Needs = Needs { velocity: true, ..Needs::NONE };
     fn of(all: &All<'a>) -> Self {
         Self { q: all.q, dq: all.dq }

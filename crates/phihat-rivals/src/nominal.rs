@@ -4,7 +4,7 @@ use core::fmt;
 
 use phihat_model::{Model, Workspace};
 
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::handed::Knows;
 use crate::needs::Needs;
 use crate::supply::Supply;
@@ -115,7 +115,7 @@ impl fmt::Debug for Nominal {
 
 impl Knows for Nominal {
     const NEEDS: Needs = Needs { model: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal> {
         let zero = vec![0.0; supply.joints()];
         Ok(Self {
             workspace: Workspace::new(&supply.model),
@@ -142,7 +142,7 @@ impl Gravity {
 
 impl Knows for Gravity {
     const NEEDS: Needs = Needs { gravity: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal> {
         Nominal::of(supply).map(Self)
     }
 }
@@ -160,7 +160,7 @@ impl Viscous {
 
 impl Knows for Viscous {
     const NEEDS: Needs = Needs { friction: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal> {
         Ok(Self(supply.viscous.clone()))
     }
 }

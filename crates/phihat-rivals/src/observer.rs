@@ -2,14 +2,14 @@
 
 /// A pole of the observer, or two, in continuous time \[rad/s\].
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Poles {
+pub(crate) enum ObserverPoles {
     /// `s = −w`
     Real(f64),
     /// `s² + 2ζws + w²`: `[w, ζ]`
     Pair([f64; 2]),
 }
 
-impl Poles {
+impl ObserverPoles {
     /// Coefficients of the factor with the sampled poles `e^{sT}`, in `δ = z − 1`, from `δ⁰`, without the leading 1.
     fn sampled(self, period: f64) -> Vec<f64> {
         match self {
@@ -42,7 +42,7 @@ impl Poles {
 /// ```
 ///
 /// and the first `j` entries of `C F N^j` are zero: solved from the last row upwards.
-pub(crate) fn correction(poles: &[Poles], period: f64) -> Vec<f64> {
+pub(crate) fn correction(poles: &[ObserverPoles], period: f64) -> Vec<f64> {
     let mut wanted = vec![1.0];
     for pole in poles {
         let mut factor = pole.sampled(period);
@@ -95,7 +95,7 @@ fn shifted(row: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Poles, correction};
+    use super::{ObserverPoles, correction};
     use nalgebra::DMatrix;
 
     /// `(1 − ℓC)F` has the sampled poles: by eigenvalues of the matrix itself, in seconds.
@@ -103,19 +103,23 @@ mod tests {
     fn the_error_of_the_estimate_has_the_poles_that_were_asked_for() {
         let t = 1e-3_f64;
         for poles in [
-            vec![Poles::Real(150.0), Poles::Pair([850.0, 0.27])],
-            vec![Poles::Real(40.0), Poles::Pair([300.0, 1.8])],
-            vec![Poles::Real(150.0), Poles::Pair([850.0, 0.4]), Poles::Real(12.0)],
+            vec![ObserverPoles::Real(150.0), ObserverPoles::Pair([850.0, 0.27])],
+            vec![ObserverPoles::Real(40.0), ObserverPoles::Pair([300.0, 1.8])],
+            vec![
+                ObserverPoles::Real(150.0),
+                ObserverPoles::Pair([850.0, 0.4]),
+                ObserverPoles::Real(12.0),
+            ],
         ] {
             let mut wanted: Vec<f64> = Vec::new();
             for pole in &poles {
                 match *pole {
-                    Poles::Real(w) => wanted.push((-w * t).exp()),
+                    ObserverPoles::Real(w) => wanted.push((-w * t).exp()),
                     // The product of a pair's poles is enough: each is it over the other.
-                    Poles::Pair([w, zeta]) if zeta < 1.0 => {
+                    ObserverPoles::Pair([w, zeta]) if zeta < 1.0 => {
                         wanted.extend([(-zeta * w * t).exp(); 2]);
                     }
-                    Poles::Pair([w, zeta]) => {
+                    ObserverPoles::Pair([w, zeta]) => {
                         let apart = (zeta * zeta - 1.0).sqrt();
                         let pair = [zeta - apart, zeta + apart].map(|x| (-w * x * t).exp());
                         wanted.extend(pair);
@@ -148,7 +152,7 @@ mod tests {
     #[test]
     fn a_triple_pole_is_the_closed_form() {
         let (w, t) = (150.0_f64, 1e-3);
-        let l = correction(&[Poles::Real(w), Poles::Pair([w, 1.0])], t);
+        let l = correction(&[ObserverPoles::Real(w), ObserverPoles::Pair([w, 1.0])], t);
         let beta = (-w * t).exp();
         let rest = 1.0 - beta;
         let closed =

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::handed::Knows;
 use crate::needs::Needs;
-use crate::supply::{Curve, Supply};
+use crate::supply::{Supply, TaskCurve};
 
 /// Places on the path that the first projection looks at.
 const PLACES: u32 = 400;
@@ -13,7 +13,7 @@ const PLACES: u32 = 400;
 /// The path of the task.
 #[derive(Debug, Clone)]
 pub struct Orbit {
-    curve: Arc<dyn Curve>,
+    curve: Arc<dyn TaskCurve>,
     /// `Φ, Φ′, Φ″` at the last projection.
     place: [Vec<f64>; 3],
 }
@@ -75,8 +75,8 @@ impl Orbit {
 
 impl Knows for Orbit {
     const NEEDS: Needs = Needs { orbit: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
-        let missing = || Refusal::NotApplicable("the reference is no closed path".to_owned());
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal> {
+        let missing = || RivalRefusal::NotApplicable("the reference is no closed path".to_owned());
         let curve = supply.orbit.clone().ok_or_else(missing)?;
         let zero = vec![0.0; supply.joints()];
         Ok(Self { curve, place: [zero.clone(), zero.clone(), zero] })

@@ -2,7 +2,7 @@
 
 use phihat_model::Workspace;
 
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::handed::Knows;
 use crate::needs::Needs;
 use crate::supply::Supply;
@@ -80,8 +80,8 @@ pub(crate) fn running(x: &[f64]) -> [f64; LINKS] {
 
 impl Knows for Planar {
     const NEEDS: Needs = Needs { task: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
-        let refuse = |why: &str| Refusal::NotApplicable(why.to_owned());
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal> {
+        let refuse = |why: &str| RivalRefusal::NotApplicable(why.to_owned());
         let model = &supply.model;
         let n = model.joint_count();
         if n != LINKS {

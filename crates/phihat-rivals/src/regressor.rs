@@ -4,14 +4,14 @@ use core::fmt;
 
 use phihat_model::{Model, Workspace};
 
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::handed::Knows;
 use crate::needs::Needs;
 use crate::supply::Supply;
 
 /// Parameters of one unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Group {
+pub enum ParameterGroup {
     /// Masses \[kg\].
     Mass,
     /// Masses times their distance from the link's frame \[kg·m\].
@@ -125,16 +125,16 @@ impl Regressor {
     }
 
     /// The unit of a parameter.
-    pub fn group_of(&self, parameter: usize) -> Group {
+    pub fn group_of(&self, parameter: usize) -> ParameterGroup {
         let links = OF_LINK * self.joints;
         match parameter {
             p if p < links => match p % OF_LINK {
-                0 => Group::Mass,
-                1..=3 => Group::Moment,
-                _ => Group::Inertia,
+                0 => ParameterGroup::Mass,
+                1..=3 => ParameterGroup::Moment,
+                _ => ParameterGroup::Inertia,
             },
-            p if p < links + self.joints => Group::Inertia,
-            _ => Group::Friction,
+            p if p < links + self.joints => ParameterGroup::Inertia,
+            _ => ParameterGroup::Friction,
         }
     }
 
@@ -220,7 +220,7 @@ impl fmt::Debug for Regressor {
 
 impl Knows for Regressor {
     const NEEDS: Needs = Needs { regressor: true, ..Needs::NONE };
-    fn of(supply: &Supply) -> Result<Self, Refusal> {
+    fn of(supply: &Supply) -> Result<Self, RivalRefusal> {
         let n = supply.joints();
         let part = vec![0.0; OF_LINK * n * n];
         Ok(Self {

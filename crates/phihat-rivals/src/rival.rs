@@ -3,9 +3,9 @@
 use core::fmt::Debug;
 
 use crate::card::Card;
-use crate::choice::{self, Chosen, Sensed};
+use crate::choice::{self, Chosen, SensedChoice};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::friction::WithFriction;
 use crate::handed::{All, Knows, Sees, Wants};
 use crate::needs::Needs;
@@ -30,8 +30,8 @@ pub trait Rival: Debug + Send + Sized + 'static {
     ///
     /// # Errors
     ///
-    /// [`Refusal`]: the law does not apply to this arm, or not with this tuning.
-    fn new(tuning: &Tuning, knows: Self::Knows) -> Result<Self, Refusal>;
+    /// [`RivalRefusal`]: the law does not apply to this arm, or not with this tuning.
+    fn new(tuning: &Tuning, knows: Self::Knows) -> Result<Self, RivalRefusal>;
 
     /// One sample: leaves the torques \[N·m\] in `tau`, before any limit. `clipped`: which joints' last torque
     /// met a limit. What is to be latched at the start is latched at the first call.
@@ -79,14 +79,14 @@ impl<R: Rival> Running for Handed<R> {
     }
 }
 
-type Built = Result<Box<dyn Running>, Refusal>;
+type BuiltRival = Result<Box<dyn Running>, RivalRefusal>;
 
 /// Constructor of a law that is not of this crate.
-pub type Make = dyn Fn(&Tuning, &Supply) -> Result<Box<dyn Running>, Refusal> + Sync;
+pub type Make = dyn Fn(&Tuning, &Supply) -> Result<Box<dyn Running>, RivalRefusal> + Sync;
 
 #[derive(Clone, Copy)]
 enum Build {
-    Rival(fn(&Tuning, &Supply) -> Built),
+    Rival(fn(&Tuning, &Supply) -> BuiltRival),
     Own(&'static Make),
 }
 
@@ -160,8 +160,12 @@ impl Entry {
     ///
     /// # Errors
     ///
-    /// [`Refusal`]: the law does not apply to this arm, or not with this tuning.
-    pub fn build(&self, tuning: &Tuning, supply: &Supply) -> Result<Box<dyn Running>, Refusal> {
+    /// [`RivalRefusal`]: the law does not apply to this arm, or not with this tuning.
+    pub fn build(
+        &self,
+        tuning: &Tuning,
+        supply: &Supply,
+    ) -> Result<Box<dyn Running>, RivalRefusal> {
         match self.build {
             Build::Rival(build) => build(tuning, supply),
             Build::Own(make) => make(tuning, supply),
@@ -176,7 +180,7 @@ impl Entry {
     /// cut-off of the filter on its velocity, on its position if it takes no velocity; and for a law that
     /// takes a torque, whether that is the one that acted or the one commanded last. Gains that were designed
     /// for the loop as it is leave nothing free.
-    pub fn choices(&self, sensed: Sensed) -> (Vec<Scalar>, usize) {
+    pub fn choices(&self, sensed: SensedChoice) -> (Vec<Scalar>, usize) {
         choice::scalars(&self.needs, self.scalars, sensed)
     }
 
@@ -185,7 +189,7 @@ impl Entry {
     /// # Errors
     ///
     /// [`Refusal::Tuning`]: another number of values, or one that is not above 0 and finite.
-    pub fn chosen(&self, values: &[f64]) -> Result<Chosen, Refusal> {
+    pub fn chosen(&self, values: &[f64]) -> Result<Chosen, RivalRefusal> {
         Chosen::of(&self.needs, self.scalars, values)
     }
 
@@ -199,7 +203,7 @@ impl Entry {
         &self,
         tuning: &Tuning,
         supply: &Supply,
-    ) -> Result<Box<dyn Running>, Refusal> {
+    ) -> Result<Box<dyn Running>, RivalRefusal> {
         self.build_as_chosen(tuning, supply, &Chosen::default())
     }
 
@@ -214,7 +218,7 @@ impl Entry {
         tuning: &Tuning,
         supply: &Supply,
         chosen: &Chosen,
-    ) -> Result<Box<dyn Running>, Refusal> {
+    ) -> Result<Box<dyn Running>, RivalRefusal> {
         let law = match chosen.inertia_share {
             Some(share) => {
                 let mut handed = supply.clone();

@@ -1,6 +1,6 @@
 //! The sliding variable and the motion that goes with it.
 
-use crate::measured::{Acceleration, Motion};
+use crate::measured::{Acceleration, MeasuredMotion};
 
 /// `s = ė + Λ e`, `q̇_r = q̇_d − Λ e`, `q̈_r = q̈_d − Λ ė`.
 #[derive(Debug)]
@@ -19,7 +19,7 @@ impl Sliding {
         Self { lambda, s: vec![0.0; joints], v: vec![0.0; joints], a: vec![0.0; joints] }
     }
 
-    pub(crate) fn update(&mut self, sees: &Motion<'_>, wants: &Acceleration<'_>) {
+    pub(crate) fn update(&mut self, sees: &MeasuredMotion<'_>, wants: &Acceleration<'_>) {
         for i in 0..self.s.len() {
             let (e, de) = (sees.q[i] - wants.q[i], sees.dq[i] - wants.dq[i]);
             self.s[i] = de + self.lambda * e;

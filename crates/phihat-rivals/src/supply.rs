@@ -6,7 +6,7 @@ use std::sync::Arc;
 use phihat::InnovationSection;
 use phihat_model::Model;
 
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 
 /// Everything that could be handed to a rival. What it declares decides what it gets.
 #[derive(Debug, Clone)]
@@ -30,13 +30,13 @@ pub struct Supply {
     /// The frame at the arm's tip.
     pub tip: String,
     /// The task as a closed path.
-    pub orbit: Option<Arc<dyn Curve>>,
+    pub orbit: Option<Arc<dyn TaskCurve>>,
     /// The gains that this project's design gives for the arm's specification; or why there are none.
-    pub designed: Result<Vec<DesignedJoint>, Refusal>,
+    pub designed: Result<Vec<DesignedJoint>, RivalRefusal>,
     /// The same for laws from positions.
-    pub designed_positions: Result<Vec<DesignedPosition>, Refusal>,
+    pub designed_positions: Result<Vec<DesignedPosition>, RivalRefusal>,
     /// The same where they filter their innovation.
-    pub designed_filters: Result<Vec<DesignedPosition>, Refusal>,
+    pub designed_filters: Result<Vec<DesignedPosition>, RivalRefusal>,
 }
 
 impl Supply {
@@ -77,7 +77,7 @@ pub struct DesignedPosition {
 }
 
 /// A closed path `q = Φ(θ)` in joint space, with the task's own speed: `θ` runs at 1 s/s.
-pub trait Curve: Debug + Send + Sync {
+pub trait TaskCurve: Debug + Send + Sync {
     /// `Φ`, `dΦ/dθ`, `d²Φ/dθ²` at `θ` \[s\], any number: \[rad\], \[rad/s\], \[rad/s²\].
     fn at(&self, theta: f64, q: &mut [f64], dq: &mut [f64], ddq: &mut [f64]);
     /// Time of one turn \[s\].

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 
 /// One free scalar of a law, shared by all joints.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -39,10 +39,12 @@ impl Tuning {
     /// # Errors
     ///
     /// [`Refusal::Tuning`]: a number that is not positive and finite.
-    pub fn new(values: &[f64], units: &[f64], period: f64) -> Result<Self, Refusal> {
+    pub fn new(values: &[f64], units: &[f64], period: f64) -> Result<Self, RivalRefusal> {
         let all = values.iter().chain(units).chain([&period]);
         if let Some(bad) = all.into_iter().find(|v| !(v.is_finite() && **v > 0.0)) {
-            return Err(Refusal::Tuning(format!("{bad} is no gain: above 0 and finite is valid")));
+            return Err(RivalRefusal::Tuning(format!(
+                "{bad} is no gain: above 0 and finite is valid"
+            )));
         }
         Ok(Self { values: values.to_vec(), units: units.to_vec(), period })
     }
@@ -52,7 +54,7 @@ impl Tuning {
     /// # Errors
     ///
     /// As [`new`](Self::new).
-    pub fn published(scalars: &[Scalar], units: &[f64], period: f64) -> Result<Self, Refusal> {
+    pub fn published(scalars: &[Scalar], units: &[f64], period: f64) -> Result<Self, RivalRefusal> {
         let values: Vec<_> = scalars.iter().map(|scalar| scalar.default).collect();
         Self::new(&values, units, period)
     }
@@ -62,12 +64,12 @@ impl Tuning {
     /// # Errors
     ///
     /// [`Refusal::Tuning`] when there are not `N`.
-    pub fn values<const N: usize>(&self) -> Result<[f64; N], Refusal> {
+    pub fn values<const N: usize>(&self) -> Result<[f64; N], RivalRefusal> {
         let found = self.values.len();
         self.values
             .as_slice()
             .try_into()
-            .map_err(|_| Refusal::Tuning(format!("{found} values for {N} scalars")))
+            .map_err(|_| RivalRefusal::Tuning(format!("{found} values for {N} scalars")))
     }
 
     /// The scalars, however many there are, in the law's order.

@@ -3,9 +3,9 @@
 //! choice of it.
 
 use crate::support::{Bench, PERIOD};
-use phihat_rivals::{All, Chosen, Entry, RIVALS, Running, Sensed, Supply, rival};
+use phihat_rivals::{All, Chosen, Entry, RIVALS, Running, SensedChoice, Supply, rival};
 
-const SENSED: Sensed = Sensed { rate_hz: 1e3, velocity_filter_hz: Some(100.0) };
+const SENSED: SensedChoice = SensedChoice { rate_hz: 1e3, velocity_filter_hz: Some(100.0) };
 
 fn names(entry: &Entry) -> Vec<&'static str> {
     entry.choices(SENSED).0.iter().map(|scalar| scalar.name).collect()

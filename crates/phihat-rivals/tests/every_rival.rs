@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::support::{Bench, PERIOD};
-use phihat_rivals::{Grade, RIVALS, Refusal};
+use phihat_rivals::{Grade, RIVALS, RivalRefusal};
 
 #[test]
 fn names_are_unique_and_scalars_are_in_their_ranges() {
@@ -43,7 +43,7 @@ fn follows(bench: &Bench, most: f64) {
         let (id, tuning) = (entry.card.id, bench.published(entry));
         match entry.build(&tuning, &bench.supply) {
             Ok(_) => {}
-            Err(Refusal::NotApplicable(why)) => {
+            Err(RivalRefusal::NotApplicable(why)) => {
                 println!("{id:<24} {why}");
                 continue;
             }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use phihat_model::{Look, Outline};
-use phihat_report::{Arm, ArmLink, Carried, JointTorque, Plane, PointForce, Surface};
+use phihat_report::{ArmLink, DrawnArm, DrawnLoad, JointTorque, Plane, PointForce, Surface};
 use phihat_study::{Fault, FaultKind, Study};
 
 /// Triangles of a page's arm at most: some 200 kB, and turned smoothly without a graphics processor.
@@ -14,7 +14,7 @@ const TOLD: usize = 3;
 
 /// The arm of a study, and what acts on it, as pages draw it; with the shapes of its description, those in
 /// files outside of the folder `within` left out, if one is given.
-pub fn arm(study: &Study, within: Option<&Path>) -> Arm {
+pub fn arm(study: &Study, within: Option<&Path>) -> DrawnArm {
     let (robot, world) = (&study.robot, &study.world);
     let outline = robot.model.outline();
     let find = |frame: &str| outline.iter().position(|link| link.name == frame);
@@ -25,14 +25,14 @@ pub fn arm(study: &Study, within: Option<&Path>) -> Arm {
     let shapes =
         shapes.filter_map(|s| Surface::of(find(&s.link)?, &s.points, &s.triangles)).collect();
     let faults = |kind| study.faults.iter().filter(move |fault| fault.kind == kind);
-    let own = world.payload.iter().map(|own| Carried {
+    let own = world.payload.iter().map(|own| DrawnLoad {
         link: at(&own.frame),
         mass: own.mass,
         com: own.com,
         start: own.start,
         end: own.end,
     });
-    let picked_up = faults(FaultKind::Payload).map(|fault| Carried {
+    let picked_up = faults(FaultKind::Payload).map(|fault| DrawnLoad {
         link: tip,
         mass: fault.size,
         com: [0.0; 3],
@@ -50,7 +50,7 @@ pub fn arm(study: &Study, within: Option<&Path>) -> Arm {
         point: wall.point,
         normal: wall.normal,
     };
-    Arm {
+    DrawnArm {
         gravity: world.gravity,
         tip,
         payloads: own.chain(picked_up).collect(),
@@ -124,7 +124,7 @@ mod tests {
     fn a_page_puts_every_link_where_the_model_has_it() {
         for name in ["panda", "iiwa14", "ur5", "planar3r"] {
             let text = format!(
-                "duration_s = 2.0\n[robot]\nname = \"{name}\"\n[spec]\nsettle_s = 1.0\nerror_max_rad = 2e-3\n[gains]\norder = 1\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = 1.0\n[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = 1.0\n[[reference.sine]]\namplitude_rad = 0.01\nfrequency_hz = 0.1\n"
+                "duration_s = 2.0\n[robot]\nname = \"{name}\"\n[spec]\nsettle_s = 1.0\nerror_bound_rad = 2e-3\n[gains]\norder = 1\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = 1.0\n[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = 1.0\n[[reference.sine]]\namplitude_rad = 0.01\nfrequency_hz = 0.1\n"
             );
             let study = Study::from_text(&text, "study.toml", "".as_ref()).unwrap();
             let model = Robot::named(name).unwrap().model;

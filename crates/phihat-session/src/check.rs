@@ -84,7 +84,7 @@ impl Mistake {
 
 /// Result of a check.
 #[derive(Debug)]
-pub struct Looked {
+pub struct StudyCheck {
     /// The study; `None` where its file has errors.
     pub study: Option<Box<Study>>,
     /// All mistakes.
@@ -95,7 +95,7 @@ pub struct Looked {
 
 /// Looks at a study, at the files that it names (arm, reference, trace), and at its gains: those of a file,
 /// or those that it states, as they would be run. Gains that are left to the design are not designed.
-pub fn check(path: &Path, gains: Option<&Path>) -> Looked {
+pub fn check(path: &Path, gains: Option<&Path>) -> StudyCheck {
     let read = gains.map(|file| read_gains(file).map(|gains| (gains, file))).transpose();
     let (gains, mut errors) = match read {
         Ok(gains) => (gains, Vec::new()),
@@ -105,19 +105,19 @@ pub fn check(path: &Path, gains: Option<&Path>) -> Looked {
         Ok(study) => looked(Box::new(study), path, gains, errors),
         Err(found) => {
             errors.splice(..0, found.iter().map(Mistake::from));
-            Looked { study: None, errors, warnings: Vec::new() }
+            StudyCheck { study: None, errors, warnings: Vec::new() }
         }
     }
 }
 
 /// As [`check`], of a text that would stand at this path.
-pub fn check_text(text: &str, path: &Path) -> Looked {
+pub fn check_text(text: &str, path: &Path) -> StudyCheck {
     let base = path.parent().unwrap_or(Path::new(""));
     match Study::check_text(text, &path.display().to_string(), base) {
         Ok(study) => looked(Box::new(study), path, None, Vec::new()),
         Err(found) => {
             let errors = found.iter().map(Mistake::from).collect();
-            Looked { study: None, errors, warnings: Vec::new() }
+            StudyCheck { study: None, errors, warnings: Vec::new() }
         }
     }
 }
@@ -128,7 +128,7 @@ fn looked(
     path: &Path,
     gains: Option<(Gains, &Path)>,
     mut errors: Vec<Mistake>,
-) -> Looked {
+) -> StudyCheck {
     let mut warnings = study.robot.warnings.clone();
     let unfit = if gains.is_some() || requested_gains(&study).is_some() {
         match Session::new(study.clone(), path, gains, false) {
@@ -142,7 +142,7 @@ fn looked(
         designable(&study, path).err()
     };
     errors.extend(unfit.map(|why| Mistake::of(&why, path)));
-    Looked { study: Some(study), errors, warnings }
+    StudyCheck { study: Some(study), errors, warnings }
 }
 
 /// Checks that a design could begin: its data of the arm, of the reference and of φ.

@@ -7,7 +7,7 @@ use phihat_design::{Arm, Gains, Outcome};
 use phihat_sim::Trace;
 use phihat_study::{InertiaSource, PhiSource, Study};
 use phihat_synthesis::{
-    Advice, Recording, Recordings, SynthesisError, SynthesisOptions, Tried, synthesize,
+    Advice, BudgetSearch, Recording, Recordings, SynthesisError, SynthesisOptions, synthesize,
 };
 
 use crate::error::SessionError;
@@ -79,7 +79,7 @@ pub fn budget(
     study: &Study,
     arm: &Arm,
     path: &Path,
-    of: (&Outcome, Tried),
+    of: (&Outcome, BudgetSearch),
     watch: &mut dyn Watch,
 ) -> Result<Budget, SessionError> {
     let recordings = recordings(study)?;

@@ -45,7 +45,7 @@ pub(crate) fn runs(
     let law = gains
         .joint_gains(&study.robot.joint_names(), study.control.period_ns, study.control.form)
         .map_err(SessionError::other)?;
-    let mut draw = Draw { dice: Dice::at(seed), corner: false };
+    let mut draw = WorldDraw { dice: Dice::at(seed), corner: false };
     let worlds: Vec<Study> = (0..WORLDS).map(|at| draw.world(&study, at)).collect();
     let (done, next) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let work = || {
@@ -160,7 +160,7 @@ fn kept(tube: &Tube, trace: &Trace) -> RunInTube {
 }
 
 /// Worlds of a study's scope, drawn from a seed.
-struct Draw {
+struct WorldDraw {
     dice: Dice,
     /// True for a world in which everything is at one of its ends.
     corner: bool,
@@ -169,7 +169,7 @@ struct Draw {
 /// Number of worlds at corners of payload, its centre, and dry friction.
 const CORNERS: usize = 16;
 
-impl Draw {
+impl WorldDraw {
     /// Half of the draws are ends; at a corner all are.
     fn end_or_between(&mut self, ends: (f64, f64)) -> f64 {
         let share = self.dice.share();

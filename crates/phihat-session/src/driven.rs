@@ -12,7 +12,7 @@ use crate::error::SessionError;
 use crate::observer::RunObserver;
 use crate::record::Done;
 use crate::session::{Session, finished, form, run_info};
-use crate::unfinished::Journal;
+use crate::unfinished::DriveJournal;
 use crate::watch::Watch;
 
 /// Destination of a record.
@@ -26,7 +26,7 @@ pub struct Leave<'a> {
 
 /// End of a loop that an external driver ran.
 #[derive(Debug)]
-pub struct Driven {
+pub struct DrivenSession {
     /// Divergence or stop.
     pub ended: Ended,
     /// Lines of the page about what drove it: label, and value with its unit.
@@ -64,7 +64,11 @@ impl Session {
         leave: Leave<'_>,
         (command, begun): (String, Map<String, Value>),
         watch: &mut dyn Watch,
-        drive: impl FnOnce((ControlSide, WorldSide), &mut dyn Watch, &mut Take<'_>) -> Result<Driven, E>,
+        drive: impl FnOnce(
+            (ControlSide, WorldSide),
+            &mut dyn Watch,
+            &mut Take<'_>,
+        ) -> Result<DrivenSession, E>,
     ) -> Result<Done, E> {
         let _held = Lock::take(leave.folder).map_err(SessionError::from)?;
         self.warn(watch);
@@ -72,7 +76,7 @@ impl Session {
         let told = (command.clone(), self.warnings.clone());
         let run = run_info(&self.study, form(&self.study), told, None);
         let own = (&*self.study, &self.gains);
-        let mut journal = Journal::begin(leave.folder, own, run, (self.trace, begun))?;
+        let mut journal = DriveJournal::begin(leave.folder, own, run, (self.trace, begun))?;
         watch.begun(&files.prepared);
         let Self { study, gains, simulation, mut warnings, .. } = self;
         let mut seen = RunObserver::new(&study, Some(&gains));

@@ -53,7 +53,7 @@ impl TraceKind {
 
 /// Content of `run.json`.
 #[derive(Serialize, Deserialize)]
-pub(crate) struct Origin {
+pub(crate) struct RunOrigin {
     #[serde(flatten)]
     pub(crate) run: RunInfo,
     /// The build of the program that designed the gains for this very study, where it is known; `None`: they

@@ -18,7 +18,7 @@ pub const LOGS: bool = cfg!(feature = "mcap");
 
 /// A log on its way to the disk. It stands alone: it may be in another folder than the record.
 #[cfg(feature = "mcap")]
-pub(crate) struct Log {
+pub(crate) struct LogFile {
     whole: Whole,
     file: McapTrace<Piece>,
     prepared: std::path::PathBuf,
@@ -27,9 +27,9 @@ pub(crate) struct Log {
 
 /// There is none in this build.
 #[cfg(not(feature = "mcap"))]
-pub(crate) enum Log {}
+pub(crate) enum LogFile {}
 
-impl Log {
+impl LogFile {
     /// Checks that a log can be written there, before anything runs.
     pub(crate) fn offered(path: &Path) -> Result<(), SessionError> {
         if LOGS {
@@ -41,7 +41,7 @@ impl Log {
 }
 
 #[cfg(feature = "mcap")]
-impl Log {
+impl LogFile {
     pub(crate) fn begin(path: &Path, study: &Study, gains: &Gains) -> Result<Self, SessionError> {
         let mut whole = Whole::default();
         let piece = whole.begin(path)?;
@@ -71,7 +71,7 @@ impl Log {
 }
 
 #[cfg(not(feature = "mcap"))]
-impl Log {
+impl LogFile {
     pub(crate) fn begin(path: &Path, _: &Study, _: &Gains) -> Result<Self, SessionError> {
         Self::offered(path)?;
         Err(SessionError::at(path, "no log can be written"))

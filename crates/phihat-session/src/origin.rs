@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::SessionError;
 use crate::files;
-use crate::layout::{BEGUN, Origin, RUN, TraceKind, UNFINISHED};
+use crate::layout::{BEGUN, RUN, RunOrigin, TraceKind, UNFINISHED};
 
 /// The trace that a path stands for: of a run's folder, the one in it.
 pub fn trace_at(path: &Path) -> PathBuf {
@@ -13,7 +13,7 @@ pub fn trace_at(path: &Path) -> PathBuf {
 
 /// The trace in a run's folder, of whichever kind the run left; without a record, the one that is there.
 pub(crate) fn trace_of(folder: &Path) -> PathBuf {
-    let named = origin(folder).ok().and_then(|Origin { files, .. }| {
+    let named = origin(folder).ok().and_then(|RunOrigin { files, .. }| {
         // Where both are named, Parquet is of a time in which it did not have all columns.
         let mut kinds = TraceKind::ALL.into_iter().rev();
         kinds.find(|kind| files.contains_key(kind.file()))
@@ -35,7 +35,7 @@ pub fn how_to_recover(record: &Path) -> String {
 }
 
 /// Reads the origin that a record states.
-pub(crate) fn origin(folder: &Path) -> Result<Origin, SessionError> {
+pub(crate) fn origin(folder: &Path) -> Result<RunOrigin, SessionError> {
     let path = folder.join(RUN);
     if !path.is_file() {
         let why = "is missing: the files beside it are no whole record";

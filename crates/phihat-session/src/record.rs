@@ -13,8 +13,8 @@ use serde_json::json;
 use crate::disk::{DiskError, Lock, Piece, Whole};
 use crate::error::SessionError;
 use crate::files;
-use crate::layout::{DRIVE, GAINS, INPUTS, Origin, RUN, TraceKind};
-use crate::log::Log;
+use crate::layout::{DRIVE, GAINS, INPUTS, RUN, RunOrigin, TraceKind};
+use crate::log::LogFile;
 use crate::observer::figures;
 use crate::page::{add_page, remove_page};
 
@@ -49,7 +49,7 @@ pub(crate) struct TraceFiles {
     kind: TraceKind,
     path: PathBuf,
     file: TraceFile,
-    log: Option<Box<Log>>,
+    log: Option<Box<LogFile>>,
 }
 
 enum TraceFile {
@@ -77,7 +77,7 @@ impl TraceFiles {
         study: &Study,
         gains: &Gains,
     ) -> Result<Self, SessionError> {
-        let log = Log::begin(log, study, gains)?;
+        let log = LogFile::begin(log, study, gains)?;
         self.prepared.push(log.prepared_at().to_owned());
         self.log = Some(Box::new(log));
         Ok(self)
@@ -176,7 +176,7 @@ impl Done {
             None => remove_page(&mut whole, &at("report.html")),
         }
         let (run, designed_by) = (self.run.clone(), self.designed_by.clone());
-        let origin = Origin { run, designed_by, files };
+        let origin = RunOrigin { run, designed_by, files };
         whole.add(&at(RUN), &pretty(&json!(origin)))?;
         Ok(whole.commit()?)
     }

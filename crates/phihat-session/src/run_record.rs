@@ -11,7 +11,7 @@ use phihat_study::Study;
 
 use crate::error::SessionError;
 use crate::files;
-use crate::layout::{FILES, GAINS, INPUTS, OUTSIDE, Origin, RUN, TraceKind};
+use crate::layout::{FILES, GAINS, INPUTS, OUTSIDE, RUN, RunOrigin, TraceKind};
 use crate::observer::{RunFigures, RunObserver, figures, settle};
 use crate::origin::{is_unfinished, origin, trace_of};
 use crate::page::write_page;
@@ -75,7 +75,7 @@ impl RunRecord {
     ) -> Result<Self, SessionError> {
         let folder = folder_of(trace);
         let whole = origin(folder)?;
-        let Origin { run, files, .. } = &whole;
+        let RunOrigin { run, files, .. } = &whole;
         let again = format!("make the record again: {}", run.command);
         let own = trace.file_name().and_then(|name| name.to_str());
         let more = files.keys().map(String::as_str);
@@ -89,7 +89,7 @@ impl RunRecord {
             belongs(&folder.join(name), files.get(name).map(String::as_str), &again)?;
         }
         let (study, gains) = study_and_gains(folder, &whole)?;
-        let Origin { run, designed_by, .. } = whole;
+        let RunOrigin { run, designed_by, .. } = whole;
         let mut seen = RunObserver::new(&study, gains.as_ref());
         Trace::read_in(files::open(trace)?, &study, block, |block| {
             seen.block(block);
@@ -124,7 +124,7 @@ impl RunRecord {
 /// The study and the gains that lie in a folder, as they ran.
 pub(crate) fn study_and_gains(
     folder: &Path,
-    Origin { run, files, .. }: &Origin,
+    RunOrigin { run, files, .. }: &RunOrigin,
 ) -> Result<(Box<Study>, Option<Gains>), SessionError> {
     let text = files::read(&folder.join("study.toml"))?;
     let origin = folder.join("study.toml").display().to_string();
@@ -160,7 +160,7 @@ pub fn recorded(folder: &Path) -> Result<(Done, Trace), SessionError> {
 /// The gains that `program` designed for this very study, from the record in a folder; `None`: there are
 /// none, or a file has changed: the study, one that it names, or the gains.
 pub(crate) fn designed_before(study: &Study, folder: &Path, program: &str) -> Option<Gains> {
-    let Origin { run, designed_by, files } = origin(folder).ok()?;
+    let RunOrigin { run, designed_by, files } = origin(folder).ok()?;
     if run.study != study.name || designed_by.as_deref() != Some(program) {
         return None;
     }
@@ -204,7 +204,7 @@ pub fn report_again(trace: &Path, page: &Path) -> Result<RunRecord, SessionError
 
 /// Returns true if gains that are to be written to a file would replace different gains of a run.
 pub fn are_of_a_run(gains: &Path, text: &str) -> bool {
-    let Ok(Origin { files, .. }) = origin(folder_of(gains)) else { return false };
+    let Ok(RunOrigin { files, .. }) = origin(folder_of(gains)) else { return false };
     let named = gains.file_name().and_then(|name| files.get(name.to_str()?));
     named.is_some_and(|sum| sha256(&mut text.as_bytes()).is_ok_and(|new| new != *sum))
 }

@@ -4,7 +4,8 @@ use std::net::{IpAddr, SocketAddr};
 use std::path::{Path, PathBuf};
 
 use phihat_fci::{
-    Ending, Event, FciError, Host, JOINTS, NO_POSE, Pace, Packets, RobotSide, Rules, Sensed, World,
+    Ending, Event, FciError, Host, JOINTS, NO_POSE, Pace, Packets, RobotRules, RobotSide,
+    StateSensed, World,
 };
 use phihat_model::{FrameId, JointKind, Model, Workspace};
 use phihat_study::Study;
@@ -14,7 +15,7 @@ use crate::design;
 use crate::error::SessionError;
 use crate::layout::TraceKind;
 use crate::outside::OutsideRun;
-use crate::served_record::{Place, Recorder, ServedMotion, Written};
+use crate::served_record::{RecordPlace, ServedMotion, ServedRecorder, WriterReport};
 
 /// Options of serving a study.
 #[derive(Debug, Clone)]
@@ -67,11 +68,11 @@ struct ServedWorld {
     /// The world of the motion; `None`: it was taken for its record.
     run: Option<OutsideRun>,
     robot: RobotGeometry,
-    sensed: Sensed,
+    sensed: StateSensed,
     stepped: u64,
     left: Option<u64>,
     done: bool,
-    recorder: Recorder,
+    recorder: ServedRecorder,
     /// True while the record of the motion before is being written to the disk.
     writing: bool,
 }
@@ -173,14 +174,14 @@ fn fits(study: &Study, cycles: Option<u64>) -> Result<(), Unserved> {
 }
 
 /// Stop conditions of the robot: those of the study's profile, and the arm's own limits of speed.
-fn rules(study: &Study) -> Rules {
+fn rules(study: &Study) -> RobotRules {
     let profile = &study.interface.profile;
     let period = study.control.period_ns as f64 * 1e-9;
     let mut velocity_max = [f64::INFINITY; JOINTS];
     for (most, joint) in velocity_max.iter_mut().zip(&study.robot.joints) {
         *most = joint.velocity_max.unwrap_or(f64::INFINITY);
     }
-    Rules {
+    RobotRules {
         torque_step_max: profile.torque_rate_max.map(|rate| rate * period),
         first_torque_max: profile.first_torque_max,
         velocity_max,
@@ -243,10 +244,11 @@ impl ServedWorld {
             model,
             adds_gravity: study.interface.profile.adds_gravity,
         };
-        let place = Place { study: Box::new(run.study().clone()), folder: folder.clone(), kind };
-        let recorder = Recorder::new(place, waits);
+        let place =
+            RecordPlace { study: Box::new(run.study().clone()), folder: folder.clone(), kind };
+        let recorder = ServedRecorder::new(place, waits);
         let (path, done, writing) = (path.to_owned(), false, false);
-        let (run, sensed) = (Some(run), Sensed::default());
+        let (run, sensed) = (Some(run), StateSensed::default());
         Ok(Self {
             study,
             path,
@@ -270,11 +272,11 @@ impl ServedWorld {
         Ok(())
     }
 
-    fn sensed(&mut self) -> Sensed {
+    fn sensed(&mut self) -> StateSensed {
         let Some(OutsideRun { run, .. }) = &self.run else {
             // Between motions something holds the arm where it is.
             let rest = [0.0; JOINTS];
-            self.sensed = Sensed { dq: rest, tau_j_d: rest, arrives: true, ..self.sensed };
+            self.sensed = StateSensed { dq: rest, tau_j_d: rest, arrives: true, ..self.sensed };
             return self.sensed;
         };
         let sensed = run.sensed();
@@ -315,7 +317,7 @@ impl ServedWorld {
 
 impl RobotGeometry {
     /// Adds what the robot computes from its joints.
-    fn complete(&mut self, sensed: &mut Sensed) {
+    fn complete(&mut self, sensed: &mut StateSensed) {
         if self.adds_gravity {
             let mut gravity = [0.0; JOINTS];
             self.model.gravity_torque(&mut self.workspace, &sensed.q, &mut gravity);
@@ -348,12 +350,12 @@ impl Watched<'_> {
     fn hear(&mut self, wait: bool) {
         while let Some(told) = self.world.recorder.told(wait && self.world.writing) {
             match told {
-                Written::Begun(files) => self.watch.begun(&files),
-                Written::Motion(motion) => {
+                WriterReport::Begun(files) => self.watch.begun(&files),
+                WriterReport::Motion(motion) => {
                     self.world.writing = false;
                     self.watch.motion(&motion);
                 }
-                Written::Failed(why) => {
+                WriterReport::Failed(why) => {
                     self.world.writing = false;
                     self.failure = Some(why);
                 }
@@ -369,7 +371,7 @@ impl World for Watched<'_> {
         self.world.begin()
     }
 
-    fn sensed(&mut self) -> Sensed {
+    fn sensed(&mut self) -> StateSensed {
         self.world.sensed()
     }
 

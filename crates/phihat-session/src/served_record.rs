@@ -33,7 +33,7 @@ const ROOMS: usize = 3;
 
 /// Destination of the records, one in place of the other.
 #[derive(Debug)]
-pub(crate) struct Place {
+pub(crate) struct RecordPlace {
     /// The study that is served.
     pub(crate) study: Box<Study>,
     /// Their folder.
@@ -43,7 +43,7 @@ pub(crate) struct Place {
 }
 
 /// Input of the writer thread.
-enum Part {
+enum WriterInput {
     /// The next samples of a motion.
     Block(Trace),
     /// A motion has ended; its last samples, if it had any.
@@ -52,7 +52,7 @@ enum Part {
 
 /// Report of the writer thread.
 #[derive(Debug)]
-pub(crate) enum Written {
+pub(crate) enum WriterReport {
     /// These files are being written.
     Begun(Vec<PathBuf>),
     /// The record of a motion is on the disk.
@@ -63,19 +63,19 @@ pub(crate) enum Written {
 
 /// The end of the way to the disk that the serving loop has.
 #[derive(Debug)]
-pub(crate) struct Recorder {
-    parts: Sender<Part>,
+pub(crate) struct ServedRecorder {
+    parts: Sender<WriterInput>,
     rooms: Receiver<Trace>,
-    written: Receiver<Written>,
+    written: Receiver<WriterReport>,
     thread: Option<JoinHandle<()>>,
     /// True if the loop may wait for the disk.
     waits: bool,
 }
 
-impl Recorder {
+impl ServedRecorder {
     /// Makes a recorder that waits for a slow disk, if `waits`; else samples stay with the run until there is
     /// room, so that a real-time loop never waits.
-    pub(crate) fn new(place: Place, waits: bool) -> Self {
+    pub(crate) fn new(place: RecordPlace, waits: bool) -> Self {
         let (parts, taken) = channel();
         let (back, rooms) = channel();
         let (tell, written) = channel();
@@ -86,7 +86,7 @@ impl Recorder {
         }
         let thread = thread::spawn(move || {
             if let Err(why) = place.write(&taken, &back, &tell) {
-                let _ = tell.send(Written::Failed(why));
+                let _ = tell.send(WriterReport::Failed(why));
             }
         });
         Self { parts, rooms, written, thread: Some(thread), waits }
@@ -100,17 +100,17 @@ impl Recorder {
         let room = if self.waits { self.rooms.recv().ok() } else { self.rooms.try_recv().ok() };
         if let Some(room) = room {
             // Where nobody takes it, `told` says why.
-            let _ = self.parts.send(Part::Block(run.hand_over(room)));
+            let _ = self.parts.send(WriterInput::Block(run.hand_over(room)));
         }
     }
 
     /// A motion has ended; `run`: as far as it came.
     pub(crate) fn ended(&self, motion: ServedMotion, run: Option<OutsideRun>) {
-        let _ = self.parts.send(Part::Ended(motion, run.map(Box::new)));
+        let _ = self.parts.send(WriterInput::Ended(motion, run.map(Box::new)));
     }
 
     /// Report since the last call; with `wait`, the next report.
-    pub(crate) fn told(&mut self, wait: bool) -> Option<Written> {
+    pub(crate) fn told(&mut self, wait: bool) -> Option<WriterReport> {
         let told = if wait { self.written.recv().ok() } else { self.written.try_recv().ok() };
         if told.is_none()
             && let Some(thread) = self.thread.take_if(|thread| wait || thread.is_finished())
@@ -129,31 +129,31 @@ struct Writing {
     _held: Lock,
 }
 
-impl Place {
+impl RecordPlace {
     /// Writes what comes until nobody is there to send any.
     fn write(
         &self,
-        parts: &Receiver<Part>,
+        parts: &Receiver<WriterInput>,
         rooms: &Sender<Trace>,
-        tell: &Sender<Written>,
+        tell: &Sender<WriterReport>,
     ) -> Result<(), SessionError> {
         let mut writing = None;
         for part in parts {
             match part {
-                Part::Block(block) => {
+                WriterInput::Block(block) => {
                     let now = self.begun(&mut writing, tell)?;
                     now.block(&block)?;
                     // Whoever served may have gone.
                     let _ = rooms.send(block);
                 }
-                Part::Ended(mut motion, run) => {
+                WriterInput::Ended(mut motion, run) => {
                     if let Some(run) = run {
                         self.begun(&mut writing, tell)?;
                         let now = writing.take();
                         let left = now.map(|now| self.leave(now, *run, motion.ending));
                         motion.record = left.transpose()?;
                     }
-                    let _ = tell.send(Written::Motion(motion));
+                    let _ = tell.send(WriterReport::Motion(motion));
                 }
             }
         }
@@ -164,16 +164,16 @@ impl Place {
     fn begun<'a>(
         &self,
         writing: &'a mut Option<Writing>,
-        tell: &Sender<Written>,
+        tell: &Sender<WriterReport>,
     ) -> Result<&'a mut Writing, SessionError> {
         let now = writing.take().map_or_else(|| self.begin(tell), Ok)?;
         Ok(writing.insert(now))
     }
 
-    fn begin(&self, tell: &Sender<Written>) -> Result<Writing, SessionError> {
+    fn begin(&self, tell: &Sender<WriterReport>) -> Result<Writing, SessionError> {
         let held = Lock::take(&self.folder)?;
         let files = TraceFiles::begin(&self.folder, self.kind)?;
-        let _ = tell.send(Written::Begun(files.prepared.clone()));
+        let _ = tell.send(WriterReport::Begun(files.prepared.clone()));
         Ok(Writing { files, seen: RunObserver::new(&self.study, None), _held: held })
     }
 

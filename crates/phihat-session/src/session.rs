@@ -9,7 +9,7 @@ use phihat_design::{Arm, Gains, Infeasible, Outcome, arm_inside_window, requeste
 use phihat_report::RunInfo;
 use phihat_sim::{BLOCK, Divergence, Ended, Simulation, Trace};
 use phihat_study::{JOINT_BY_JOINT, Study};
-use phihat_synthesis::Tried;
+use phihat_synthesis::BudgetSearch;
 
 use crate::budget::{BudgetFiles, write_budget};
 use crate::design::{self, budget};
@@ -17,7 +17,7 @@ use crate::disk::{DiskError, Lock};
 use crate::error::SessionError;
 use crate::files::read_gains;
 use crate::layout::TraceKind;
-use crate::log::Log;
+use crate::log::LogFile;
 use crate::observer::{RunFigures, RunObserver, settle, watch_bound};
 use crate::record::{Done, TraceFiles};
 use crate::run_record::designed_before;
@@ -63,17 +63,17 @@ impl RunOptions {
     /// As of [`Self::open`].
     pub fn open_study(&self, study: Box<Study>) -> Result<(Session, PathBuf), SessionError> {
         if let Some(log) = &self.log {
-            Log::offered(log)?;
+            LogFile::offered(log)?;
         }
         let default = || Path::new("out").join(&study.name);
         let folder = self.out.clone().unwrap_or_else(default);
         let gains = match (&self.gains, &self.program) {
-            (Some(file), _) => Chosen::Given(Box::new(read_gains(file)?), file),
+            (Some(file), _) => GainsSource::Given(Box::new(read_gains(file)?), file),
             (None, Some(program)) if !self.fresh && requested_gains(&study).is_none() => {
                 designed_before(&study, &folder, program)
-                    .map_or(Chosen::Own, |gains| Chosen::Before(Box::new(gains)))
+                    .map_or(GainsSource::Own, |gains| GainsSource::Before(Box::new(gains)))
             }
-            _ => Chosen::Own,
+            _ => GainsSource::Own,
         };
         let mut session = Session::of(study, &self.study, gains, self.uncertified)?;
         if session.designs {
@@ -98,7 +98,7 @@ impl RunOptions {
         let study = design::read(&self.study)?;
         let arm = design::arm(&study, &self.study)?;
         let outcome = Outcome::Infeasible(no.clone());
-        let budget = budget(&study, &arm, &self.study, (&outcome, Tried::Changes), watch)?;
+        let budget = budget(&study, &arm, &self.study, (&outcome, BudgetSearch::Changes), watch)?;
         let default = || Path::new("out").join(&study.name);
         let files = write_budget(&budget, &self.out.clone().unwrap_or_else(default))?;
         Ok((budget, files))
@@ -129,7 +129,7 @@ pub struct Session {
 }
 
 /// Source of a run's gains.
-enum Chosen<'a> {
+enum GainsSource<'a> {
     /// Somebody gave them, in a file of this name.
     Given(Box<Gains>, &'a Path),
     /// An earlier run of the same study designed them.
@@ -153,7 +153,8 @@ impl Session {
         gains: Option<(Gains, &Path)>,
         uncertified: bool,
     ) -> Result<Self, SessionError> {
-        let gains = gains.map_or(Chosen::Own, |(gains, file)| Chosen::Given(Box::new(gains), file));
+        let gains = gains
+            .map_or(GainsSource::Own, |(gains, file)| GainsSource::Given(Box::new(gains), file));
         Self::of(study, path, gains, uncertified)
     }
 
@@ -161,23 +162,23 @@ impl Session {
     fn of(
         mut study: Box<Study>,
         path: &Path,
-        gains: Chosen<'_>,
+        gains: GainsSource<'_>,
         uncertified: bool,
     ) -> Result<Self, SessionError> {
         let overload = beyond_drives(&study, path, uncertified)?;
         let arm = design::arm(&study, path)?;
         let mut command = format!("phihat run {}", path.display());
         let mut source = path;
-        let before = matches!(gains, Chosen::Before(_));
+        let before = matches!(gains, GainsSource::Before(_));
         let mut designs = requested_gains(&study).is_none();
         let chosen = match gains {
-            Chosen::Given(given, file) => {
+            GainsSource::Given(given, file) => {
                 command = format!("{command} --gains {}", file.display());
                 (source, designs) = (file, false);
                 given
             }
-            Chosen::Before(designed) => designed,
-            Chosen::Own => own_gains(&study, &arm, path)?,
+            GainsSource::Before(designed) => designed,
+            GainsSource::Own => own_gains(&study, &arm, path)?,
         };
         chosen.complete(&mut study).map_err(|e| SessionError::at(source, e))?;
         let law = chosen
@@ -386,7 +387,7 @@ fn designed_gains(study: &Study, arm: &Arm, path: &Path) -> Result<Gains, Sessio
     let (no, budget) = match outcome {
         Outcome::Designed(gains) => return Ok(*gains),
         Outcome::Infeasible(ref no) => {
-            let budget = budget(study, arm, path, (&outcome, Tried::Nothing), &mut ())?;
+            let budget = budget(study, arm, path, (&outcome, BudgetSearch::Nothing), &mut ())?;
             (Box::new(no.clone()), Some(Box::new(budget)))
         }
     };

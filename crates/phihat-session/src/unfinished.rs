@@ -15,7 +15,7 @@ use serde_json::{Map, Value};
 use crate::disk::{DiskError, Growing, Lock, Whole, take_away, take_folder_away};
 use crate::error::SessionError;
 use crate::files;
-use crate::layout::{BEGUN, GAINS, INPUTS, Origin, TraceKind, UNFINISHED};
+use crate::layout::{BEGUN, GAINS, INPUTS, RunOrigin, TraceKind, UNFINISHED};
 use crate::observer::{RunFigures, RunObserver};
 use crate::origin::{how_to_recover, is_unfinished};
 use crate::record::{Done, TraceFiles, add_inputs};
@@ -26,9 +26,9 @@ pub const LOST_MAX_S: f64 = 1.0;
 
 /// Content of `begun.json`: that of `run.json` and `drive.json`, as far as it was known when the drive began.
 #[derive(Serialize, Deserialize)]
-struct Begun {
+struct UnfinishedHead {
     #[serde(flatten)]
-    origin: Origin,
+    origin: RunOrigin,
     /// The file that the trace of the record is to be in.
     trace: String,
     drive: Map<String, Value>,
@@ -36,7 +36,7 @@ struct Begun {
 
 /// A folder with study, gains, inputs and a trace (CSV) that grows with every part of a drive. It stands in
 /// the folder of the record until that is whole.
-pub(crate) struct Journal {
+pub(crate) struct DriveJournal {
     folder: PathBuf,
     csv: TraceWriter<BufWriter<Growing>>,
     /// True if it holds a sample.
@@ -46,7 +46,7 @@ pub(crate) struct Journal {
 /// Bytes that are written at once.
 const BUFFER: usize = 1 << 18;
 
-impl Journal {
+impl DriveJournal {
     /// In a record's folder that is locked.
     pub(crate) fn begin(
         record: &Path,
@@ -66,13 +66,13 @@ impl Journal {
         }
         take_folder_away(&folder).map_err(told)?;
         let mut whole = Whole::in_locked_folder();
-        let mut origin = Origin { run, designed_by: None, files: BTreeMap::new() };
+        let mut origin = RunOrigin { run, designed_by: None, files: BTreeMap::new() };
         let gains = gains.to_json()?;
         for (name, text) in [("study.toml", study.text.as_bytes()), (GAINS, gains.as_bytes())] {
             origin.files.insert(name.to_owned(), whole.add(&folder.join(name), text)?);
         }
         origin.files.extend(add_inputs(&mut whole, &folder.join(INPUTS), study)?);
-        let begun = Begun { origin, trace: kind.file().to_owned(), drive };
+        let begun = UnfinishedHead { origin, trace: kind.file().to_owned(), drive };
         let text = serde_json::to_string_pretty(&begun).map_err(SessionError::other)?;
         whole.add(&folder.join(BEGUN), text.as_bytes())?;
         whole.commit()?;
@@ -168,8 +168,10 @@ pub fn recover(record: &Path) -> Result<Recovered, SessionError> {
     let _held = Lock::take(record)?;
     let folder = record.join(UNFINISHED);
     let begun = folder.join(BEGUN);
-    let Begun { origin, trace, mut drive } = serde_json::from_str(&files::read(&begun)?)
-        .map_err(|e| SessionError::at(&begun, format!("is not what this version leaves: {e}")))?;
+    let UnfinishedHead { origin, trace, mut drive } = serde_json::from_str(&files::read(&begun)?)
+        .map_err(|e| {
+        SessionError::at(&begun, format!("is not what this version leaves: {e}"))
+    })?;
     for (name, sum) in &origin.files {
         belongs(&folder.join(name), Some(sum), "no record can be made without it")?;
     }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use phihat_certificate::tube::Reference;
+use phihat_certificate::tube::TubeReference;
 use phihat_certificate::{Certificate, Refutation, TubeAgain, Verified};
 use phihat_design::Gains;
 use phihat_sim::{Metrics, Motion, fed_along};
@@ -44,7 +44,7 @@ impl Checked<'_> {
 
 /// Progress of a check that takes long.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Stage {
+pub enum VerifyStage {
     /// The tube is derived a second time; the share that is done.
     Tube(f64),
     /// So many of the drawn worlds were run.
@@ -72,7 +72,7 @@ pub struct Verification {
 /// is an answer.
 pub fn verify(
     checked: Checked<'_>,
-    stage: &(dyn Fn(Stage) + Sync),
+    stage: &(dyn Fn(VerifyStage) + Sync),
 ) -> Result<Verification, SessionError> {
     let (gains, study, record, path) = match checked {
         Checked::Gains { gains, study, .. } => {
@@ -156,11 +156,11 @@ fn again(
     mut verified: Verified,
     (gains, certificate): (&Gains, &Certificate),
     (study, seed): (&Study, u64),
-    stage: &(dyn Fn(Stage) + Sync),
+    stage: &(dyn Fn(VerifyStage) + Sync),
 ) -> Result<Again, SessionError> {
     let checked = certificate.derive(gains, study).and_then(|derived| {
         verified.derived = derived;
-        let share = |share| stage(Stage::Tube(share));
+        let share = |share| stage(VerifyStage::Tube(share));
         verified.tube = derived_tube((gains, certificate), study, &share)?;
         verified.class = certificate.derive_class(gains, study)?;
         Ok(certificate.concluded(verified, gains))
@@ -172,7 +172,7 @@ fn again(
     let Some(tube) = &certificate.tube else { return Ok(Ok((verified, None))) };
     let text = gains.to_json().map_err(SessionError::other)?;
     let seed = seed_of(&text, seed);
-    let found = runs(study, (gains, tube), seed, &|done| stage(Stage::Worlds(done)))?;
+    let found = runs(study, (gains, tube), seed, &|done| stage(VerifyStage::Worlds(done)))?;
     Ok(found.map(|kept| (verified, Some(kept))))
 }
 
@@ -185,7 +185,7 @@ fn derived_tube(
         return Ok(None);
     };
     let n = study.robot.joints.len();
-    let reference = Reference::of(study, |t| (0..n).map(|i| motion.told(i, t)).collect());
+    let reference = TubeReference::of(study, |t| (0..n).map(|i| motion.told(i, t)).collect());
     let inertia: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
     let Ok(fed) = fed_along(study, &motion, &inertia, reference.q.len()) else { return Ok(None) };
     let reference = reference.feeding(&fed);

@@ -4,7 +4,7 @@ use phihat_model::Lanes;
 
 use crate::error::SimError;
 use crate::stepped::Stepped;
-use crate::world::{PlantLanes, World};
+use crate::world::{PlantLanes, SimulatedWorld};
 
 /// Steps many runs at once: arms of one structure that are at the same sample move in lockstep, eight at a
 /// time.
@@ -52,12 +52,12 @@ use crate::world::{PlantLanes, World};
 /// ```
 #[derive(Debug, Default)]
 pub struct Abreast {
-    groups: Vec<Group>,
+    groups: Vec<RunGroup>,
 }
 
 /// Runs that share lanes, by their numbers.
 #[derive(Debug)]
-struct Group {
+struct RunGroup {
     runs: Vec<u64>,
     /// `None`: they do not go in lanes.
     lanes: Option<PlantLanes>,
@@ -111,15 +111,15 @@ impl Abreast {
         if runs.len() < 2 {
             return None;
         }
-        let is_theirs = |group: &Group| {
+        let is_theirs = |group: &RunGroup| {
             group.runs.len() == runs.len()
                 && group.runs.iter().zip(&*runs).all(|(own, run)| *own == run.number)
         };
         let at = self.groups.iter().position(is_theirs).unwrap_or_else(|| {
             let numbers = runs.iter().map(|run| run.number).collect();
-            let worlds: Vec<&World> = runs.iter_mut().map(|run| &*run.world()).collect();
+            let worlds: Vec<&SimulatedWorld> = runs.iter_mut().map(|run| &*run.world()).collect();
             let lanes = in_lanes(&worlds);
-            self.groups.push(Group { runs: numbers, lanes, used: true });
+            self.groups.push(RunGroup { runs: numbers, lanes, used: true });
             self.groups.len() - 1
         });
         let group = &mut self.groups[at];
@@ -129,8 +129,9 @@ impl Abreast {
 }
 
 /// Lanes for worlds, if they go in lanes together.
-fn in_lanes(worlds: &[&World]) -> Option<PlantLanes> {
-    let fits =
-        |world: &&World| PlantLanes::alone(world).is_none() && PlantLanes::alike(worlds[0], world);
+fn in_lanes(worlds: &[&SimulatedWorld]) -> Option<PlantLanes> {
+    let fits = |world: &&SimulatedWorld| {
+        PlantLanes::alone(world).is_none() && PlantLanes::alike(worlds[0], world)
+    };
     worlds.iter().all(fits).then(|| PlantLanes::new(worlds).ok()).flatten()
 }

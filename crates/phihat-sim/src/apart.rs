@@ -8,14 +8,14 @@ use crate::error::SimError;
 use crate::rows::Acted;
 use crate::sample::Sample;
 use crate::simulation::{Divergence, Ended, Simulation, diverged, ended};
-use crate::world::{Abort, World};
+use crate::world::{Abort, SimulatedWorld};
 
 /// The arm of a study with its drives, sensors and network, one sample at a time: what would be a robot.
 ///
 /// Call [`sense`](Self::sense), then [`act`](Self::act), until there is nothing more to sense. Neither allocates.
 #[derive(Debug)]
 pub struct WorldSide {
-    world: Box<World>,
+    world: Box<SimulatedWorld>,
     names: Vec<String>,
     period_ns: u64,
     samples: u64,
@@ -54,7 +54,7 @@ impl Simulation {
     /// #     name = "planar3r"
     /// #     [spec]
     /// #     settle_s = 0.5
-    /// #     error_max_rad = 2e-3
+    /// #     error_bound_rad = 2e-3
     /// #     [gains]
     /// #     order = 1
     /// #     bandwidth_rad_s = 20.0

@@ -12,7 +12,7 @@ use phihat_study::Study;
 use crate::driver::{Driver, Moment};
 use crate::echo::Echo;
 use crate::error::SimError;
-use crate::feedforward::FeedForward;
+use crate::feedforward::FeedForwardTorque;
 use crate::motion::Motion;
 use crate::sample::Sample;
 use crate::supervision::Supervised;
@@ -38,7 +38,7 @@ pub struct ControlSide {
     /// True if the law takes over a torque at the next sample: that of `commands`.
     takes_over: bool,
     /// Feed-forward of the law alone, and its value for this sample \[rad/s²\]; a supervisor has its own.
-    fed: Option<(FeedForward, Vec<f64>)>,
+    fed: Option<(FeedForwardTorque, Vec<f64>)>,
     echo: Option<Echo>,
     /// Joints that turn without end, whose readings start over.
     endless: Option<Endless>,
@@ -121,7 +121,7 @@ impl ControlSide {
             },
         };
         let alone = matches!(brain, Brain::Law { .. });
-        let fed = if alone { FeedForward::of(study)? } else { None };
+        let fed = if alone { FeedForwardTorque::of(study)? } else { None };
         let fed = fed.map(|fed| (fed, vec![0.0; gains_count]));
         Ok(Self { fed, ..Self::with(study, brain, gate, inertia, motion) })
     }

@@ -2,8 +2,8 @@
 
 use core::f64::consts::TAU;
 
-use phihat_model::{FrameId, IkError, IkOptions, Model, Robot, Target, Workspace};
-use phihat_study::{Curve, Reference};
+use phihat_model::{FrameId, IkError, IkOptions, Model, PoseTarget, Robot, Workspace};
+use phihat_study::{Curve, ReferenceRequest};
 
 use crate::error::{OutOfReach, SimError};
 use crate::spline::Spline;
@@ -29,15 +29,16 @@ const NEEDED: f64 = 2.0;
 ///
 /// The first point is solved from the study's seed, each following one from its predecessor.
 pub(crate) fn joint_samples(
-    reference: &Reference,
+    reference: &ReferenceRequest,
     robot: &Robot,
     duration: f64,
 ) -> Result<(Vec<f64>, Vec<Vec<f64>>), SimError> {
-    let Reference::Cartesian { frame, curve, period, fade_in, hold_orientation, seed } = reference
+    let ReferenceRequest::Cartesian { frame, curve, period, fade_in, hold_orientation, seed } =
+        reference
     else {
         return Err(SimError::UnknownReference);
     };
-    let curve = Shape::new(curve);
+    let curve = CurveShape::new(curve);
     let at = |t: f64| curve.point(travelled(t, *fade_in) / period);
     let unreachable =
         |t: f64, reason: OutOfReach| SimError::Unreachable { t, point: at(t), reason };
@@ -78,12 +79,12 @@ fn travelled(t: f64, fade_in: f64) -> f64 {
 }
 
 /// A curve over one turn.
-enum Shape {
+enum CurveShape {
     Circle { center: [f64; 3], u: [f64; 3], v: [f64; 3] },
     Spline { axes: [Spline; 3], points: f64 },
 }
 
-impl Shape {
+impl CurveShape {
     fn new(curve: &Curve) -> Self {
         match curve {
             Curve::Circle { center, radius, normal } => {
@@ -180,8 +181,8 @@ impl<'a> Follower<'a> {
 
     fn solve(&mut self, p: [f64; 3], seed: &[f64], restarts: usize) -> Result<Vec<f64>, IkError> {
         let target = match self.orientation {
-            Some(r) => Target::Pose(phihat_model::Pose { p, r }),
-            None => Target::Position(p),
+            Some(r) => PoseTarget::Pose(phihat_model::Pose { p, r }),
+            None => PoseTarget::Position(p),
         };
         self.options.restarts = restarts;
         self.model.inverse_kinematics(&mut self.workspace, self.frame, &target, seed, &self.options)

@@ -22,7 +22,7 @@ const COULOMB_VELOCITY: f64 = 1e-3;
 /// If the robot adds gravity by itself, that description has none. With preview, all terms are evaluated in
 /// the middle of the interval in which the torque will act. The law receives `q̈_d + τ_ff/M̄`.
 #[derive(Debug)]
-pub struct FeedForward {
+pub struct FeedForwardTorque {
     known: Known,
     model: Model,
     workspace: Workspace<f64>,
@@ -35,7 +35,7 @@ pub struct FeedForward {
     torque: Vec<f64>,
 }
 
-impl FeedForward {
+impl FeedForwardTorque {
     /// `None`: the study feeds nothing forward but `M̄ q̈_d`.
     ///
     /// # Errors
@@ -124,14 +124,14 @@ impl FeedForward {
 ///
 /// # Errors
 ///
-/// As [`FeedForward::of`].
+/// As [`FeedForwardTorque::of`].
 pub fn fed_along(
     study: &Study,
     motion: &Motion,
     inertia: &[f64],
     samples: usize,
 ) -> Result<Vec<Vec<f64>>, SimError> {
-    let Some(mut own) = FeedForward::of(study)? else { return Ok(Vec::new()) };
+    let Some(mut own) = FeedForwardTorque::of(study)? else { return Ok(Vec::new()) };
     let row = |k: usize| {
         let mut row = vec![0.0; inertia.len()];
         let t = (k as u64 * study.control.period_ns) as f64 * 1e-9;

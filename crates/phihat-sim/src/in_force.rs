@@ -4,7 +4,7 @@ use phihat::{JointMemory, Reference};
 use phihat_study::Study;
 
 use crate::error::SimError;
-use crate::feedforward::FeedForward;
+use crate::feedforward::FeedForwardTorque;
 use crate::motion::Motion;
 use crate::spline::Jet;
 
@@ -25,7 +25,7 @@ use crate::spline::Jet;
 /// without a supervisor.
 #[derive(Debug)]
 pub(crate) struct InForce {
-    own: FeedForward,
+    own: FeedForwardTorque,
     inertia: Vec<f64>,
     /// Sample period \[s\].
     period: f64,
@@ -40,7 +40,7 @@ impl InForce {
     ///
     /// # Errors
     ///
-    /// As [`FeedForward::of`].
+    /// As [`FeedForwardTorque::of`].
     pub(crate) fn of(study: &Study, inertia: Vec<f64>) -> Result<Option<Self>, SimError> {
         let n = inertia.len();
         let period = study.control.period_ns as f64 * 1e-9;
@@ -51,7 +51,7 @@ impl InForce {
             last: vec![(Reference::default(), Reference::default()); n],
             torque: vec![0.0; n],
         };
-        Ok(FeedForward::of(study)?.map(with))
+        Ok(FeedForwardTorque::of(study)?.map(with))
     }
 
     /// `τ_ff` \[N·m\] per joint, `samples` samples after the last answered one; `motion` with the time on its

@@ -1,7 +1,7 @@
 //! Integrators of `(q, q̇)`: fixed-step RK4 for runs, adaptive Dormand–Prince as the reference.
 
 /// Right-hand side of the equation of motion: `q̈ = f(t, q, q̇)`.
-pub trait Acceleration {
+pub trait AccelerationOf {
     /// Writes `q̈` at a time \[s\] and state.
     fn acceleration(&mut self, t: f64, q: &[f64], dq: &[f64], ddq: &mut [f64]);
 }
@@ -32,7 +32,7 @@ impl Rk4 {
     /// One classical Runge–Kutta step of length `h` \[s\]; `first` receives `q̈` at the start.
     ///
     /// Four evaluations, error per unit time of order `h⁴`.
-    pub fn step<F: Acceleration>(
+    pub fn step<F: AccelerationOf>(
         &mut self,
         f: &mut F,
         (t, h): (f64, f64),
@@ -74,7 +74,7 @@ impl Rk4 {
 /// # References
 ///
 /// Dormand, Prince (1980), A family of embedded Runge–Kutta formulae.
-pub fn integrate_adaptive<F: Acceleration>(
+pub fn integrate_adaptive<F: AccelerationOf>(
     f: &mut F,
     (t0, t1): (f64, f64),
     tolerance: f64,

@@ -22,19 +22,19 @@ pub struct JointMetrics {
     /// Root mean square of `e` over the steady part \[rad\].
     pub error_rms_rad: f64,
     /// Largest |e| of the whole run \[rad\].
-    pub error_max_rad: f64,
+    pub error_peak_rad: f64,
     /// Largest |e| of the steady part \[rad\].
     pub error_steady_max_rad: f64,
     /// The study's bound on the steady |e|, if it states one \[rad\].
-    pub error_spec_rad: Option<f64>,
+    pub error_bound_rad: Option<f64>,
     /// Largest |∫e| of the steady part \[rad·s\].
     pub error_integral_steady_max_rad_s: f64,
     /// The study's bound on it \[rad·s\].
-    pub error_integral_spec_rad_s: Option<f64>,
+    pub error_integral_bound_rad_s: Option<f64>,
     /// Largest |ė| of the steady part \[rad/s\].
     pub velocity_error_steady_max_rad_s: f64,
     /// The study's bound on it \[rad/s\].
-    pub velocity_error_spec_rad_s: Option<f64>,
+    pub velocity_error_bound_rad_s: Option<f64>,
     /// Largest |τ_applied| \[N·m\].
     pub tau_max_nm: f64,
     /// The torque limit in force \[N·m\].
@@ -219,7 +219,7 @@ impl Measured {
         }
         if let Some(own) = &mut self.tip {
             let own = &mut own.metrics;
-            [own.error_max_m, own.error_steady_max_m, own.angle_steady_max_rad] = tip;
+            [own.error_peak_m, own.error_steady_max_m, own.angle_steady_max_rad] = tip;
         }
         self.metrics()
     }
@@ -282,7 +282,7 @@ impl JointMetrics {
         steady(&joint.e, &mut self.error_steady_max_rad);
         steady(&joint.e_integral, &mut self.error_integral_steady_max_rad_s);
         steady(&joint.de, &mut self.velocity_error_steady_max_rad_s);
-        raise(&mut self.error_max_rad, joint.e.iter().copied());
+        raise(&mut self.error_peak_rad, joint.e.iter().copied());
         raise(&mut self.tau_max_nm, joint.tau_applied.iter().copied());
         raise(&mut self.phi_max_nm, joint.phi.iter().copied());
         let misfit = joint.phi.iter().zip(&joint.phi_hat).skip(first).map(|(a, b)| a - b);
@@ -307,9 +307,9 @@ impl JointMetrics {
     pub fn within_spec(&self) -> bool {
         // Written so that NaN does not pass.
         let holds = |value: f64, bound: Option<f64>| bound.is_none_or(|bound| value <= bound);
-        holds(self.error_steady_max_rad, self.error_spec_rad)
-            && holds(self.error_integral_steady_max_rad_s, self.error_integral_spec_rad_s)
-            && holds(self.velocity_error_steady_max_rad_s, self.velocity_error_spec_rad_s)
+        holds(self.error_steady_max_rad, self.error_bound_rad)
+            && holds(self.error_integral_steady_max_rad_s, self.error_integral_bound_rad_s)
+            && holds(self.velocity_error_steady_max_rad_s, self.velocity_error_bound_rad_s)
     }
 }
 
@@ -322,13 +322,13 @@ fn unmeasured(study: &Study, i: usize) -> JointMetrics {
         name: study.robot.joints[i].name.clone(),
         slides: study.robot.joints[i].kind == JointKind::Prismatic,
         error_rms_rad: 0.0,
-        error_max_rad: 0.0,
+        error_peak_rad: 0.0,
         error_steady_max_rad: 0.0,
-        error_spec_rad: per(&study.spec.error_bound),
+        error_bound_rad: per(&study.spec.error_bound),
         error_integral_steady_max_rad_s: 0.0,
-        error_integral_spec_rad_s: per(&study.spec.error_integral_max),
+        error_integral_bound_rad_s: per(&study.spec.error_integral_bound),
         velocity_error_steady_max_rad_s: 0.0,
-        velocity_error_spec_rad_s: per(&study.spec.velocity_error_max),
+        velocity_error_bound_rad_s: per(&study.spec.velocity_error_bound),
         tau_max_nm: 0.0,
         tau_limit_nm: torque_max,
         tau_step_max_nm: 0.0,

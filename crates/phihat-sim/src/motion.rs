@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use phihat_study::{Reference, Sine, Study};
+use phihat_study::{ReferenceRequest, Sine, Study};
 
 use crate::class_motion::ClassMotion;
 use crate::curve;
@@ -23,7 +23,7 @@ use crate::spline::{Jet, Spline, quintic_step};
 /// #     name = "planar3r"
 /// #     [spec]
 /// #     settle_s = 1.0
-/// #     error_max_rad = 2e-3
+/// #     error_bound_rad = 2e-3
 /// #     [gains]
 /// #     order = 1
 /// #     bandwidth_rad_s = 20.0
@@ -66,22 +66,22 @@ impl Motion {
     ///
     /// [`SimError::Unreachable`] when the arm cannot follow a Cartesian curve.
     pub fn new(
-        reference: &Reference,
+        reference: &ReferenceRequest,
         robot: &phihat_model::Robot,
         duration: f64,
     ) -> Result<Self, SimError> {
         let path = match reference {
-            Reference::Sines { center, terms, fade_in } => {
+            ReferenceRequest::Sines { center, terms, fade_in } => {
                 Path::Sines { center: center.clone(), terms: terms.clone(), fade_in: *fade_in }
             }
-            Reference::Waypoints { t, q } => Path::Waypoints { t: t.clone(), q: q.clone() },
-            Reference::Samples { t, q } => Path::Splines(per_joint(t, q)),
-            Reference::Any { class, seed } => {
+            ReferenceRequest::Waypoints { t, q } => Path::Waypoints { t: t.clone(), q: q.clone() },
+            ReferenceRequest::Samples { t, q } => Path::Splines(per_joint(t, q)),
+            ReferenceRequest::Any { class, seed } => {
                 let joints = 0..class.center.len();
                 let draw = |joint| ClassMotion::draw(class, joint, *seed, duration);
                 Path::OfClass(joints.map(draw).collect())
             }
-            Reference::Cartesian { .. } => {
+            ReferenceRequest::Cartesian { .. } => {
                 let (t, q) = curve::joint_samples(reference, robot, duration)?;
                 Path::Splines(per_joint(&t, &q))
             }

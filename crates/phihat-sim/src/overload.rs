@@ -7,7 +7,7 @@ use phihat_study::{DrivesBeyond, Study};
 
 use crate::error::SimError;
 use crate::motion::Motion;
-use crate::world::{Friction, frictions, frictions_of_robot, loaded, loaded_model};
+use crate::world::{SimulatedFriction, frictions, frictions_of_robot, loaded, loaded_model};
 
 /// Instants of a motion that are looked at, at most; a shorter run is looked at sample by sample.
 const INSTANTS: u64 = 20_000;
@@ -118,24 +118,24 @@ pub fn overload(study: &Study) -> Result<Option<Overload>, SimError> {
     if study.control.beyond_drives == DrivesBeyond::Allow {
         return Ok(None);
     }
-    Needs::of(study).map(|needs| needs.overload(study))
+    OverloadNeeds::of(study).map(|needs| needs.overload(study))
 }
 
 /// A motion, instant by instant, and who moves along it.
-struct Needs {
-    instants: Vec<Instant>,
+struct OverloadNeeds {
+    instants: Vec<OverloadInstant>,
     /// Mass of the payload \[kg\] and the arm with it.
     cases: Vec<(f64, Model)>,
     own: Model,
-    friction: Vec<Friction>,
+    friction: Vec<SimulatedFriction>,
     /// Friction that the robot adds by itself.
-    helped: Vec<Friction>,
+    helped: Vec<SimulatedFriction>,
     adds_gravity: bool,
     /// Torque and speed, per joint.
     limits: Vec<[f64; 2]>,
 }
 
-struct Instant {
+struct OverloadInstant {
     t: f64,
     q: Vec<f64>,
     dq: Vec<f64>,
@@ -152,7 +152,7 @@ struct Worst {
     payload_kg: f64,
 }
 
-impl Needs {
+impl OverloadNeeds {
     fn of(study: &Study) -> Result<Self, SimError> {
         let motion = Motion::new(&study.reference, &study.robot, study.duration)?;
         let n = study.robot.joints.len();
@@ -163,7 +163,7 @@ impl Needs {
             let t = (k * stride) as f64 * period;
             let jets: Vec<_> = (0..n).map(|i| motion.at(i, t)).collect();
             let part = |which: usize| jets.iter().map(|jet| jet[which]).collect();
-            Instant { t, q: part(0), dq: part(1), ddq: part(2) }
+            OverloadInstant { t, q: part(0), dq: part(1), ddq: part(2) }
         };
         let own = study.robot.plant_model().with_gravity(study.world.gravity);
         let carried = study.world.payload.as_ref().map_or(0.0, |payload| payload.mass);

@@ -9,7 +9,7 @@ use crate::error::SimError;
 use crate::motion::Motion;
 use crate::recorder::Recorder;
 use crate::trace::{Integral, Trace};
-use crate::world::{Abort, World};
+use crate::world::{Abort, SimulatedWorld};
 
 /// Beyond this |q| \[rad or m\] or |q̇| \[rad/s or m/s\] a run has diverged.
 pub const DIVERGED: f64 = 1e3;
@@ -25,7 +25,7 @@ pub struct Divergence {
 
 /// Result of a run: its record and its end.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Outcome {
+pub struct SimulationOutcome {
     /// The record, up to the end or to the divergence.
     pub trace: Trace,
     /// Set when the run diverged and was stopped.
@@ -38,7 +38,7 @@ pub struct Outcome {
     pub told_step_max: Vec<f64>,
 }
 
-impl Outcome {
+impl SimulationOutcome {
     /// From a record that was handed over whole, and how the run ended.
     pub fn of(trace: Trace, ended: Ended) -> Self {
         let Ended { divergence, abort, told_max, told_step_max } = ended;
@@ -82,7 +82,7 @@ pub struct Ended {
 /// #     name = "planar3r"
 /// #     [spec]
 /// #     settle_s = 1.0
-/// #     error_max_rad = 2e-3
+/// #     error_bound_rad = 2e-3
 /// #     [gains]
 /// #     order = 1
 /// #     bandwidth_rad_s = 20.0
@@ -110,7 +110,7 @@ pub struct Ended {
 #[derive(Debug)]
 pub struct Simulation {
     pub(crate) control: ControlSide,
-    pub(crate) world: Box<World>,
+    pub(crate) world: Box<SimulatedWorld>,
     pub(crate) names: Vec<String>,
     pub(crate) period_ns: u64,
     samples: u64,
@@ -164,7 +164,7 @@ impl Simulation {
         control: impl FnOnce(Motion) -> Result<ControlSide, SimError>,
     ) -> Result<Self, SimError> {
         let motion = Motion::of(study)?;
-        let world = Box::new(World::new(study, &motion)?);
+        let world = Box::new(SimulatedWorld::new(study, &motion)?);
         Ok(Self {
             control: control(motion)?.taking_over(world.held.as_deref()),
             world,
@@ -181,10 +181,10 @@ impl Simulation {
 
     /// Runs to the end, or until the arm diverges or the robot stops. `progress` receives the number of
     /// samples done, about a hundred times.
-    pub fn run(self, progress: impl FnMut(u64)) -> Outcome {
+    pub fn run(self, progress: impl FnMut(u64)) -> SimulationOutcome {
         let mut whole = Trace::default();
         let Ok(ended) = self.record(&mut whole, progress);
-        Outcome::of(whole, ended)
+        SimulationOutcome::of(whole, ended)
     }
 
     /// Runs to the end as [`run`](Self::run) does, and passes its samples to a recorder: a whole trace,
@@ -300,14 +300,14 @@ impl Simulation {
 }
 
 /// End of a run of a world.
-pub(crate) fn ended(world: World, divergence: Option<Divergence>) -> Ended {
+pub(crate) fn ended(world: SimulatedWorld, divergence: Option<Divergence>) -> Ended {
     let path = world.path;
     let (told_max, told_step_max) = (path.told_max, path.step_max);
     Ended { divergence, abort: path.abort, told_max, told_step_max }
 }
 
 /// Divergence of the arm in the sample of time `t` \[s\], if any.
-pub(crate) fn diverged(world: &World, names: &[String], t: f64) -> Option<Divergence> {
+pub(crate) fn diverged(world: &SimulatedWorld, names: &[String], t: f64) -> Option<Divergence> {
     let beyond = |x: f64| x.is_nan() || x.abs() > DIVERGED;
     let plant = &world.plant;
     let mut joints = names.iter().zip(&plant.q).zip(&plant.dq);

@@ -9,7 +9,7 @@ use crate::error::SimError;
 use crate::simulation::{Divergence, Ended, Simulation};
 use crate::trace::{Integral, Trace};
 use crate::trace_file::BLOCK;
-use crate::world::World;
+use crate::world::SimulatedWorld;
 
 /// Number of runs that were begun.
 static BEGUN: AtomicU64 = AtomicU64::new(0);
@@ -200,7 +200,7 @@ impl Stepped {
     }
 
     /// The world, whose arm is to be moved through the interval.
-    pub(crate) fn world(&mut self) -> &mut World {
+    pub(crate) fn world(&mut self) -> &mut SimulatedWorld {
         &mut self.run.world
     }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::metrics::raise;
 use crate::recorder::Recorder;
-use crate::simulation::{Ended, Outcome};
+use crate::simulation::{Ended, SimulationOutcome};
 use crate::trace::Trace;
 
 /// Figures of a run in which something went wrong.
@@ -19,7 +19,7 @@ pub struct Survival {
     /// Why the robot's interface stopped the run, if it did.
     pub stopped: Option<String>,
     /// Largest |e| of any joint from the first fault on \[rad\]; of the whole run where there is none.
-    pub error_max_rad: f64,
+    pub error_peak_rad: f64,
     /// Largest |e| of any joint over the last tenth of the run \[rad\].
     pub error_end_rad: f64,
     /// Largest |q̇| of any joint from the first fault on \[rad/s\].
@@ -32,7 +32,7 @@ pub struct Survival {
 
 impl Survival {
     /// Figures of a run against its study's limits.
-    pub fn of(outcome: &Outcome, study: &Study) -> Self {
+    pub fn of(outcome: &SimulationOutcome, study: &Study) -> Self {
         let mut surviving = Surviving::new(study);
         surviving.block(&outcome.trace);
         let (divergence, abort) = (outcome.divergence.clone(), outcome.abort.clone());
@@ -47,7 +47,7 @@ pub struct Surviving {
     /// From when on the whole run counts \[ns\].
     from_ns: f64,
     samples: usize,
-    error_max: f64,
+    error_peak: f64,
     velocity_max: f64,
     /// Candidates for the largest error of the last tenth, wherever the run ends: in order, their errors
     /// falling.
@@ -60,14 +60,14 @@ impl Surviving {
         let fault = study.faults.iter().map(|fault| fault.start).fold(f64::INFINITY, f64::min);
         let from_ns = if fault.is_finite() { fault * 1e9 } else { f64::NEG_INFINITY };
         let last = VecDeque::new();
-        Self { from_ns, samples: 0, error_max: 0.0, velocity_max: 0.0, last }
+        Self { from_ns, samples: 0, error_peak: 0.0, velocity_max: 0.0, last }
     }
 
     /// Takes in the next samples.
     pub fn block(&mut self, trace: &Trace) {
         let first = trace.t_ns.partition_point(|t| (*t as f64) < self.from_ns);
         for joint in &trace.joints {
-            raise(&mut self.error_max, joint.e.iter().skip(first).copied());
+            raise(&mut self.error_peak, joint.e.iter().skip(first).copied());
             raise(&mut self.velocity_max, joint.dq.iter().skip(first).copied());
         }
         for k in 0..trace.len() {
@@ -105,7 +105,7 @@ impl Surviving {
         Survival {
             finite: ended.divergence.is_none(),
             stopped: ended.abort.as_ref().map(|abort| abort.reason.to_string()),
-            error_max_rad: self.error_max,
+            error_peak_rad: self.error_peak,
             error_end_rad: self.last.front().map_or(0.0, |(_, error)| *error),
             velocity_max_rad_s: self.velocity_max,
             torque_kept: kept(&ended.told_max, &torque),

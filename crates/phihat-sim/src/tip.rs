@@ -14,11 +14,11 @@ pub struct TipMetrics {
     /// The tip's frame (link).
     pub frame: String,
     /// Largest distance of the tip from where the reference has it, of the whole run \[m\].
-    pub error_max_m: f64,
+    pub error_peak_m: f64,
     /// The same of the steady part.
     pub error_steady_max_m: f64,
     /// The study's bound on the steady one, if it states one \[m\].
-    pub error_spec_m: Option<f64>,
+    pub error_bound_m: Option<f64>,
     /// Largest angle between the tip's axes and those of the reference in the steady part \[rad\].
     pub angle_steady_max_rad: f64,
 }
@@ -27,7 +27,7 @@ impl TipMetrics {
     /// Returns true if the bound that the study states, if any, is satisfied.
     pub fn within_spec(&self) -> bool {
         // Written so that NaN does not pass.
-        self.error_spec_m.is_none_or(|bound| self.error_steady_max_m <= bound)
+        self.error_bound_m.is_none_or(|bound| self.error_steady_max_m <= bound)
     }
 }
 
@@ -54,9 +54,9 @@ impl TipMeasured {
         let frame = model.frame(&study.robot.tip)?;
         let metrics = TipMetrics {
             frame: study.robot.tip.clone(),
-            error_max_m: 0.0,
+            error_peak_m: 0.0,
             error_steady_max_m: 0.0,
-            error_spec_m: study.spec.tip_error_max,
+            error_bound_m: study.spec.tip_error_bound,
             angle_steady_max_rad: 0.0,
         };
         let q = Vec::with_capacity(model.joint_count());
@@ -68,7 +68,7 @@ impl TipMeasured {
         for from in (0..trace.len()).step_by(Lanes::COUNT) {
             let (offs, halves) = self.apart(trace, from);
             for (k, (off, half)) in (from..trace.len()).zip(offs.into_iter().zip(halves)) {
-                raise(&mut self.metrics.error_max_m, off);
+                raise(&mut self.metrics.error_peak_m, off);
                 if k >= first {
                     raise(&mut self.metrics.error_steady_max_m, off);
                     let widest = self.half;
@@ -142,7 +142,7 @@ fn raise(most: &mut f64, value: f64) {
 ///
 /// [`SimError`]: the arm cannot follow the reference.
 pub fn error_for_tip(study: &Study) -> Result<Option<f64>, SimError> {
-    let Some(bound) = study.spec.tip_error_max else { return Ok(None) };
+    let Some(bound) = study.spec.tip_error_bound else { return Ok(None) };
     let Some(frame) = study.robot.model.frame(&study.robot.tip) else { return Ok(None) };
     let motion = Motion::new(&study.reference, &study.robot, study.duration)?;
     let model = &study.robot.model;

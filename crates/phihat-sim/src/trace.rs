@@ -64,7 +64,7 @@ pub struct JointTrace {
 /// #     name = "planar3r"
 /// #     [spec]
 /// #     settle_s = 1.0
-/// #     error_max_rad = 2e-3
+/// #     error_bound_rad = 2e-3
 /// #     [gains]
 /// #     order = 1
 /// #     bandwidth_rad_s = 20.0
@@ -268,7 +268,7 @@ impl Trace {
 }
 
 /// One numeric signal: its name in files, with the unit, and where it lives.
-pub(crate) struct Column {
+pub(crate) struct TraceColumn {
     pub(crate) name: &'static str,
     pub(crate) get: fn(&JointTrace) -> &Vec<f64>,
     pub(crate) get_mut: fn(&mut JointTrace) -> &mut Vec<f64>,
@@ -276,12 +276,12 @@ pub(crate) struct Column {
 
 macro_rules! columns {
     ($($name:literal => $field:ident),* $(,)?) => {
-        [$(Column { name: $name, get: |j| &j.$field, get_mut: |j| &mut j.$field }),*]
+        [$(TraceColumn { name: $name, get: |j| &j.$field, get_mut: |j| &mut j.$field }),*]
     };
 }
 
 /// The numeric signals, in the order of the files.
-pub(crate) const COLUMNS: [Column; 15] = columns![
+pub(crate) const COLUMNS: [TraceColumn; 15] = columns![
     "q_rad" => q,
     "dq_rad_s" => dq,
     "ddq_rad_s2" => ddq,

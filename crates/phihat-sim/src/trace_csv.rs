@@ -6,7 +6,7 @@ use phihat_study::Study;
 
 use crate::recorder::Recorder;
 use crate::trace::{COLUMNS, JointTrace, Supervision, Trace};
-use crate::trace_file::{BLOCK, FLAGS, Place, SUPERVISION, TraceError, Turn, seconds, signals};
+use crate::trace_file::{BLOCK, FLAGS, Place, RowTurn, SUPERVISION, TraceError, seconds, signals};
 
 /// A trace that is written as CSV as it comes.
 #[derive(Debug)]
@@ -127,7 +127,7 @@ impl Trace {
     ) -> Result<(), TraceError> {
         let mut csv = csv::Reader::from_reader(reader);
         let supervised = check_header(csv.headers()?)?;
-        let (mut trace, mut turn) = (Self::of(study, supervised), Turn::of(study));
+        let (mut trace, mut turn) = (Self::of(study, supervised), RowTurn::of(study));
         let mut record = csv::StringRecord::new();
         while csv.read_record(&mut record)? {
             if turn.next == 0 && trace.len() >= block {
@@ -135,7 +135,7 @@ impl Trace {
                 trace.clear();
             }
             let place = Place::Line(record.position().map_or(0, csv::Position::line));
-            let row = Row { place, record: &record };
+            let row = CsvRow { place, record: &record };
             let t_ns = row.time()?;
             let joint = turn.row(place, row.text(1), t_ns)?;
             if joint == 0 {
@@ -191,12 +191,12 @@ fn flag(value: bool) -> &'static str {
     if value { "1" } else { "0" }
 }
 
-struct Row<'a> {
+struct CsvRow<'a> {
     place: Place,
     record: &'a csv::StringRecord,
 }
 
-impl Row<'_> {
+impl CsvRow<'_> {
     fn text(&self, column: usize) -> &str {
         self.record.get(column).unwrap_or("")
     }

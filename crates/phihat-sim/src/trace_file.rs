@@ -166,7 +166,7 @@ pub(crate) fn seconds(t_ns: u64) -> String {
 
 /// Rows as they come: every joint of each sample in turn, samples one period apart.
 #[derive(Debug)]
-pub(crate) struct Turn {
+pub(crate) struct RowTurn {
     names: Vec<String>,
     period_ns: u64,
     /// The joint whose row is next, and the time of the row before \[ns\].
@@ -174,7 +174,7 @@ pub(crate) struct Turn {
     before: Option<u64>,
 }
 
-impl Turn {
+impl RowTurn {
     pub(crate) fn of(study: &Study) -> Self {
         let names = study.robot.joint_names();
         Self { names, period_ns: study.control.period_ns, next: 0, before: None }

@@ -35,8 +35,8 @@ pub struct McapTrace<W: Write> {
 }
 
 /// The six messages about joints: topic, and what stands for position, velocity and effort.
-type Signal = fn(&JointTrace) -> &Vec<f64>;
-const TOPICS: [(&str, [Option<Signal>; 3]); 6] = [
+type MessageSignal = fn(&JointTrace) -> &Vec<f64>;
+const TOPICS: [(&str, [Option<MessageSignal>; 3]); 6] = [
     (
         "/joint_states",
         [Some(|j| &j.q_measured), Some(|j| &j.dq_measured), Some(|j| &j.tau_applied)],
@@ -202,7 +202,7 @@ fn joint_state(
     message: &mut Vec<u8>,
     trace: &Trace,
     (k, t_ns): (usize, u64),
-    signals: &[Option<Signal>; 3],
+    signals: &[Option<MessageSignal>; 3],
 ) {
     let mut cdr = Cdr::new(message);
     let seconds = i32::try_from(t_ns / 1_000_000_000).unwrap_or(i32::MAX);

@@ -6,10 +6,10 @@ use std::io::{self, Write};
 use parquet::data_type::ByteArray;
 use phihat_study::Study;
 
-use crate::columnar::{ChunkReader, Kind, ParquetTable, TableWriter, Texts, Values};
+use crate::columnar::{ChunkReader, ParquetTable, TableWriter, Texts, ValueKind, Values};
 use crate::recorder::Recorder;
 use crate::trace::{COLUMNS, JointTrace, Supervision, Trace};
-use crate::trace_file::{BLOCK, FLAGS, Place, SUPERVISION, TraceError, Turn, signals};
+use crate::trace_file::{BLOCK, FLAGS, Place, RowTurn, SUPERVISION, TraceError, signals};
 
 /// Rows that are looked at together.
 const ROWS: usize = 1024;
@@ -19,13 +19,13 @@ const ROWS: usize = 1024;
 /// samples, in whatever blocks they come.
 #[expect(missing_debug_implementations, reason = "the package's writer has none")]
 pub struct ParquetTrace<W: Write + Send> {
-    file: Begun<W>,
+    file: ParquetBegin<W>,
     /// Samples of a row group that is not full.
     held: Trace,
 }
 
 /// A file of which the first block says which columns it has.
-enum Begun<W: Write + Send> {
+enum ParquetBegin<W: Write + Send> {
     Not(Option<W>),
     Yes(TableWriter<W>),
 }
@@ -33,7 +33,7 @@ enum Begun<W: Write + Send> {
 impl<W: Write + Send> ParquetTrace<W> {
     /// A writer before its first block.
     pub fn new(writer: W) -> Self {
-        Self { file: Begun::Not(Some(writer)), held: Trace::default() }
+        Self { file: ParquetBegin::Not(Some(writer)), held: Trace::default() }
     }
 
     /// Writes the next samples.
@@ -71,13 +71,13 @@ impl<W: Write + Send> ParquetTrace<W> {
             group(file, &self.held, 0..self.held.len())?;
         }
         match self.file {
-            Begun::Yes(file) => file.finish(),
-            Begun::Not(_) => Err(unfinished()),
+            ParquetBegin::Yes(file) => file.finish(),
+            ParquetBegin::Not(_) => Err(unfinished()),
         }
     }
 }
 
-impl<W: Write + Send> Begun<W> {
+impl<W: Write + Send> ParquetBegin<W> {
     /// The file, begun with a trace's columns where it was not.
     fn begin(&mut self, trace: &Trace) -> io::Result<&mut TableWriter<W>> {
         if let Self::Not(writer) = self {
@@ -189,9 +189,9 @@ impl Trace {
                 there.filter(|at| table.columns().nth(*at).is_some_and(|c| c.1 == Some(kind)));
             places.push(there.ok_or(TraceError::Column { column, expected: kind.name() })?);
         }
-        let (mut trace, mut turn) = (Self::of(study, supervised), Turn::of(study));
+        let (mut trace, mut turn) = (Self::of(study, supervised), RowTurn::of(study));
         table.read(&places, ROWS, |first, values| {
-            let rows = Rows::of(first, values)?;
+            let rows = ParquetRows::of(first, values)?;
             for row in 0..rows.t_ns.len() {
                 if turn.next == 0 && trace.len() >= block {
                     each(&mut trace);
@@ -208,24 +208,24 @@ impl Trace {
 }
 
 /// The columns of a trace and what they hold.
-fn columns(supervised: bool) -> impl Iterator<Item = (&'static str, Kind)> {
+fn columns(supervised: bool) -> impl Iterator<Item = (&'static str, ValueKind)> {
     let [mode, events, fault, brake] = SUPERVISION;
     let kind = move |name: &'static str| {
         let kind = if FLAGS.contains(&name) || name == brake {
-            Kind::Flags
+            ValueKind::Flags
         } else if [mode, events, fault].contains(&name) {
-            Kind::Texts
+            ValueKind::Texts
         } else {
-            Kind::Numbers
+            ValueKind::Numbers
         };
         (name, kind)
     };
-    let first = [("t_ns", Kind::Integers), ("joint", Kind::Texts)];
+    let first = [("t_ns", ValueKind::Integers), ("joint", ValueKind::Texts)];
     first.into_iter().chain(signals(supervised).map(kind))
 }
 
 /// Some rows of the file, by column.
-struct Rows<'a> {
+struct ParquetRows<'a> {
     first: u64,
     t_ns: &'a [i64],
     joint: &'a Texts,
@@ -234,10 +234,13 @@ struct Rows<'a> {
     words: Vec<&'a Texts>,
 }
 
-impl<'a> Rows<'a> {
+impl<'a> ParquetRows<'a> {
     fn of(first: u64, values: &'a [Values]) -> Result<Self, TraceError> {
         let [Values::Integers(t_ns), Values::Texts(joint), signals @ ..] = values else {
-            return Err(TraceError::Column { column: "t_ns", expected: Kind::Integers.name() });
+            return Err(TraceError::Column {
+                column: "t_ns",
+                expected: ValueKind::Integers.name(),
+            });
         };
         let mut rows =
             Self { first, t_ns, joint, numbers: Vec::new(), flags: Vec::new(), words: Vec::new() };
@@ -253,7 +256,7 @@ impl<'a> Rows<'a> {
     }
 
     /// Adds a row to the trace, if it is the next one.
-    fn append(&self, row: usize, turn: &mut Turn, trace: &mut Trace) -> Result<(), TraceError> {
+    fn append(&self, row: usize, turn: &mut RowTurn, trace: &mut Trace) -> Result<(), TraceError> {
         let place = Place::Row(self.first + row as u64 + 1);
         let t_ns = u64::try_from(self.t_ns[row]).map_err(|_| TraceError::Field {
             place,

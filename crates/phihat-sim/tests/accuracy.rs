@@ -2,7 +2,7 @@
 //! at fourth order against the adaptive reference, and an arm left alone must keep its energy.
 
 use phihat_model::{Model, Robot, Workspace};
-use phihat_sim::{Acceleration, Rk4, integrate_adaptive};
+use phihat_sim::{AccelerationOf, Rk4, integrate_adaptive};
 
 struct FreeArm {
     model: Model,
@@ -31,7 +31,7 @@ impl FreeArm {
     }
 }
 
-impl Acceleration for FreeArm {
+impl AccelerationOf for FreeArm {
     fn acceleration(&mut self, _t: f64, q: &[f64], dq: &[f64], ddq: &mut [f64]) {
         self.model.forward_dynamics(&mut self.workspace, q, dq, &self.tau, ddq);
     }

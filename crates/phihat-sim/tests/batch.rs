@@ -57,7 +57,7 @@ fn drive(random: &mut Random) -> String {
 pub(crate) fn drawn(random: &mut Random, (robot, tip, inertia): (&str, &str, &str)) -> String {
     let r = random;
     let mut text = format!(
-        "duration_s = {:.3}\nseed = {}\n[robot]\nname = \"{robot}\"\n[spec]\nsettle_s = 0.02\nerror_max_rad = 1e-3\n\
+        "duration_s = {:.3}\nseed = {}\n[robot]\nname = \"{robot}\"\n[spec]\nsettle_s = 0.02\nerror_bound_rad = 1e-3\n\
          [gains]\norder = 2\nbandwidth_rad_s = 20.0\ndamping = 1.0\nestimator_bandwidth_rad_s = 70.0\n\
          estimator_damping = 1.0\ninertia_kg_m2 = {inertia}\n",
         r.within(0.05, 0.11),

@@ -6,12 +6,12 @@ use std::convert::Infallible;
 use crate::support::{gains, rod_study, run};
 use allocation_counter::measure;
 use phihat_sim::{
-    BLOCK, Ended, Measured, Metrics, Outcome, ParquetTrace, Simulation, Survival, Surviving, Trace,
-    TraceWriter,
+    BLOCK, Ended, Measured, Metrics, ParquetTrace, Simulation, SimulationOutcome, Survival,
+    Surviving, Trace, TraceWriter,
 };
 use phihat_study::Study;
 
-const WORLD: &str = "[spec]\nsettle_s = 0.4\nerror_max_rad = 1e-3\n[sensor]\nencoder_bits = 16\n\
+const WORLD: &str = "[spec]\nsettle_s = 0.4\nerror_bound_rad = 1e-3\n[sensor]\nencoder_bits = 16\n\
                      velocity = \"differenced\"\n[loop]\ndelay_samples = 1\ntorque_rate_max_nm_s = 90.0\n\
                      [reference]\nkind = \"sines\"\ncenter_rad = 0.2\nfade_in_s = 0.2\n[[reference.sine]]\n\
                      amplitude_rad = 0.3\nfrequency_hz = 1.5\nphase_rad = 0.4\n";
@@ -114,7 +114,7 @@ fn faulted(fault: &str) -> Study {
 }
 
 /// The definition of the figures, read from the whole record.
-fn by_the_trace(outcome: &Outcome, from: f64) -> (f64, f64, f64) {
+fn by_the_trace(outcome: &SimulationOutcome, from: f64) -> (f64, f64, f64) {
     let joint = &outcome.trace.joints[0];
     let (n, at) = (outcome.trace.len(), outcome.trace.index_at(from));
     let worst = |values: &[f64]| values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
@@ -140,7 +140,7 @@ fn figures_alone_are_those_of_the_whole_record() {
         assert_eq!(figures.0.metrics(), Metrics::of(&whole.trace, study));
         let survival = figures.1.survival(&ended, study);
         assert_eq!(survival, Survival::of(&whole, study));
-        let told = (survival.error_max_rad, survival.error_end_rad, survival.velocity_max_rad_s);
+        let told = (survival.error_peak_rad, survival.error_end_rad, survival.velocity_max_rad_s);
         assert_eq!(told, by_the_trace(&whole, 0.3));
         assert_eq!(survival.finite, whole.divergence.is_none());
     }
@@ -159,7 +159,7 @@ fn the_last_tenth_is_found_wherever_a_run_ends() {
         }
         outcome.trace.t_ns.truncate(length);
         let survival = Survival::of(&outcome, &study);
-        let told = (survival.error_max_rad, survival.error_end_rad, survival.velocity_max_rad_s);
+        let told = (survival.error_peak_rad, survival.error_end_rad, survival.velocity_max_rad_s);
         assert_eq!(told, by_the_trace(&outcome, 0.3), "{length}");
     }
 }

@@ -7,15 +7,15 @@ use std::fs;
 use std::path::Path;
 
 use phihat::{Fault, Form, JointDesign, JointGains, Mode};
-use phihat_sim::{Metrics, Outcome, Simulation};
+use phihat_sim::{Metrics, Simulation, SimulationOutcome};
 use phihat_study::Study;
 
-const PLANAR: &str = "[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.5\nerror_max_rad = 2e-3\n[gains]\norder = 1\n\
+const PLANAR: &str = "[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.5\nerror_bound_rad = 2e-3\n[gains]\norder = 1\n\
     bandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = [0.42, 0.18, 0.14]\n[loop]\nrate_hz = 1000.0\n\
     delay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\n[world]\ngravity_m_s2 = [0.0, 0.0, 0.0]\nfriction = \"robot\"\n\
     payload = { mass_kg = 0.3 }\n";
 
-const PANDA: &str = "[robot]\nname = \"panda\"\n[spec]\nsettle_s = 1.0\nerror_max_rad = 3e-3\n[gains]\norder = 2\n\
+const PANDA: &str = "[robot]\nname = \"panda\"\n[spec]\nsettle_s = 1.0\nerror_bound_rad = 3e-3\n[gains]\norder = 2\n\
     bandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 50.0\ninertia_kg_m2 = [1.78, 2.22, 1.02, 1.28, 0.247, 0.259, 0.212]\n[loop]\n\
     rate_hz = 1000.0\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = 45.0\n";
 
@@ -26,7 +26,7 @@ fn study(text: &str) -> Study {
         .unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
-fn run(study: &Study, a: &[f64]) -> Outcome {
+fn run(study: &Study, a: &[f64]) -> SimulationOutcome {
     let joint = |inertia: &f64| {
         let design = JointDesign {
             inertia: *inertia,
@@ -42,13 +42,13 @@ fn run(study: &Study, a: &[f64]) -> Outcome {
     Simulation::new(study, &gains).unwrap().run(|_| ())
 }
 
-fn stopped(outcome: &Outcome) -> (usize, Option<Fault>) {
+fn stopped(outcome: &SimulationOutcome) -> (usize, Option<Fault>) {
     let s = outcome.trace.supervision.as_ref().unwrap();
     let at = s.mode.iter().position(|mode| *mode == Mode::SafeStop).unwrap();
     (at, s.fault[at])
 }
 
-fn speed(outcome: &Outcome, k: usize) -> f64 {
+fn speed(outcome: &SimulationOutcome, k: usize) -> f64 {
     outcome.trace.joints.iter().fold(0.0, |most, joint| joint.dq[k].abs().max(most))
 }
 
@@ -152,7 +152,7 @@ fn a_joint_without_ends_is_tracked_through_its_wrap() {
     for supervisor in ["", "[supervisor]\n", "[supervisor]\nvelocity_max_rad_s = 10.0\n"] {
         for center in [2.8, -3.0, 9.0] {
             let text = format!(
-                "duration_s = 6.0\n[robot]\nfile = \"axis.urdf\"\n[spec]\nsettle_s = 1.5\nerror_max_rad = 3e-3\n[gains]\norder = 1\n\
+                "duration_s = 6.0\n[robot]\nfile = \"axis.urdf\"\n[spec]\nsettle_s = 1.5\nerror_bound_rad = 3e-3\n[gains]\norder = 1\n\
                  bandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = 0.35\n[loop]\nrate_hz = 1000.0\ndelay_samples = 1\n\
                  [sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = 100.0\nwrap = true\n{supervisor}[reference]\n\
                  kind = \"sines\"\ncenter_rad = {center:?}\n[[reference.sine]]\namplitude_rad = 1.5\nfrequency_hz = 0.2\n"

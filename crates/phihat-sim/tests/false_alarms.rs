@@ -10,7 +10,7 @@ use std::path::Path;
 use crate::support::ARMS;
 use phihat::{Form, JointDesign, JointGains, Mode};
 use phihat_model::{Body, Robot, Workspace};
-use phihat_sim::{Motion, Outcome, Simulation};
+use phihat_sim::{Motion, Simulation, SimulationOutcome};
 use phihat_study::{LawRequest, Study};
 
 fn gains(
@@ -30,7 +30,7 @@ fn gains(
 }
 
 /// Asserts that no stop occurred and that the arm tracks at the end; returns the number of samples.
-fn followed(outcome: &Outcome, told: &str) -> usize {
+fn followed(outcome: &SimulationOutcome, told: &str) -> usize {
     let supervision = outcome.trace.supervision.as_ref().unwrap();
     let stop = supervision.mode.iter().position(|mode| *mode == Mode::SafeStop);
     let fault = stop.map(|at| (at, supervision.fault[at]));

@@ -9,7 +9,7 @@ use phihat::{Form, JointGains, PositionDesign};
 use phihat_sim::{Simulation, Trace};
 use phihat_study::Study;
 
-const ARM: &str = "duration_s = 0.5\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 0.001\nerror_max_rad = 1.0\n[design]\n";
+const ARM: &str = "duration_s = 0.5\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 0.001\nerror_bound_rad = 1.0\n[design]\n";
 const REST: &str = "[reference]\nkind = \"hold\"\nq_rad = [0.4, -0.7, 0.9]\n";
 const MOVES: &str = "[reference]\nkind = \"sines\"\ncenter_rad = [0.4, -0.7, 0.9]\nfade_in_s = 0.2\n\
                      [[reference.sine]]\namplitude_rad = [0.3, 0.4, 0.5]\nfrequency_hz = [0.7, 1.1, 0.9]\n";

@@ -2,14 +2,14 @@
 //! effect had another size, sign or timing than its key says, or left a mark where it is absent.
 
 use crate::support::{ROD_INERTIA, rod_study, run};
-use phihat_sim::{Outcome, Survival, Trace};
+use phihat_sim::{SimulationOutcome, Survival, Trace};
 
 const HOLD: &str = "[start]\nq_rad = 0.31\n[reference]\nkind = \"hold\"\nq_rad = 0.3\n";
 const TURN: &str = "[reference]\nkind = \"sines\"\ncenter_rad = 0.0\n[[reference.sine]]\n\
                     amplitude_rad = 1.0\nfrequency_hz = 0.5\n";
 
 /// The rod without gravity, friction or delay, for a second.
-fn free(rest: &str) -> Outcome {
+fn free(rest: &str) -> SimulationOutcome {
     let rest = if rest.contains("[world]") {
         rest.replace("[world]", "[world]\ngravity_m_s2 = [0.0, 0.0, 0.0]")
     } else {
@@ -281,7 +281,7 @@ fn a_body_picked_up_and_dropped_is_felt_as_its_weight() {
     let survival = Survival::of(&outcome, &study);
     assert!(survival.finite && survival.torque_kept && survival.error_end_rad < 1e-5);
     assert!(
-        (survival.error_max_rad - joint.e[1000..].iter().fold(0.0, |m: f64, e| m.max(e.abs())))
+        (survival.error_peak_rad - joint.e[1000..].iter().fold(0.0, |m: f64, e| m.max(e.abs())))
             .abs()
             < 1e-15
     );

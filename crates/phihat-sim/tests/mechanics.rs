@@ -2,7 +2,7 @@
 //! had another size, sign or place than its key says, or left a mark where it is absent.
 
 use crate::support::{ROD_INERTIA, gains, read, rod_study, run};
-use phihat_sim::{Outcome, Simulation};
+use phihat_sim::{Simulation, SimulationOutcome};
 
 const G: f64 = 9.81;
 const HOLD: &str = "[reference]\nkind = \"hold\"\nq_rad = 0.3\n";
@@ -49,7 +49,7 @@ fn what_is_not_met_leaves_every_bit_as_it_is() {
 
 #[test]
 fn below_breakaway_a_joint_sticks_and_above_it_slides_at_the_coulomb_level() {
-    let pushed = |torque: f64| -> Outcome {
+    let pushed = |torque: f64| -> SimulationOutcome {
         // In small steps: a joint that is hit breaks away earlier.
         let step = |k: u32| {
             let start = 0.05 * f64::from(k);

@@ -105,7 +105,7 @@ fn a_run_needs_the_torque_that_was_told_before() {
 #[test]
 fn a_joint_that_would_be_too_fast_is_told_with_its_speed() {
     // Sines are looked at as the file is read; what inverse kinematics makes of a curve is not.
-    let text = "duration_s = 4.0\n[robot]\nname = \"panda\"\n[spec]\nsettle_s = 1.0\nerror_max_rad = 1e-3\n[design]\n[loop]\n\
+    let text = "duration_s = 4.0\n[robot]\nname = \"panda\"\n[spec]\nsettle_s = 1.0\nerror_bound_rad = 1e-3\n[design]\n[loop]\n\
                 torque_max_nm = \"none\"\n[reference]\nkind = \"circle\"\ncenter_m = [0.45, 0.0, 0.45]\nradius_m = 0.12\nperiod_s = 0.35\nseed = \"ready\"\n";
     let study = crate::support::read(text);
     let more = found(&study);

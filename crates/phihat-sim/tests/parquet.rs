@@ -61,7 +61,7 @@ const HOLD: &str = "[start]\nq_rad = 0.31\n[reference]\nkind = \"hold\"\nq_rad =
 
 fn planar() -> Study {
     read(
-        "duration_s = 1.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 0.5\nerror_max_rad = 1e-3\n[gains]\n\
+        "duration_s = 1.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 0.5\nerror_bound_rad = 1e-3\n[gains]\n\
          order = 1\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = [0.42, 0.18, 0.14]\n\
          [reference]\nkind = \"hold\"\nq_rad = [0.1, 0.2, 0.3]\n",
     )

@@ -7,7 +7,7 @@
 use crate::support::{ARMS, read};
 use phihat::{Events, Fault, Form, JointDesign, JointGains, Mode};
 use phihat_model::{Body, Robot, Workspace};
-use phihat_sim::{Outcome, Simulation, Trace};
+use phihat_sim::{Simulation, SimulationOutcome, Trace};
 use phihat_study::Study;
 
 /// Cause of the stop.
@@ -206,7 +206,8 @@ struct Stop {
 
 fn judged(case: &Case) -> Stop {
     let study = read(&case.text());
-    let outcome: Outcome = Simulation::new(&study, &case.gains(&study)).unwrap().run(|_| ());
+    let outcome: SimulationOutcome =
+        Simulation::new(&study, &case.gains(&study)).unwrap().run(|_| ());
     let trace = &outcome.trace;
     let mode = &trace.supervision.as_ref().unwrap().mode;
     let (_, rate_hz, inertia, ..) = ARMS[case.arm];

@@ -3,13 +3,13 @@
 
 use crate::support::{rod_study, run};
 use phihat::{Events, Fault, Mode};
-use phihat_sim::{Outcome, Supervision, Trace};
+use phihat_sim::{SimulationOutcome, Supervision, Trace};
 use phihat_study::Study;
 
 const MOTION: &str = "[loop]\ntorque_rate_max_nm_s = 900.0\n[reference]\nkind = \"sines\"\ncenter_rad = 0.2\n\
                       fade_in_s = 1.0\n[[reference.sine]]\namplitude_rad = 0.3\nfrequency_hz = 0.5\n";
 
-fn outcome(duration: f64, supervisor: &str, rest: &str) -> Outcome {
+fn outcome(duration: f64, supervisor: &str, rest: &str) -> SimulationOutcome {
     run(&study(duration, supervisor, rest))
 }
 
@@ -18,7 +18,7 @@ fn study(duration: f64, supervisor: &str, rest: &str) -> Study {
     rod_study(&format!("duration_s = {duration}\nseed = 3"), &format!("{MOTION}{table}{rest}"))
 }
 
-fn supervision(outcome: &Outcome) -> &Supervision {
+fn supervision(outcome: &SimulationOutcome) -> &Supervision {
     outcome.trace.supervision.as_ref().unwrap()
 }
 

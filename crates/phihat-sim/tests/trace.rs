@@ -4,7 +4,7 @@
 use crate::support::{rod_study, run};
 use phihat_sim::{Metrics, Trace};
 
-const WORLD: &str = "[spec]\nsettle_s = 0.4\nerror_max_rad = 1e-3\n[sensor]\nencoder_bits = 16\n\
+const WORLD: &str = "[spec]\nsettle_s = 0.4\nerror_bound_rad = 1e-3\n[sensor]\nencoder_bits = 16\n\
                      velocity = \"differenced\"\n[loop]\ndelay_samples = 1\ntorque_rate_max_nm_s = 900.0\n\
                      [reference]\nkind = \"sines\"\ncenter_rad = 0.2\nfade_in_s = 0.2\n[[reference.sine]]\n\
                      amplitude_rad = 0.3\nfrequency_hz = 1.5\nphase_rad = 0.4\n";

@@ -11,7 +11,7 @@ use crate::error::StudioError;
 
 /// A law with its free scalars.
 #[derive(Debug, Clone)]
-pub struct Beside {
+pub struct AlongsideLaw {
     entry: &'static Entry,
     values: Vec<f64>,
 }
@@ -27,8 +27,8 @@ pub(crate) struct Wanted {
 }
 
 impl Wanted {
-    pub(crate) fn beside(&self) -> Result<Option<Beside>, StudioError> {
-        self.law.as_deref().map(|law| Beside::new(law, &self.values)).transpose()
+    pub(crate) fn beside(&self) -> Result<Option<AlongsideLaw>, StudioError> {
+        self.law.as_deref().map(|law| AlongsideLaw::new(law, &self.values)).transpose()
     }
 }
 
@@ -48,7 +48,7 @@ pub(crate) fn laws() -> Value {
     on_offer().map(law).collect()
 }
 
-impl Beside {
+impl AlongsideLaw {
     /// A law of `phihat compare` by its name, with its scalars in their order; none: as published.
     ///
     /// # Errors
@@ -99,22 +99,22 @@ impl Beside {
 
 #[cfg(test)]
 mod tests {
-    use super::{Beside, on_offer};
+    use super::{AlongsideLaw, on_offer};
 
     #[test]
     fn laws_on_offer_take_their_published_scalars_and_refuse_others() {
         assert!(on_offer().count() > 20);
         for entry in on_offer() {
-            assert!(Beside::new(entry.card.id, &[]).is_ok(), "{}", entry.card.id);
+            assert!(AlongsideLaw::new(entry.card.id, &[]).is_ok(), "{}", entry.card.id);
             let many = vec![1.0; entry.scalars.len() + 1];
-            assert!(Beside::new(entry.card.id, &many).is_err(), "{}", entry.card.id);
+            assert!(AlongsideLaw::new(entry.card.id, &many).is_err(), "{}", entry.card.id);
             for not in [f64::NAN, f64::INFINITY, -1.0, 0.0, 1e300] {
                 let wrong = vec![not; entry.scalars.len()];
                 let refused =
-                    entry.scalars.is_empty() || Beside::new(entry.card.id, &wrong).is_err();
+                    entry.scalars.is_empty() || AlongsideLaw::new(entry.card.id, &wrong).is_err();
                 assert!(refused, "{} took {not}", entry.card.id);
             }
         }
-        assert!(Beside::new("nobody's", &[]).is_err());
+        assert!(AlongsideLaw::new("nobody's", &[]).is_err());
     }
 }

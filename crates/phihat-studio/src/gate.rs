@@ -11,7 +11,7 @@ const BURST: f64 = 200.0;
 
 /// Conditions that a request must satisfy.
 #[derive(Debug)]
-pub(crate) struct Gate {
+pub(crate) struct PageGate {
     hosts: [String; 3],
     key: String,
     left: Mutex<(f64, Instant)>,
@@ -21,7 +21,7 @@ pub(crate) struct Gate {
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct No(pub(crate) StatusCode, pub(crate) &'static str);
 
-impl Gate {
+impl PageGate {
     /// For a port of this machine, and a key that only its user is told.
     pub(crate) fn new(port: u16, key: String) -> Self {
         let hosts = ["127.0.0.1", "localhost", "[::1]"].map(|host| format!("{host}:{port}"));

@@ -37,7 +37,7 @@ mod text;
 mod wire;
 
 pub use begin::Begin;
-pub use beside::Beside;
+pub use beside::AlongsideLaw;
 pub use error::StudioError;
 pub use live::Live;
 pub use studio::{Studio, StudioOptions};

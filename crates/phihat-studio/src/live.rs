@@ -1,10 +1,10 @@
 //! A study under control, sample by sample, with faults that come and go while it runs.
 
 use phihat_sim::{ControlSide, Row, WorldSide};
-use phihat_study::{Fault, FaultKind, Reference, Study};
+use phihat_study::{Fault, FaultKind, ReferenceRequest, Study};
 
 use crate::begin::Begin;
-use crate::beside::Beside;
+use crate::beside::AlongsideLaw;
 use crate::error::StudioError;
 use crate::offer::{Offer, offered};
 
@@ -46,7 +46,7 @@ impl Live {
     /// # Errors
     ///
     /// [`StudioError`]: the law does not apply to this arm, or the study cannot be simulated.
-    pub fn beside(begin: &Begin, law: &Beside) -> Result<Self, StudioError> {
+    pub fn beside(begin: &Begin, law: &AlongsideLaw) -> Result<Self, StudioError> {
         Self::with(begin, |begin| law.sides(begin))
     }
 
@@ -55,7 +55,10 @@ impl Live {
         sides: impl FnOnce(&Begin) -> Result<(ControlSide, WorldSide), StudioError>,
     ) -> Result<Self, StudioError> {
         let mut begin = begin.clone();
-        if matches!(begin.study.reference, Reference::Sines { .. } | Reference::Waypoints { .. }) {
+        if matches!(
+            begin.study.reference,
+            ReferenceRequest::Sines { .. } | ReferenceRequest::Waypoints { .. }
+        ) {
             begin.study.duration = begin.study.duration.max(LONG);
         }
         let (control, world) = sides(&begin)?;
@@ -89,7 +92,11 @@ impl Live {
     }
 
     /// Other scalars of the law take over at the next sample, without a step in the torque.
-    pub(crate) fn take_law(&mut self, begin: &Begin, law: &Beside) -> Result<(), StudioError> {
+    pub(crate) fn take_law(
+        &mut self,
+        begin: &Begin,
+        law: &AlongsideLaw,
+    ) -> Result<(), StudioError> {
         let (control, _) = law.sides(begin)?;
         self.control = control.after(&self.control);
         Ok(())

@@ -22,7 +22,7 @@ pub(crate) struct Factors {
 
 /// Properties of gains that a page shows.
 #[derive(Debug, Clone, Serialize)]
-pub(crate) struct Numbers {
+pub(crate) struct GainNumbers {
     pub(crate) armed: bool,
     /// Why they are not armed.
     why: Option<String>,
@@ -32,11 +32,11 @@ pub(crate) struct Numbers {
     phase_deg: Option<f64>,
     delay_ms: Option<f64>,
     modulus: Option<f64>,
-    joints: Vec<Joint>,
+    joints: Vec<JointNumbers>,
 }
 
 #[derive(Debug, Clone, Serialize)]
-struct Joint {
+struct JointNumbers {
     kp: f64,
     kd: f64,
     a: Vec<f64>,
@@ -83,7 +83,7 @@ impl Factors {
     }
 }
 
-impl Numbers {
+impl GainNumbers {
     /// Of gains on a study's arm. Whatever cannot be found is left out.
     pub(crate) fn of(study: &Study, arm: &Arm, gains: &Gains) -> Self {
         let refused = arm_inside_window(study, arm, gains).err().map(|why| why.to_string());
@@ -98,7 +98,7 @@ impl Numbers {
         let margins =
             margins.and_then(|((record, model), range)| Margins::find(record, model, range).ok());
         let bits = study.sensor.encoder_bits.as_ref();
-        let joint = |(i, record): (usize, &phihat_design::JointRecord)| Joint {
+        let joint = |(i, record): (usize, &phihat_design::JointRecord)| JointNumbers {
             kp: record.kp_per_s2,
             kd: record.kd_per_s,
             a: record.a.clone(),

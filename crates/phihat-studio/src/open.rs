@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use phihat_design::Gains;
-use phihat_report::Arm;
+use phihat_report::DrawnArm;
 use phihat_study::Study;
 
 use crate::begin::Begin;
@@ -13,19 +13,19 @@ use crate::begin::Begin;
 pub(crate) struct Open {
     pub(crate) study: Box<Study>,
     /// Its arm, as it is drawn: made once, since shapes are read for it.
-    pub(crate) arm: Box<Arm>,
+    pub(crate) arm: Box<DrawnArm>,
     /// `None`: another controller's record is played.
     pub(crate) gains: Option<Gains>,
     pub(crate) warnings: Vec<String>,
     /// Path of its text, whether it exists or not.
     pub(crate) path: PathBuf,
     /// Of a record that is played.
-    pub(crate) played: Option<Played>,
+    pub(crate) played: Option<RecordAbout>,
 }
 
 /// Description of a record for a page, before it is played.
 #[derive(Debug, Clone)]
-pub(crate) struct Played {
+pub(crate) struct RecordAbout {
     /// Its length \[s\].
     pub(crate) length: f64,
     /// Times and desired positions to draw a path from.

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use tokio::sync::{oneshot, watch};
 
 use crate::begin::Begin;
-use crate::beside::Beside;
+use crate::beside::AlongsideLaw;
 use crate::error::StudioError;
 use crate::offer::Offer;
 use crate::sampled::Sampled;
@@ -26,7 +26,7 @@ const BEHIND: f64 = 0.2;
 const ORDERS_MAX: usize = 64;
 
 /// Order to a run.
-pub(crate) enum Order {
+pub(crate) enum PlayerOrder {
     /// An offer acts on a joint with a size, or ends.
     Meet(&'static Offer, Option<usize>, Option<f64>),
     /// So many times real time; 0 waits.
@@ -38,7 +38,7 @@ pub(crate) enum Order {
     /// Another study, from its start.
     Other(Box<Begin>),
     /// Another law beside this one, or none.
-    Beside(Option<Beside>),
+    Beside(Option<AlongsideLaw>),
     /// Measurements come so many samples late.
     Late(u32),
     /// A record goes to a time \[s\].
@@ -48,23 +48,23 @@ pub(crate) enum Order {
 }
 
 /// An order with who waits for what came of it.
-struct Asked {
-    order: Order,
+struct PendingOrder {
+    order: PlayerOrder,
     answer: oneshot::Sender<Result<Value, StudioError>>,
 }
 
 /// Sender of orders to the thread.
 #[derive(Debug, Clone)]
 pub(crate) struct Player {
-    orders: SyncSender<Asked>,
+    orders: SyncSender<PendingOrder>,
     pub(crate) frames: watch::Receiver<Arc<str>>,
 }
 
 /// Least and largest since the last picture.
 #[derive(Debug, Clone, Copy, Serialize)]
-struct Range(f64, f64);
+struct PictureRange(f64, f64);
 
-impl Range {
+impl PictureRange {
     const NONE: Self = Self(f64::INFINITY, f64::NEG_INFINITY);
 
     fn take(&mut self, x: f64) {
@@ -74,23 +74,23 @@ impl Range {
 
 /// Values of one joint in a picture.
 #[derive(Debug, Clone, Copy, Serialize)]
-struct Shown {
+struct JointPicture {
     q: f64,
     qd: f64,
-    e: Range,
-    tau: Range,
+    e: PictureRange,
+    tau: PictureRange,
     phi: f64,
 }
 
 /// One picture, as a page gets it.
 #[derive(Debug, Serialize)]
-struct Frame<'a> {
+struct PlayerFrame<'a> {
     /// Its number.
     n: u64,
     t: f64,
-    joints: &'a [Shown],
+    joints: &'a [JointPicture],
     /// The same of the arm under the other law, while that goes on.
-    other: Option<&'a [Shown]>,
+    other: Option<&'a [JointPicture]>,
     other_over: Option<&'a str>,
     acting: Vec<(&'static str, Option<usize>, f64)>,
     /// So many times real time: asked for, and reached.
@@ -103,7 +103,7 @@ impl Player {
     pub(crate) fn begin(stage: Stage) -> Result<(Self, JoinHandle<()>), StudioError> {
         let (orders, asked) = sync_channel(ORDERS_MAX);
         let (told, frames) = watch::channel(Arc::from("{}"));
-        let mut run = Run::new(stage, told);
+        let mut run = StageRun::new(stage, told);
         let thread = std::thread::Builder::new().name("phihat-run".to_owned());
         let thread = thread.spawn(move || run.go_on(&asked));
         let thread = thread.map_err(|why| StudioError::refused(why.to_string()))?;
@@ -111,9 +111,9 @@ impl Player {
     }
 
     /// Gives an order, and waits for what comes of it.
-    pub(crate) async fn ask(&self, order: Order) -> Result<Value, StudioError> {
+    pub(crate) async fn ask(&self, order: PlayerOrder) -> Result<Value, StudioError> {
         let (answer, answered) = oneshot::channel();
-        match self.orders.try_send(Asked { order, answer }) {
+        match self.orders.try_send(PendingOrder { order, answer }) {
             Ok(()) => {}
             Err(TrySendError::Full(_)) => {
                 return Err(StudioError::refused("too many orders wait: slower, please"));
@@ -126,21 +126,21 @@ impl Player {
     }
 
     /// Gives an order from a thread that may wait; whether it was obeyed at once.
-    pub(crate) fn order(&self, order: Order) -> bool {
+    pub(crate) fn order(&self, order: PlayerOrder) -> bool {
         let (answer, answered) = oneshot::channel();
-        let given = self.orders.try_send(Asked { order, answer }).is_ok();
+        let given = self.orders.try_send(PendingOrder { order, answer }).is_ok();
         let done = if given { answered.blocking_recv().ok() } else { None };
         done.is_some_and(|done| done.is_ok_and(|value| value["now"] == true))
     }
 }
 
 /// Stage and its clock.
-struct Run {
+struct StageRun {
     stage: Stage,
     told: watch::Sender<Arc<str>>,
-    shown: Vec<Shown>,
+    shown: Vec<JointPicture>,
     /// Of the other law; whether there was a sample of it since the last picture.
-    beside: (Vec<Shown>, bool),
+    beside: (Vec<JointPicture>, bool),
     n: u64,
     speed: f64,
     over: Option<String>,
@@ -156,10 +156,10 @@ fn now() -> Instant {
     Instant::now()
 }
 
-impl Run {
+impl StageRun {
     fn new(stage: Stage, told: watch::Sender<Arc<str>>) -> Self {
         let start = (now(), 0.0);
-        let shown = vec![Shown::NONE; stage.joints()];
+        let shown = vec![JointPicture::NONE; stage.joints()];
         Self {
             beside: (shown.clone(), false),
             shown,
@@ -175,10 +175,10 @@ impl Run {
     }
 
     /// Until nobody gives orders any more.
-    fn go_on(&mut self, orders: &Receiver<Asked>) {
+    fn go_on(&mut self, orders: &Receiver<PendingOrder>) {
         loop {
             match orders.recv_timeout(TICK) {
-                Ok(Asked { order, answer }) => {
+                Ok(PendingOrder { order, answer }) => {
                     // Whoever asked may be gone.
                     let _ = answer.send(self.obey(order));
                 }
@@ -203,47 +203,47 @@ impl Run {
         self.pictured.1 = self.stage.time();
     }
 
-    fn obey(&mut self, order: Order) -> Result<Value, StudioError> {
+    fn obey(&mut self, order: PlayerOrder) -> Result<Value, StudioError> {
         match order {
-            Order::Meet(offer, joint, size) => self.stage.pair()?.meet(offer, joint, size),
-            Order::Speed(speed) => {
+            PlayerOrder::Meet(offer, joint, size) => self.stage.pair()?.meet(offer, joint, size),
+            PlayerOrder::Speed(speed) => {
                 self.speed = speed;
                 self.anchor_now();
                 Ok(json!({ "speed": speed }))
             }
-            Order::Gains(begin) => {
+            PlayerOrder::Gains(begin) => {
                 let runs = self.over.is_none();
                 self.stage.pair()?.gains(*begin, runs)
             }
-            Order::Tell => Ok(self.stage.pair()?.tell()),
-            Order::Again => {
+            PlayerOrder::Tell => Ok(self.stage.pair()?.tell()),
+            PlayerOrder::Again => {
                 self.stage.again()?;
                 self.jumped();
                 Ok(json!({ "t": 0.0 }))
             }
-            Order::Beside(law) => {
+            PlayerOrder::Beside(law) => {
                 let done = self.stage.pair()?.beside(law)?;
                 self.jumped();
                 Ok(done)
             }
-            Order::Late(samples) => {
+            PlayerOrder::Late(samples) => {
                 let done = self.stage.pair()?.late(samples)?;
                 self.jumped();
                 Ok(done)
             }
-            Order::Seek(t) => {
+            PlayerOrder::Seek(t) => {
                 self.stage.seek(t)?;
                 self.jumped();
                 // It is seen where it stands still, too, and what was before is not.
                 for shown in &mut self.shown {
-                    (shown.e, shown.tau) = (Range::NONE, Range::NONE);
+                    (shown.e, shown.tau) = (PictureRange::NONE, PictureRange::NONE);
                 }
                 if let Some((rows, _)) = self.stage.step() {
                     self.shown.iter_mut().zip(rows).for_each(|(shown, row)| shown.take(row));
                 }
                 Ok(json!({ "t": self.stage.time() }))
             }
-            Order::Other(begin) => {
+            PlayerOrder::Other(begin) => {
                 self.stage.pair()?;
                 let next = Self::new(Stage::live(*begin)?, self.told.clone());
                 *self = Self { n: self.n, ..next };
@@ -291,7 +291,7 @@ impl Run {
         self.reached += 0.1 * (rate - self.reached);
         self.pictured = (now(), self.stage.time());
         self.n += 1;
-        let frame = Frame {
+        let frame = PlayerFrame {
             n: self.n,
             t: self.stage.time(),
             joints: &self.shown,
@@ -304,14 +304,15 @@ impl Run {
         let text = serde_json::to_string(&frame).unwrap_or_default();
         self.told.send_replace(Arc::from(text));
         for shown in self.shown.iter_mut().chain(&mut self.beside.0) {
-            (shown.e, shown.tau) = (Range::NONE, Range::NONE);
+            (shown.e, shown.tau) = (PictureRange::NONE, PictureRange::NONE);
         }
         self.beside.1 = false;
     }
 }
 
-impl Shown {
-    const NONE: Self = Self { q: 0.0, qd: 0.0, e: Range::NONE, tau: Range::NONE, phi: 0.0 };
+impl JointPicture {
+    const NONE: Self =
+        Self { q: 0.0, qd: 0.0, e: PictureRange::NONE, tau: PictureRange::NONE, phi: 0.0 };
 
     fn take(&mut self, at: &Sampled) {
         (self.q, self.qd, self.phi) = (at.q, at.q_d, at.phi_hat);

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 
 use crate::begin::Begin;
 use crate::error::StudioError;
-use crate::numbers::{Factors, Numbers};
+use crate::numbers::{Factors, GainNumbers};
 
 /// Requested change of gains.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -49,7 +49,7 @@ pub(crate) struct Proof {
 }
 
 /// Action on gains that are armed.
-type Take = Box<dyn Fn(Begin) -> bool + Send>;
+type TakeProof = Box<dyn Fn(Begin) -> bool + Send>;
 
 #[expect(clippy::disallowed_methods, reason = "how long a search took is told")]
 fn now() -> Instant {
@@ -101,7 +101,7 @@ impl Proof {
     }
 
     /// Begins the thread that answers wishes.
-    pub(crate) fn work(self: &Arc<Self>, take: Take) -> Result<(), StudioError> {
+    pub(crate) fn work(self: &Arc<Self>, take: TakeProof) -> Result<(), StudioError> {
         let own = Arc::clone(self);
         let thread = std::thread::Builder::new().name("phihat-numbers".to_owned());
         let begun = thread.spawn(move || {
@@ -124,7 +124,7 @@ impl Proof {
         }
     }
 
-    fn answer(self: &Arc<Self>, number: u64, wish: Wish, take: &Take) {
+    fn answer(self: &Arc<Self>, number: u64, wish: Wish, take: &TakeProof) {
         let began = now();
         let begin = self.begin.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let mut document = json!({ "ask": number, "error": wish.error, "factors": wish.factors() });
@@ -194,7 +194,7 @@ impl Proof {
 }
 
 /// The gains of a wish with their numbers.
-fn looked(begin: &Begin, arm: &Arm, wish: Wish) -> Result<(Begin, Numbers), StudioError> {
+fn looked(begin: &Begin, arm: &Arm, wish: Wish) -> Result<(Begin, GainNumbers), StudioError> {
     let study = &begin.study;
     let base = if (wish.error - 1.0).abs() < 1e-9 {
         begin.gains.clone()
@@ -202,7 +202,7 @@ fn looked(begin: &Begin, arm: &Arm, wish: Wish) -> Result<(Begin, Numbers), Stud
         found(study, arm, wish.error)?
     };
     let gains = wish.factors().of(study, &base)?;
-    let numbers = Numbers::of(study, arm, &gains);
+    let numbers = GainNumbers::of(study, arm, &gains);
     Ok((Begin { study: study.clone(), gains }, numbers))
 }
 
@@ -210,7 +210,7 @@ fn looked(begin: &Begin, arm: &Arm, wish: Wish) -> Result<(Begin, Numbers), Stud
 fn found(study: &Study, arm: &Arm, times: f64) -> Result<Gains, StudioError> {
     let mut asked = study.clone();
     let Some(bounds) = &mut asked.spec.error_bound else {
-        return Err(StudioError::refused("the study states no spec.error_max_rad"));
+        return Err(StudioError::refused("the study states no spec.error_bound_rad"));
     };
     for bound in bounds {
         *bound *= times;
@@ -233,5 +233,5 @@ fn proved(begin: &Begin) -> Result<Vec<f64>, StudioError> {
     let desired = Desired::of(study, |joint, t| motion.told(joint, t));
     let tube =
         tube(study, &begin.gains, &desired).map_err(|why| StudioError::refused(why.to_string()))?;
-    Ok(tube.joints.iter().map(|joint| joint.error_max_rad).collect())
+    Ok(tube.joints.iter().map(|joint| joint.error_bound_rad).collect())
 }

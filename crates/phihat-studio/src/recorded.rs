@@ -11,7 +11,7 @@ use crate::error::StudioError;
 use crate::sampled::Sampled;
 
 /// Topics of a log, and what of them is shown: which of position, velocity and effort, and of what.
-const TOPICS: [(&str, usize, Column); 5] = [
+const TOPICS: [(&str, usize, SampledColumn); 5] = [
     ("/joint_states", 0, |joint| &mut joint.q),
     ("/phihat/reference", 0, |joint| &mut joint.q_d),
     ("/phihat/error", 0, |joint| &mut joint.e),
@@ -19,10 +19,10 @@ const TOPICS: [(&str, usize, Column); 5] = [
     ("/phihat/phi_hat", 2, |joint| &mut joint.phi_hat),
 ];
 
-type Column = fn(&mut Sampled) -> &mut f64;
+type SampledColumn = fn(&mut Sampled) -> &mut f64;
 
 /// Values in messages, by their times \[ns\]: the topic, and a value for each joint that it names.
-type Told = BTreeMap<u64, Vec<(usize, Vec<Option<f64>>)>>;
+type MessageValues = BTreeMap<u64, Vec<(usize, Vec<Option<f64>>)>>;
 
 /// A run of the past.
 #[derive(Debug, Default)]
@@ -61,13 +61,13 @@ impl Recorded {
         let told = |why: String| StudioError::refused(format!("{}: {why}", path.display()));
         let bytes = std::fs::read(path).map_err(|why| told(why.to_string()))?;
         let names: Vec<&str> = study.robot.joints.iter().map(|joint| joint.name.as_str()).collect();
-        let mut told_at = Told::new();
+        let mut told_at = MessageValues::new();
         for message in MessageStream::new(&bytes).map_err(|why| told(why.to_string()))? {
             let message = message.map_err(|why| told(why.to_string()))?;
             let topic = TOPICS.iter().position(|(topic, ..)| *topic == message.channel.topic);
             let Some(topic) = topic else { continue };
             let (name, which, _) = TOPICS[topic];
-            let state = JointState::read(&message.data)
+            let state = RecordedJointState::read(&message.data)
                 .ok_or_else(|| told(format!("a message of {name} is no JointState in CDR")))?;
             let of = |name: &&str| {
                 let place = state.names.iter().position(|known| known == name)?;
@@ -89,7 +89,7 @@ impl Recorded {
 
     /// Samples at the times of positions, with the last reported value of every other topic; before the first desired
     /// position, the measured one in its place.
-    fn together(told_at: Told, joints: usize) -> Self {
+    fn together(told_at: MessageValues, joints: usize) -> Self {
         let mut whole = Self { joints, ..Self::default() };
         let (mut now, mut referred) = (vec![Sampled::default(); joints], false);
         let mut first = None;
@@ -153,20 +153,20 @@ impl Recorded {
 }
 
 /// `sensor_msgs/msg/JointState`.
-struct JointState {
+struct RecordedJointState {
     names: Vec<String>,
     /// Position, velocity, effort.
     values: [Vec<f64>; 3],
 }
 
-impl JointState {
+impl RecordedJointState {
     /// Of XCDR1, little-endian; `None`: it is not, or ends too early.
     fn read(message: &[u8]) -> Option<Self> {
         let (head, body) = message.split_first_chunk::<4>()?;
         if head[..2] != [0, 1] {
             return None;
         }
-        let mut from = Cdr { body, at: 0 };
+        let mut from = CdrReader { body, at: 0 };
         // The stamp, and the frame's name.
         from.take::<4>()?;
         from.take::<4>()?;
@@ -181,12 +181,12 @@ impl JointState {
     }
 }
 
-struct Cdr<'a> {
+struct CdrReader<'a> {
     body: &'a [u8],
     at: usize,
 }
 
-impl Cdr<'_> {
+impl CdrReader<'_> {
     /// The next number of so many bytes, at a multiple of its size.
     fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
         let at = self.at.checked_next_multiple_of(N)?;

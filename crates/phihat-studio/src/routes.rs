@@ -26,10 +26,10 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
 use crate::beside::Wanted;
 use crate::error::StudioError;
 use crate::folder::Folder;
-use crate::gate::{Gate, No};
+use crate::gate::{No, PageGate};
 use crate::offer::offered;
 use crate::open::Open;
-use crate::player::{Order, Player};
+use crate::player::{Player, PlayerOrder};
 use crate::proof::{Proof, Wish};
 use crate::state::state;
 use crate::text;
@@ -45,7 +45,7 @@ const CHECKS_MAX: usize = 2;
 
 /// State that all requests share.
 pub(crate) struct Shared {
-    pub(crate) gate: Gate,
+    pub(crate) gate: PageGate,
     pub(crate) player: Player,
     /// `None`: a record is played, which has no gains that could be changed.
     pub(crate) proof: Option<Arc<Proof>>,
@@ -63,7 +63,7 @@ type Of = State<Arc<Shared>>;
 
 impl Shared {
     pub(crate) fn new(
-        gate: Gate,
+        gate: PageGate,
         player: Player,
         proof: Option<Arc<Proof>>,
         folder: Folder,
@@ -224,13 +224,13 @@ async fn meet(State(shared): Of, request: Request) -> Response {
     let Some(offer) = offered(&what) else {
         return refuse(StatusCode::UNPROCESSABLE_ENTITY, "nothing of this name is on offer");
     };
-    answered(shared.player.ask(Order::Meet(offer, joint, size)).await)
+    answered(shared.player.ask(PlayerOrder::Meet(offer, joint, size)).await)
 }
 
 /// Speed over real time, and whether the run begins again.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Run {
+struct RunRequest {
     speed: Option<f64>,
     #[serde(default)]
     again: bool,
@@ -240,13 +240,13 @@ struct Run {
 const SPEED_MAX: f64 = 10.0;
 
 async fn run(State(shared): Of, request: Request) -> Response {
-    let Run { speed, again } = match document(request).await {
+    let RunRequest { speed, again } = match document(request).await {
         Ok(asked) => asked,
         Err(no) => return no,
     };
     let order = match speed {
-        _ if again => Order::Again,
-        Some(speed) if (0.0..=SPEED_MAX).contains(&speed) => Order::Speed(speed),
+        _ if again => PlayerOrder::Again,
+        Some(speed) if (0.0..=SPEED_MAX).contains(&speed) => PlayerOrder::Speed(speed),
         _ => return refuse(StatusCode::UNPROCESSABLE_ENTITY, "a speed is 0 to 10"),
     };
     answered(shared.player.ask(order).await)
@@ -268,7 +268,7 @@ async fn beside(State(shared): Of, request: Request) -> Response {
         Err(no) => return no,
     };
     match wanted.beside() {
-        Ok(law) => answered(shared.player.ask(Order::Beside(law)).await),
+        Ok(law) => answered(shared.player.ask(PlayerOrder::Beside(law)).await),
         Err(why) => answered(Err(why)),
     }
 }
@@ -285,7 +285,7 @@ async fn late(State(shared): Of, request: Request) -> Response {
         Ok(late) => late,
         Err(no) => return no,
     };
-    answered(shared.player.ask(Order::Late(samples)).await)
+    answered(shared.player.ask(PlayerOrder::Late(samples)).await)
 }
 
 /// A time of a record \[s\].
@@ -300,13 +300,13 @@ async fn seek(State(shared): Of, request: Request) -> Response {
         Ok(seek) => seek,
         Err(no) => return no,
     };
-    answered(shared.player.ask(Order::Seek(t)).await)
+    answered(shared.player.ask(PlayerOrder::Seek(t)).await)
 }
 
 /// A study's text.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Text {
+struct PageText {
     text: String,
 }
 
@@ -326,7 +326,7 @@ async fn aside<T: Send + 'static>(
 }
 
 async fn check(State(shared): Of, request: Request) -> Response {
-    let Text { text } = match document(request).await {
+    let PageText { text } = match document(request).await {
         Ok(asked) => asked,
         Err(no) => return no,
     };
@@ -342,7 +342,7 @@ async fn check(State(shared): Of, request: Request) -> Response {
 }
 
 async fn open(State(shared): Of, request: Request) -> Response {
-    let Text { text } = match document(request).await {
+    let PageText { text } = match document(request).await {
         Ok(asked) => asked,
         Err(no) => return no,
     };
@@ -359,7 +359,7 @@ async fn open(State(shared): Of, request: Request) -> Response {
     let (Some(begin), Some(proof)) = (opened.begin(), &shared.proof) else {
         return answered(Err(only_looked_at()));
     };
-    let begun = shared.player.ask(Order::Other(Box::new(begin.clone()))).await;
+    let begun = shared.player.ask(PlayerOrder::Other(Box::new(begin.clone()))).await;
     if begun.is_ok() {
         proof.turn_to(begin);
         *shared.open.lock().unwrap_or_else(PoisonError::into_inner) = opened;
@@ -402,7 +402,7 @@ async fn saved(shared: &Shared, name: &str, text: Option<String>) -> Result<Valu
     if let Some(text) = text {
         all.push((place, text));
     } else {
-        let came = shared.player.ask(Order::Tell).await?;
+        let came = shared.player.ask(PlayerOrder::Tell).await?;
         let open = shared.opened();
         all.push((place.clone(), text::with_what_came(&open.study.text, &came)));
         let taken = shared.proof.as_ref().and_then(|proof| proof.taken());
@@ -423,18 +423,18 @@ async fn look_on(State(shared): Of) -> Response {
     let Ok(held) = Arc::clone(&shared.live).try_acquire_owned() else {
         return refuse(StatusCode::SERVICE_UNAVAILABLE, "eight pages look on already");
     };
-    let events = Events { frames: shared.player.frames.clone(), _held: held };
+    let events = EventStream { frames: shared.player.frames.clone(), _held: held };
     let body = Body::new(Stream { next: Box::pin(events.next()) });
     ([(header::CONTENT_TYPE, "text/event-stream")], body).into_response()
 }
 
 /// Stream of pictures to one page. Of pictures that it is too slow for, it gets the last one.
-struct Events {
+struct EventStream {
     frames: watch::Receiver<Arc<str>>,
     _held: OwnedSemaphorePermit,
 }
 
-impl Events {
+impl EventStream {
     async fn next(mut self) -> (Option<Bytes>, Self) {
         let bytes = match self.frames.changed().await {
             Ok(()) => Some(Bytes::from(format!("data: {}\n\n", &*self.frames.borrow_and_update()))),
@@ -444,7 +444,7 @@ impl Events {
     }
 }
 
-type Following = Pin<Box<dyn Future<Output = (Option<Bytes>, Events)> + Send>>;
+type Following = Pin<Box<dyn Future<Output = (Option<Bytes>, EventStream)> + Send>>;
 
 /// The body of a response that goes on.
 struct Stream {

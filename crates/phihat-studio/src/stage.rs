@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::begin::Begin;
-use crate::beside::Beside;
+use crate::beside::AlongsideLaw;
 use crate::error::StudioError;
 use crate::live::Live;
 use crate::offer::Offer;
@@ -26,21 +26,21 @@ pub(crate) struct Pair {
     begin: Begin,
     live: Box<Live>,
     rows: Vec<Sampled>,
-    other: Option<Other>,
+    other: Option<OtherArm>,
     /// True once the delay of the measurements was set by hand.
     is_late: bool,
 }
 
 #[derive(Debug)]
-struct Other {
-    law: Beside,
+struct OtherArm {
+    law: AlongsideLaw,
     live: Box<Live>,
     rows: Vec<Sampled>,
     over: Option<String>,
 }
 
 /// A sample: of the arm, and of the arm under the other law.
-pub(crate) type Samples<'a> = (&'a [Sampled], Option<&'a [Sampled]>);
+pub(crate) type StageSamples<'a> = (&'a [Sampled], Option<&'a [Sampled]>);
 
 impl Stage {
     pub(crate) fn live(begin: Begin) -> Result<Self, StudioError> {
@@ -71,7 +71,7 @@ impl Stage {
     }
 
     /// One sample; `None`: it is over.
-    pub(crate) fn step(&mut self) -> Option<Samples<'_>> {
+    pub(crate) fn step(&mut self) -> Option<StageSamples<'_>> {
         match self {
             Self::Live(pair) => pair.step(),
             Self::Record(record) => Some((record.step()?, None)),
@@ -126,8 +126,8 @@ impl Stage {
     }
 }
 
-impl Other {
-    fn new(law: Beside, begin: &Begin) -> Result<Self, StudioError> {
+impl OtherArm {
+    fn new(law: AlongsideLaw, begin: &Begin) -> Result<Self, StudioError> {
         let live = Box::new(Live::beside(begin, &law)?);
         let rows = vec![Sampled::default(); live.joints()];
         Ok(Self { law, live, rows, over: None })
@@ -150,11 +150,11 @@ impl Pair {
         Ok(Self { begin, live, rows, other: None, is_late: false })
     }
 
-    fn step(&mut self) -> Option<Samples<'_>> {
+    fn step(&mut self) -> Option<StageSamples<'_>> {
         let (_, rows) = self.live.step()?;
         self.rows.iter_mut().zip(rows).for_each(|(shown, row)| *shown = Sampled::of(row));
         let other = self.other.as_mut().filter(|other| other.over.is_none());
-        let other = other.and_then(Other::step);
+        let other = other.and_then(OtherArm::step);
         Some((&self.rows, other))
     }
 
@@ -164,9 +164,14 @@ impl Pair {
         self.stage(begin, law, stays)
     }
 
-    fn stage(&mut self, begin: Begin, law: Option<Beside>, stays: bool) -> Result<(), StudioError> {
+    fn stage(
+        &mut self,
+        begin: Begin,
+        law: Option<AlongsideLaw>,
+        stays: bool,
+    ) -> Result<(), StudioError> {
         let mut live = Box::new(Live::new(&begin)?);
-        let mut other = law.map(|law| Other::new(law, &begin)).transpose()?;
+        let mut other = law.map(|law| OtherArm::new(law, &begin)).transpose()?;
         for (kind, joint, size) in self.live.acting().filter(|_| stays) {
             live.meet_named(kind.word(), joint, Some(size))?;
             if let Some(other) = &mut other {
@@ -200,7 +205,7 @@ impl Pair {
     }
 
     /// Another law beside it, or none. The same law with other scalars goes on; else both begin anew, with what acts.
-    pub(crate) fn beside(&mut self, law: Option<Beside>) -> Result<Value, StudioError> {
+    pub(crate) fn beside(&mut self, law: Option<AlongsideLaw>) -> Result<Value, StudioError> {
         match (&mut self.other, law) {
             (Some(other), Some(law))
                 if other.law.title() == law.title() && other.over.is_none() =>

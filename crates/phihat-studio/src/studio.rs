@@ -11,9 +11,9 @@ use tokio::runtime::Runtime;
 use crate::begin::Begin;
 use crate::error::StudioError;
 use crate::folder::Folder;
-use crate::gate::Gate;
-use crate::open::{Open, Played};
-use crate::player::{Order, Player};
+use crate::gate::PageGate;
+use crate::open::{Open, RecordAbout};
+use crate::player::{Player, PlayerOrder};
 use crate::proof::Proof;
 use crate::recorded::Recorded;
 use crate::routes::{Shared, router};
@@ -103,7 +103,7 @@ impl StudioOptions {
                 (done.study, done.gains, Recorded::of_trace(&trace))
             }
         };
-        let played = Some(Played { length: play.length(), path: play.path() });
+        let played = Some(RecordAbout { length: play.length(), path: play.path() });
         let path = record.to_owned();
         let warnings = Vec::new();
         let arm = Box::new(drawn_arm(&study, None));
@@ -157,9 +157,9 @@ impl Studio {
         let proof = self.open.begin().map(Proof::new);
         if let Some(proof) = &proof {
             let taker = player.clone();
-            proof.work(Box::new(move |begin| taker.order(Order::Gains(Box::new(begin)))))?;
+            proof.work(Box::new(move |begin| taker.order(PlayerOrder::Gains(Box::new(begin)))))?;
         }
-        let gate = Gate::new(self.address.port(), self.key);
+        let gate = PageGate::new(self.address.port(), self.key);
         let shared = Shared::new(gate, player, proof, self.folder, self.open);
         self.runtime.block_on(serve(self.listener, router(shared)));
         Ok(())

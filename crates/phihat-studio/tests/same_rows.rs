@@ -3,7 +3,7 @@
 
 use phihat_session::{RunOptions, TraceKind};
 use phihat_sim::{Row, Trace};
-use phihat_studio::{Begin, Beside, Live, StudioOptions};
+use phihat_studio::{AlongsideLaw, Begin, Live, StudioOptions};
 use serde_json::json;
 
 use crate::support::{document, folder, place, serve, status, wait_for};
@@ -153,7 +153,7 @@ fn a_page_pushes_drags_gains_checks_and_saves() {
 fn the_other_law_runs_on_the_same_arm_and_meets_what_comes() {
     let study = folder("beside").join("arm.toml");
     let begin = begin(&study);
-    let law = Beside::new("pd", &[15.0, 0.8]).unwrap();
+    let law = AlongsideLaw::new("pd", &[15.0, 0.8]).unwrap();
     let mut live = Live::beside(&begin, &law).unwrap();
     for k in 0..400 {
         if k == 100 {
@@ -169,7 +169,7 @@ fn the_other_law_runs_on_the_same_arm_and_meets_what_comes() {
     let mut text = crate::support::STUDY.to_owned();
     text.extend([live.sections().0]);
     assert!(text.contains("kind = \"payload\""), "{text}");
-    assert!(Live::beside(&begin, &Beside::new("super-twisting", &[]).unwrap()).is_ok());
+    assert!(Live::beside(&begin, &AlongsideLaw::new("super-twisting", &[]).unwrap()).is_ok());
 }
 
 #[test]

@@ -34,7 +34,7 @@ seed = 5
 name = "planar3r"
 [spec]
 settle_s = 0.5
-error_max_rad = 2e-3
+error_bound_rad = 2e-3
 [gains]
 order = 1
 bandwidth_rad_s = 20.0

@@ -3,19 +3,19 @@
 use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
-use crate::study::{Curve, Reference};
+use crate::study::{Curve, ReferenceRequest};
 
 /// Points nearer than this are the same \[m\].
 const SAME_POINT: f64 = 1e-9;
 
-pub(crate) fn read(node: &Node<'_>, arm: &StudyArm) -> Result<Reference, StudyError> {
+pub(crate) fn read(node: &Node<'_>, arm: &StudyArm) -> Result<ReferenceRequest, StudyError> {
     let hold_orientation = node.flag("hold_orientation")?;
     let joints = arm.joints.count();
     if hold_orientation && joints < 6 {
         let message = format!("holding an orientation needs 6 joints, the robot has {joints}");
         return Err(node.error(Kind::Conflict, "hold_orientation", message));
     }
-    Ok(Reference::Cartesian {
+    Ok(ReferenceRequest::Cartesian {
         frame: arm.frame(node, "frame")?,
         curve: if node.has("points_m") { spline(node)? } else { circle(node)? },
         period: node.number("period_s")?,

@@ -5,7 +5,7 @@ use toml::de::{DeString, DeTable, DeValue};
 
 use crate::entries::{clip, in_file_order, join, missing_key};
 use crate::error::{StudyError, StudyErrorKind as Kind};
-use crate::format::{Bounds, Need, Section, Shape};
+use crate::format::{FormatSection, Need, NumberBounds, Shape};
 use crate::keys::STUDY;
 use crate::source::Source;
 use crate::suggest::{did_you_mean, sections, with_right_unit};
@@ -19,7 +19,7 @@ const TEXT_MAX: usize = 200;
 /// Checks a table; `span` is where it begins.
 pub(crate) fn check_table(
     source: &Source<'_>,
-    section: &'static Section,
+    section: &'static FormatSection,
     path: &str,
     span: &std::ops::Range<usize>,
     table: &DeTable<'_>,
@@ -52,7 +52,7 @@ pub(crate) fn check_table(
 
 fn unknown(
     source: &Source<'_>,
-    section: &'static Section,
+    section: &'static FormatSection,
     path: &str,
     key: &Spanned<DeString<'_>>,
 ) -> StudyError {
@@ -72,7 +72,7 @@ fn unknown(
 }
 
 /// Another section that has a key of exactly this name.
-fn elsewhere(name: &str, section: &'static Section) -> Option<String> {
+fn elsewhere(name: &str, section: &'static FormatSection) -> Option<String> {
     let found = sections(&STUDY)
         .into_iter()
         .find(|(_, other)| !std::ptr::eq(*other, section) && other.key(name).is_some());
@@ -146,11 +146,11 @@ fn check_value(
 /// The section that a table's `kind` chooses.
 pub(crate) fn kind_section(
     source: &Source<'_>,
-    kinds: &'static [crate::format::Kind],
+    kinds: &'static [crate::format::SectionKind],
     path: &str,
     value: &Value<'_>,
     table: &DeTable<'_>,
-) -> Result<&'static Section, StudyError> {
+) -> Result<&'static FormatSection, StudyError> {
     let words: Vec<&str> = kinds.iter().map(|kind| kind.word).collect();
     let key = join(path, "kind");
     let Some(kind) = table.get("kind") else {
@@ -205,7 +205,7 @@ fn check_word(
 
 fn check_number(
     source: &Source<'_>,
-    bounds: Bounds,
+    bounds: NumberBounds,
     path: &str,
     value: &Value<'_>,
 ) -> Result<(), StudyError> {
@@ -224,7 +224,7 @@ fn check_number(
 
 fn check_point(
     source: &Source<'_>,
-    bounds: Bounds,
+    bounds: NumberBounds,
     path: &str,
     value: &Value<'_>,
 ) -> Result<(), StudyError> {
@@ -234,7 +234,7 @@ fn check_point(
 
 fn check_interval(
     source: &Source<'_>,
-    bounds: Bounds,
+    bounds: NumberBounds,
     path: &str,
     value: &Value<'_>,
 ) -> Result<(), StudyError> {

@@ -145,7 +145,7 @@ fn paper(node: &Node<'_>, joints: &Joints) -> Result<PaperRequest, StudyError> {
 }
 
 /// Two values of each joint.
-type Pair = (Vec<f64>, Vec<f64>);
+type ValuePair = (Vec<f64>, Vec<f64>);
 
 /// Two per-joint values that come together or not at all.
 fn pair(
@@ -153,7 +153,7 @@ fn pair(
     joints: &Joints,
     first: &str,
     second: &str,
-) -> Result<Option<Pair>, StudyError> {
+) -> Result<Option<ValuePair>, StudyError> {
     match (joints.numbers_if(node, first)?, joints.numbers_if(node, second)?) {
         (Some(a), Some(b)) => Ok(Some((a, b))),
         (None, None) => Ok(None),

@@ -1,8 +1,8 @@
 //! The format of `[design]`.
 
-use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::format::{FormatSection, Key, Need, NumberBounds, Shape};
 
-pub(crate) static DESIGN: Section = Section {
+pub(crate) static DESIGN: FormatSection = FormatSection {
     path: "design",
     doc: "For `phihat design`: what is known of the arm and of its load, and what the gains must keep. \
           A study needs `[gains]` or `[design]`; where both are there, the stated gains are certified for what `[design]` says of payload, friction and margins, \
@@ -19,7 +19,7 @@ pub(crate) static DESIGN: Section = Section {
         Key {
             name: "orders",
             unit: "",
-            shape: Shape::List { min: 1, max: 4, bounds: Bounds::integers(1.0, 4.0) },
+            shape: Shape::List { min: 1, max: 4, bounds: NumberBounds::integers(1.0, 4.0) },
             need: Need::Numbers(&[1.0, 2.0]),
             doc: "Estimator orders to try; the paper's method takes the smallest.",
         },
@@ -35,14 +35,14 @@ pub(crate) static DESIGN: Section = Section {
         Key {
             name: "payload_max_kg",
             unit: "kg",
-            shape: Shape::Number(Bounds::closed(0.0, 1e4)),
+            shape: Shape::Number(NumberBounds::closed(0.0, 1e4)),
             need: Need::Number(0.0),
             doc: "Heaviest payload that the gains must bear, besides none. At least that of `[world.payload]`.",
         },
         Key {
             name: "payload_kg",
             unit: "kg",
-            shape: Shape::List { min: 2, max: 2, bounds: Bounds::closed(0.0, 1e4) },
+            shape: Shape::List { min: 2, max: 2, bounds: NumberBounds::closed(0.0, 1e4) },
             need: Need::Optional("from 0 to `payload_max_kg`"),
             doc: "Lightest and heaviest payload, `[low, high]`, in place of `payload_max_kg`. What the \
                   world carries must be inside, at all times.",
@@ -50,7 +50,7 @@ pub(crate) static DESIGN: Section = Section {
         Key {
             name: "payload_com_m",
             unit: "m",
-            shape: Shape::Intervals { count: 3, bounds: Bounds::within(10.0) },
+            shape: Shape::Intervals { count: 3, bounds: NumberBounds::within(10.0) },
             need: Need::Optional(
                 "the frame's origin, and what lies between it and the centre of \
                   mass of `[world.payload]`",
@@ -68,7 +68,7 @@ pub(crate) static DESIGN: Section = Section {
         Key {
             name: "payload_gyration_m",
             unit: "m",
-            shape: Shape::Number(Bounds::closed(0.0, 10.0)),
+            shape: Shape::Number(NumberBounds::closed(0.0, 10.0)),
             need: Need::Optional(
                 "what the inertia of `[world.payload]` needs, else 0: a point mass",
             ),
@@ -78,14 +78,14 @@ pub(crate) static DESIGN: Section = Section {
         Key {
             name: "coulomb_min_nm",
             unit: "N·m",
-            shape: Shape::PerJoint(Bounds::closed(0.0, 1e4), &[]),
+            shape: Shape::PerJoint(NumberBounds::closed(0.0, 1e4), &[]),
             need: Need::Number(0.0),
             doc: "Lowest level of dry friction that a joint can have; the world's must be inside.",
         },
         Key {
             name: "coulomb_max_nm",
             unit: "N·m",
-            shape: Shape::PerJoint(Bounds::closed(0.0, 1e4), &[]),
+            shape: Shape::PerJoint(NumberBounds::closed(0.0, 1e4), &[]),
             need: Need::Optional("the world's level"),
             doc: "Highest level of dry friction. The world's level is the robot's, where \
                   `world.friction = \"robot\"`, plus `world.coulomb_extra_nm`.",
@@ -101,7 +101,7 @@ pub(crate) static DESIGN: Section = Section {
         Key {
             name: "inertia_low_kg_m2",
             unit: "kg·m²",
-            shape: Shape::PerJoint(Bounds::positive(1e4), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(1e4), &[]),
             need: Need::Optional("found from the robot's description"),
             doc: "Smallest inertia of each joint, rotor included, typed in place of a description; both ends must hold what the \
                   robot's model says, coupling and payloads counted.",
@@ -109,21 +109,21 @@ pub(crate) static DESIGN: Section = Section {
         Key {
             name: "inertia_high_kg_m2",
             unit: "kg·m²",
-            shape: Shape::PerJoint(Bounds::positive(1e4), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(1e4), &[]),
             need: Need::Optional("found from the robot's description"),
             doc: "Largest inertia of each joint; together with `inertia_low_kg_m2`.",
         },
         Key {
             name: "window_margin",
             unit: "",
-            shape: Shape::Number(Bounds::closed(1.0, 10.0)),
+            shape: Shape::Number(NumberBounds::closed(1.0, 10.0)),
             need: Need::Number(1.2),
             doc: "Factor by which the arm's inertia must stay inside the loop's window, at both ends.",
         },
         Key {
             name: "modulus_margin_min",
             unit: "",
-            shape: Shape::Number(Bounds::closed(0.0, 1.0)),
+            shape: Shape::Number(NumberBounds::closed(0.0, 1.0)),
             need: Need::Number(0.3),
             doc: "Smallest distance of the sampled loop from −1, over the arm's range of inertia: 0.3 \
                   allows no resonance above 3.3 times, and implies 17° of phase.",
@@ -131,7 +131,7 @@ pub(crate) static DESIGN: Section = Section {
         Key {
             name: "torque_step_max_nm",
             unit: "N·m",
-            shape: Shape::PerJoint(Bounds::positive(1e5), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(1e5), &[]),
             need: Need::Optional(
                 "no clause of its own; a torque-rate limit of `[loop]` or `[profile]` always counts",
             ),
@@ -149,7 +149,7 @@ pub(crate) static DESIGN: Section = Section {
         Key {
             name: "phi_rate_max_nm_s",
             unit: "N·m/s",
-            shape: Shape::PerJoint(Bounds::closed(0.0, 1e7), &[]),
+            shape: Shape::PerJoint(NumberBounds::closed(0.0, 1e7), &[]),
             need: Need::Optional("found along the reference"),
             doc: "Largest rate of the smooth part of the unknown dynamics φ; not below what the robot's model shows along the \
                   reference, nor is the next one.",
@@ -157,14 +157,14 @@ pub(crate) static DESIGN: Section = Section {
         Key {
             name: "phi_jump_max_nm",
             unit: "N·m",
-            shape: Shape::PerJoint(Bounds::closed(0.0, 1e5), &[]),
+            shape: Shape::PerJoint(NumberBounds::closed(0.0, 1e5), &[]),
             need: Need::Optional("found along the reference"),
             doc: "Largest size of the part of φ that jumps (dry friction); with `phi_rate_max_nm_s`.",
         },
         Key {
             name: "phi_margin",
             unit: "",
-            shape: Shape::Number(Bounds::closed(1.0, 100.0)),
+            shape: Shape::Number(NumberBounds::closed(1.0, 100.0)),
             need: Need::Number(1.2),
             doc: "Factor on bounds on φ that were seen in a simulation or a trace: another run may ask for more.",
         },
@@ -178,14 +178,14 @@ pub(crate) static DESIGN: Section = Section {
         Key {
             name: "settling_time_s",
             unit: "s",
-            shape: Shape::Number(Bounds::positive(1e3)),
+            shape: Shape::Number(NumberBounds::positive(1e3)),
             need: Need::Optional("no requirement"),
             doc: "Largest 2 % settling time of the outer loop; not of laws from positions.",
         },
         Key {
             name: "rise_time_s",
             unit: "s",
-            shape: Shape::Number(Bounds::positive(1e3)),
+            shape: Shape::Number(NumberBounds::positive(1e3)),
             need: Need::Optional("no requirement"),
             doc: "Largest rise time of the outer loop, 10 % to 90 %; not of laws from positions.",
         },
@@ -199,15 +199,15 @@ pub(crate) static DESIGN: Section = Section {
     ],
 };
 
-static PAPER: Section = Section {
+static PAPER: FormatSection = FormatSection {
     path: "design.paper",
-    doc: "What the paper's recipe needs besides `[spec]`, whose `error_integral_max_rad_s`, `error_max_rad` and \
-          `velocity_error_max_rad_s` it starts from.",
+    doc: "What the paper's recipe needs besides `[spec]`, whose `error_integral_bound_rad_s`, `error_bound_rad` and \
+          `velocity_error_bound_rad_s` it starts from.",
     keys: &[
         Key {
             name: "phi_max",
             unit: "rad/s²",
-            shape: Shape::PerJoint(Bounds::positive(1e6), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(1e6), &[]),
             need: Need::Optional("the joint's φ over M̄, from `phi_from`"),
             doc: "φ_max for unit inertia. One law for all joints takes the largest of any.",
         },
@@ -231,7 +231,7 @@ static PAPER: Section = Section {
         Key {
             name: "integrals_max",
             unit: "rad·s^k",
-            shape: Shape::List { min: 1, max: 3, bounds: Bounds::positive(1e6) },
+            shape: Shape::List { min: 1, max: 3, bounds: NumberBounds::positive(1e6) },
             need: Need::Optional("order 1 needs none"),
             doc: "Largest repeated integrals of the error beyond ∫e, `[∬e, ∭e, …]`: m − 1 of them.",
         },
@@ -245,21 +245,21 @@ static PAPER: Section = Section {
         Key {
             name: "damping",
             unit: "",
-            shape: Shape::Number(Bounds::closed(0.1, 10.0)),
+            shape: Shape::Number(NumberBounds::closed(0.1, 10.0)),
             need: Need::Number(1.0),
             doc: "ζ of the outer loop that a settling or rise time is turned into.",
         },
         Key {
             name: "estimator_factor",
             unit: "",
-            shape: Shape::Number(Bounds::closed(1.0, 20.0)),
+            shape: Shape::Number(NumberBounds::closed(1.0, 20.0)),
             need: Need::Number(4.0),
             doc: "How much faster than the outer loop the estimator is at least; the paper asks for 3 to 5.",
         },
         Key {
             name: "inertia_kg_m2",
             unit: "kg·m²",
-            shape: Shape::PerJoint(Bounds::positive(1e4), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(1e4), &[]),
             need: Need::Number(1.0),
             doc: "M̄; the paper has 1 on every joint.",
         },

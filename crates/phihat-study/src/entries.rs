@@ -7,10 +7,10 @@ use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::format::{Key, Shape};
 use crate::source::Source;
 
-type Entry<'t, 'a> = (&'t Spanned<DeString<'a>>, &'t Spanned<DeValue<'a>>);
+type TableEntry<'t, 'a> = (&'t Spanned<DeString<'a>>, &'t Spanned<DeValue<'a>>);
 
 /// The entries of a table in the order in which the file has them.
-pub(crate) fn in_file_order<'t, 'a>(table: &'t DeTable<'a>) -> Vec<Entry<'t, 'a>> {
+pub(crate) fn in_file_order<'t, 'a>(table: &'t DeTable<'a>) -> Vec<TableEntry<'t, 'a>> {
     let mut entries: Vec<_> = table.iter().collect();
     entries.sort_by_key(|(key, _)| key.span().start);
     entries

@@ -58,7 +58,7 @@ pub struct StudyError {
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Inner {
     kind: StudyErrorKind,
-    place: Place,
+    place: TextPlace,
     key: String,
     message: String,
     help: Option<String>,
@@ -66,7 +66,7 @@ struct Inner {
 
 /// A place in a text file, with the line it is on.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct TextPlace {
     pub(crate) file: String,
     /// From 1; 0 where the whole file is meant.
     pub(crate) line: usize,
@@ -76,7 +76,7 @@ pub(crate) struct Place {
     pub(crate) line_text: String,
 }
 
-impl Place {
+impl TextPlace {
     pub(crate) fn whole_file(file: &str) -> Self {
         Self { file: file.into(), line: 0, column: 0, span: 0..0, line_text: String::new() }
     }
@@ -85,7 +85,7 @@ impl Place {
 impl StudyError {
     pub(crate) fn new(
         kind: StudyErrorKind,
-        place: Place,
+        place: TextPlace,
         key: impl Into<String>,
         message: impl Into<String>,
     ) -> Self {
@@ -188,7 +188,7 @@ impl fmt::Display for StudyError {
 impl std::error::Error for StudyError {}
 
 /// The part of the line around the place, the column of the mark in it, and the mark's length.
-fn window(place: &Place) -> (String, usize, usize) {
+fn window(place: &TextPlace) -> (String, usize, usize) {
     let characters: Vec<char> = printable(&place.line_text).chars().collect();
     let column = place.column.saturating_sub(1).min(characters.len());
     let from = if characters.len() <= WINDOW { 0 } else { column.saturating_sub(WINDOW / 3) };

@@ -2,7 +2,7 @@
 
 use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
-use crate::format::Bounds;
+use crate::format::NumberBounds;
 use crate::node::Node;
 
 /// Something that goes wrong for a while. Plain data: a list of these can be built by a program.
@@ -60,7 +60,7 @@ macro_rules! kinds {
             }
 
             /// Bounds on its size; `None`: it has no size.
-            fn bounds(self) -> Option<Bounds> {
+            fn bounds(self) -> Option<NumberBounds> {
                 match self { $(Self::$kind => $bounds),* }
             }
 
@@ -77,35 +77,35 @@ macro_rules! kinds {
 }
 
 kinds! {
-    DriveGain "drive_gain", true, "", Some(Bounds::within(10.0)), None,
+    DriveGain "drive_gain", true, "", Some(NumberBounds::within(10.0)), None,
         "The drive gives so many times its torque: 0.5 weak, 0 dead, −1 wired the wrong way round.";
-    DriveLimit "drive_limit", true, "N·m", Some(Bounds::closed(0.0, 1e5)), None,
+    DriveLimit "drive_limit", true, "N·m", Some(NumberBounds::closed(0.0, 1e5)), None,
         "The drive gives no more than so much torque, in N·m.";
-    Friction "friction", true, "", Some(Bounds::closed(0.0, 1e3)), None,
+    Friction "friction", true, "", Some(NumberBounds::closed(0.0, 1e3)), None,
         "All friction is so many times what it was.";
-    Brake "brake", true, "N·m", Some(Bounds::closed(0.0, 1e5)), None,
+    Brake "brake", true, "N·m", Some(NumberBounds::closed(0.0, 1e5)), None,
         "A brake drags with so much dry friction, in N·m.";
-    Push "push", true, "N·m", Some(Bounds::within(1e5)), None,
+    Push "push", true, "N·m", Some(NumberBounds::within(1e5)), None,
         "An external torque, in N·m.";
-    Payload "payload", false, "kg", Some(Bounds::closed(0.0, 1e3)), None,
+    Payload "payload", false, "kg", Some(NumberBounds::closed(0.0, 1e3)), None,
         "A point mass, in kg, at the robot's tip, picked up at the start and dropped at the end.";
     SensorFreeze "sensor_freeze", true, "", None, Some(1.0),
         "Position and velocity keep their last value, while messages keep coming.";
     SensorNan "sensor_nan", true, "", None, Some(1.0),
         "Position and velocity are not a number.";
-    SensorBias "sensor_bias", true, "rad", Some(Bounds::within(100.0)), None,
+    SensorBias "sensor_bias", true, "rad", Some(NumberBounds::within(100.0)), None,
         "The position is off by so much, in rad.";
-    SensorNoise "sensor_noise", true, "rad", Some(Bounds::closed(0.0, 1.0)), None,
+    SensorNoise "sensor_noise", true, "rad", Some(NumberBounds::closed(0.0, 1.0)), None,
         "White noise of this standard deviation, in rad, on the position.";
-    TorqueBias "torque_bias", true, "N·m", Some(Bounds::within(1e5)), None,
+    TorqueBias "torque_bias", true, "N·m", Some(NumberBounds::within(1e5)), None,
         "The measured torque is off by so much, in N·m.";
-    JointOrder "joint_order", false, "places", Some(Bounds::integers(1.0, 100.0)), Some(1.0),
+    JointOrder "joint_order", false, "places", Some(NumberBounds::integers(1.0, 100.0)), Some(1.0),
         "Measurements arrive in the wrong order, turned by so many places.";
-    ClockJump "clock_jump", false, "s", Some(Bounds::closed(0.0, 86_400.0)), None,
+    ClockJump "clock_jump", false, "s", Some(NumberBounds::closed(0.0, 86_400.0)), None,
         "Time stamps are ahead by so much, in s.";
-    SampleLoss "sample_loss", false, "", Some(Bounds::closed(0.0, 1.0)), Some(1.0),
+    SampleLoss "sample_loss", false, "", Some(NumberBounds::closed(0.0, 1.0)), Some(1.0),
         "Each message of measurements is lost with this probability.";
-    CommandLoss "command_loss", false, "", Some(Bounds::closed(0.0, 1.0)), Some(1.0),
+    CommandLoss "command_loss", false, "", Some(NumberBounds::closed(0.0, 1.0)), Some(1.0),
         "Each command is lost, or late, with this probability; the drives keep the last one.";
     ControllerStop "controller_stop", false, "", None, Some(1.0),
         "The controller does not run: no update, no command.";

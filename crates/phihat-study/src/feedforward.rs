@@ -4,11 +4,11 @@ use phihat::Form;
 
 use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
-use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::format::{FormatSection, Key, Need, NumberBounds, Shape};
 use crate::node::Node;
 use crate::study::{Control, FeedForward, Known};
 
-pub(crate) static FEEDFORWARD: Section = Section {
+pub(crate) static FEEDFORWARD: FormatSection = FormatSection {
     path: "feedforward",
     doc: "Torque that a law from positions is given with its reference, of a description and along the reference: φ is then what is left. \
           With a `[supervisor]` that is the reference in force: blended, shaped or held.",
@@ -24,14 +24,14 @@ pub(crate) static FEEDFORWARD: Section = Section {
         Key {
             name: "mass_scale",
             unit: "",
-            shape: Shape::Number(Bounds::closed(0.01, 10.0)),
+            shape: Shape::Number(NumberBounds::closed(0.01, 10.0)),
             need: Need::Number(1.0),
             doc: "How many times its masses and inertias that description has: 0.8 is a model with masses 20 % too small.",
         },
         Key {
             name: "coulomb_nm",
             unit: "N·m",
-            shape: Shape::PerJoint(Bounds::closed(0.0, 1e4), &[]),
+            shape: Shape::PerJoint(NumberBounds::closed(0.0, 1e4), &[]),
             need: Need::Number(0.0),
             doc: "Level of dry friction that is fed forward by the sign of q̇_d, smooth below 1 mrad/s.",
         },

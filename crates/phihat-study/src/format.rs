@@ -7,7 +7,7 @@ use std::fmt;
 
 /// A table of the file and the keys it may have.
 #[derive(Debug)]
-pub(crate) struct Section {
+pub(crate) struct FormatSection {
     /// Path as in the file: `world.payload`; empty for the top of the file.
     pub(crate) path: &'static str,
     /// Subject of the section, for the manual.
@@ -37,42 +37,42 @@ pub(crate) enum Shape {
     Word(&'static [&'static str]),
     /// `true` or `false`.
     Flag,
-    Number(Bounds),
+    Number(NumberBounds),
     /// A number, or one of these words.
-    NumberOrWord(Bounds, &'static [&'static str]),
+    NumberOrWord(NumberBounds, &'static [&'static str]),
     /// An array of numbers with `min` to `max` entries.
     List {
         min: usize,
         max: usize,
-        bounds: Bounds,
+        bounds: NumberBounds,
     },
     /// An array of points `[x, y, z]` with `min` to `max` entries.
     Points {
         min: usize,
         max: usize,
-        bounds: Bounds,
+        bounds: NumberBounds,
     },
     /// An array of `count` intervals `[low, high]`.
     Intervals {
         count: usize,
-        bounds: Bounds,
+        bounds: NumberBounds,
     },
     /// One number for all joints, an array with one per joint, or a table by joint name; or a word.
-    PerJoint(Bounds, &'static [&'static str]),
+    PerJoint(NumberBounds, &'static [&'static str]),
     /// A table by joint name that names any of the joints.
-    SomeJoints(Bounds),
-    Table(&'static Section),
+    SomeJoints(NumberBounds),
+    Table(&'static FormatSection),
     /// An array of at most so many tables.
-    Tables(&'static Section, usize),
+    Tables(&'static FormatSection, usize),
     /// A table whose key `kind` says which keys it has.
-    Kinds(&'static [Kind]),
+    Kinds(&'static [SectionKind]),
 }
 
 /// One of the kinds of [`Shape::Kinds`].
 #[derive(Debug)]
-pub(crate) struct Kind {
+pub(crate) struct SectionKind {
     pub(crate) word: &'static str,
-    pub(crate) section: &'static Section,
+    pub(crate) section: &'static FormatSection,
 }
 
 /// Need of a key, and the meaning of its absence.
@@ -90,7 +90,7 @@ pub(crate) enum Need {
 
 /// An interval of numbers, closed above.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Bounds {
+pub(crate) struct NumberBounds {
     pub(crate) low: f64,
     pub(crate) high: f64,
     /// True if `low` itself is outside.
@@ -99,7 +99,7 @@ pub(crate) struct Bounds {
     pub(crate) integer: bool,
 }
 
-impl Bounds {
+impl NumberBounds {
     /// Above zero, at most `high`.
     pub(crate) const fn positive(high: f64) -> Self {
         Self { low: 0.0, high, open: true, integer: false }
@@ -127,7 +127,7 @@ impl Bounds {
     }
 }
 
-impl fmt::Display for Bounds {
+impl fmt::Display for NumberBounds {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.open {
             write!(f, "above {}, at most {}", self.low, self.high)
@@ -137,7 +137,7 @@ impl fmt::Display for Bounds {
     }
 }
 
-impl Section {
+impl FormatSection {
     /// The key of this name.
     pub(crate) fn key(&self, name: &str) -> Option<&'static Key> {
         self.keys.iter().find(|key| key.name == name)

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::ops::Range;
 
-use crate::error::{Place, StudyError, StudyErrorKind as Kind};
+use crate::error::{StudyError, StudyErrorKind as Kind, TextPlace};
 
 /// Largest number of errors that are reported of a study.
 const ERRORS_MAX: usize = 100;
@@ -13,7 +13,7 @@ const ERRORS_MAX: usize = 100;
 /// A reader that can go on after an error passes it to [`note`](Self::note) with `?`. Where only the first
 /// error is requested, it comes back and ends the reading.
 #[derive(Debug)]
-pub(crate) struct Found {
+pub(crate) struct StudyErrors {
     /// Errors beyond which the reading ends.
     room: usize,
     noted: RefCell<Noted>,
@@ -28,7 +28,7 @@ struct Noted {
     misspelt: Vec<String>,
 }
 
-impl Found {
+impl StudyErrors {
     /// Reading ends at the first error.
     pub(crate) fn first() -> Self {
         Self { room: 0, noted: RefCell::default() }
@@ -108,7 +108,7 @@ impl Found {
     pub(crate) fn last(&self) -> StudyError {
         self.noted.borrow().errors.last().cloned().unwrap_or_else(|| {
             let why = "cannot be read";
-            StudyError::new(Kind::Syntax, Place::whole_file("study"), "", why)
+            StudyError::new(Kind::Syntax, TextPlace::whole_file("study"), "", why)
         })
     }
 

@@ -3,7 +3,7 @@
 use phihat_model::{Friction, Joint, JointKind, Robot};
 
 use crate::error::{StudyError, StudyErrorKind as Kind};
-use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::format::{FormatSection, Key, Need, NumberBounds, Shape};
 use crate::node::Node;
 
 /// Beginning of the warning that describes the simulation of an arm without a description.
@@ -83,10 +83,10 @@ fn needs_description(top: &Node<'_>) -> Result<(), StudyError> {
         let help = "leave it out: what a load does is in the inertia and φ of each [[joint]]";
         return Err(node.error(Kind::Conflict, key, why).with_help(help));
     }
-    let (spec, key) = (top.child("spec"), "tip_error_max_mm");
+    let (spec, key) = (top.child("spec"), "tip_error_bound_mm");
     if spec.has(key) {
         let why = "no place on joints that are known without a description: where the tip is they do not tell";
-        let help = "leave it out: `error_max_rad` bounds each joint, in rad or m";
+        let help = "leave it out: `error_bound_rad` bounds each joint, in rad or m";
         return Err(spec.error(Kind::Conflict, key, why).with_help(help));
     }
     Ok(())
@@ -107,23 +107,28 @@ fn position(node: &Node<'_>) -> Result<Option<(f64, f64)>, StudyError> {
     }
 }
 
-const INERTIA: Bounds = Bounds::positive(1e4);
+const INERTIA: NumberBounds = NumberBounds::positive(1e4);
 
-const fn number(name: &'static str, unit: &'static str, bounds: Bounds, doc: &'static str) -> Key {
+const fn number(
+    name: &'static str,
+    unit: &'static str,
+    bounds: NumberBounds,
+    doc: &'static str,
+) -> Key {
     Key { name, unit, shape: Shape::Number(bounds), need: Need::Required, doc }
 }
 
 const fn limit(
     name: &'static str,
     unit: &'static str,
-    bounds: Bounds,
+    bounds: NumberBounds,
     without: &'static str,
     doc: &'static str,
 ) -> Key {
     Key { name, unit, shape: Shape::Number(bounds), need: Need::Optional(without), doc }
 }
 
-pub(crate) static JOINT: Section = Section {
+pub(crate) static JOINT: FormatSection = FormatSection {
     path: "joint",
     doc: "An arm without a description, in place of `[robot]`: what is known of each joint, in order. `phihat identify` makes these \
           sections from records of the arm. What is simulated are joints that do not push each other.",
@@ -153,35 +158,41 @@ pub(crate) static JOINT: Section = Section {
         number(
             "phi_rate_max_nm_s",
             "N·m/s",
-            Bounds::closed(0.0, 1e6),
+            NumberBounds::closed(0.0, 1e6),
             "How fast the smooth part of the unknown torque φ changes at most; what the other joints do to it included.",
         ),
         number(
             "phi_jump_max_nm",
             "N·m",
-            Bounds::closed(0.0, 1e5),
+            NumberBounds::closed(0.0, 1e5),
             "How far φ jumps at most: twice the dry friction, where the joint reverses.",
         ),
-        limit("torque_max_nm", "N·m", Bounds::positive(1e5), "no limit", "Largest torque."),
+        limit("torque_max_nm", "N·m", NumberBounds::positive(1e5), "no limit", "Largest torque."),
         limit(
             "torque_rate_max_nm_s",
             "N·m/s",
-            Bounds::positive(1e8),
+            NumberBounds::positive(1e8),
             "no limit",
             "Largest change of torque.",
         ),
-        limit("velocity_max_rad_s", "rad/s", Bounds::positive(1e3), "no limit", "Largest speed."),
+        limit(
+            "velocity_max_rad_s",
+            "rad/s",
+            NumberBounds::positive(1e3),
+            "no limit",
+            "Largest speed.",
+        ),
         limit(
             "position_min_rad",
             "rad",
-            Bounds::within(100.0),
+            NumberBounds::within(100.0),
             "turns without end",
             "Lower end of travel.",
         ),
         limit(
             "position_max_rad",
             "rad",
-            Bounds::within(100.0),
+            NumberBounds::within(100.0),
             "turns without end",
             "Upper end of travel.",
         ),

@@ -1,18 +1,18 @@
 //! Common parts of the lists of keys.
 
-use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::format::{FormatSection, Key, Need, NumberBounds, Shape};
 
 /// Words in place of a number: the robot's own, or none.
 pub(crate) const ROBOT_OR_NONE: &[&str] = &["robot", "none"];
 
 /// A time in a run \[s\]: up to a day.
-pub(crate) const TIME: Bounds = Bounds::closed(0.0, 86_400.0);
+pub(crate) const TIME: NumberBounds = NumberBounds::closed(0.0, 86_400.0);
 
 /// A section of its own.
 pub(crate) const fn table(
     name: &'static str,
     need: Need,
-    section: &'static Section,
+    section: &'static FormatSection,
     doc: &'static str,
 ) -> Key {
     Key { name, unit: "", shape: Shape::Table(section), need, doc }
@@ -22,7 +22,7 @@ pub(crate) const fn table(
 pub(crate) const fn per_joint(
     name: &'static str,
     unit: &'static str,
-    bounds: Bounds,
+    bounds: NumberBounds,
     doc: &'static str,
 ) -> Key {
     Key { name, unit, shape: Shape::PerJoint(bounds, &[]), need: Need::Number(0.0), doc }

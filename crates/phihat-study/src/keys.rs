@@ -2,7 +2,7 @@
 
 use crate::design_keys::DESIGN;
 use crate::feedforward::FEEDFORWARD;
-use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::format::{FormatSection, Key, Need, NumberBounds, Shape};
 use crate::joint::JOINT;
 use crate::key_parts::{ROBOT_OR_NONE, TIME, per_joint, table};
 use crate::profile::PROFILE;
@@ -10,14 +10,14 @@ use crate::reference_keys::KINDS;
 use crate::supervisor_keys::SUPERVISOR;
 use crate::world_keys::{FAULT, WORLD};
 
-const POSITION: Bounds = Bounds::within(100.0);
-const ARMATURE: Bounds = Bounds::closed(0.0, 1e4);
-const NOISE: Bounds = Bounds::closed(0.0, 100.0);
-const VELOCITY: Bounds = Bounds::within(1e3);
-const TORQUE: Bounds = Bounds::positive(1e5);
+const POSITION: NumberBounds = NumberBounds::within(100.0);
+const ARMATURE: NumberBounds = NumberBounds::closed(0.0, 1e4);
+const NOISE: NumberBounds = NumberBounds::closed(0.0, 100.0);
+const VELOCITY: NumberBounds = NumberBounds::within(1e3);
+const TORQUE: NumberBounds = NumberBounds::positive(1e5);
 
 /// The top of the file.
-pub(crate) static STUDY: Section = Section {
+pub(crate) static STUDY: FormatSection = FormatSection {
     path: "",
     doc: "Keys before the first `[section]`.",
     keys: &[
@@ -31,14 +31,14 @@ pub(crate) static STUDY: Section = Section {
         Key {
             name: "seed",
             unit: "",
-            shape: Shape::Number(Bounds::integers(0.0, 9_007_199_254_740_991.0)),
+            shape: Shape::Number(NumberBounds::integers(0.0, 9_007_199_254_740_991.0)),
             need: Need::Count(0),
             doc: "Seed of everything random in the run.",
         },
         Key {
             name: "duration_s",
             unit: "s",
-            shape: Shape::Number(Bounds::positive(86_400.0)),
+            shape: Shape::Number(NumberBounds::positive(86_400.0)),
             need: Need::Required,
             doc: "Simulated time. At most 4,000,000 control samples.",
         },
@@ -97,7 +97,7 @@ pub(crate) static STUDY: Section = Section {
     ],
 };
 
-static ROBOT: Section = Section {
+static ROBOT: FormatSection = FormatSection {
     path: "robot",
     doc: "The arm: exactly one of `name` and `file`.",
     keys: &[
@@ -149,7 +149,7 @@ static ROBOT: Section = Section {
     ],
 };
 
-static SPEC: Section = Section {
+static SPEC: FormatSection = FormatSection {
     path: "spec",
     doc: "Bounds that must hold on every joint after `settle_s`.",
     keys: &[
@@ -159,35 +159,35 @@ static SPEC: Section = Section {
             shape: Shape::Number(TIME),
             need: Need::Number(1.0),
             doc: "When the steady part begins; before the end of the run. Where it is not stated and the gains carry a tube, \
-                  the tube says it: when the rest of it stays inside `error_max_rad`, else when it is at its own level.",
+                  the tube says it: when the rest of it stays inside `error_bound_rad`, else when it is at its own level.",
         },
         Key {
-            name: "error_max_rad",
+            name: "error_bound_rad",
             unit: "rad",
-            shape: Shape::PerJoint(Bounds::positive(100.0), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(100.0), &[]),
             need: Need::Optional("no bound"),
             doc: "Largest |e|, the position error measured minus desired.",
         },
         Key {
-            name: "error_integral_max_rad_s",
+            name: "error_integral_bound_rad_s",
             unit: "rad·s",
-            shape: Shape::PerJoint(Bounds::positive(1e4), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(1e4), &[]),
             need: Need::Optional("no bound"),
             doc: "Largest |∫e|.",
         },
         Key {
-            name: "velocity_error_max_rad_s",
+            name: "velocity_error_bound_rad_s",
             unit: "rad/s",
-            shape: Shape::PerJoint(Bounds::positive(1e3), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(1e3), &[]),
             need: Need::Optional("no bound"),
             doc: "Largest |ė|.",
         },
         Key {
-            name: "tip_error_max_mm",
+            name: "tip_error_bound_mm",
             unit: "mm",
-            shape: Shape::Number(Bounds::positive(1e4)),
+            shape: Shape::Number(NumberBounds::positive(1e4)),
             need: Need::Optional("no bound"),
-            doc: "Largest distance of the robot's tip from where the reference has it. A design takes from it an `error_max_rad` that \
+            doc: "Largest distance of the robot's tip from where the reference has it. A design takes from it an `error_bound_rad` that \
                   is enough: this over the sum of the tip's distances from all joint axes, the largest along the motion.",
         },
     ],
@@ -196,7 +196,7 @@ static SPEC: Section = Section {
 const BY_COEFFICIENTS: Need = Need::Optional("stated by coefficients");
 const BY_BANDWIDTHS: Need = Need::Optional("stated by bandwidths");
 
-static GAINS: Section = Section {
+static GAINS: FormatSection = FormatSection {
     path: "gains",
     doc: "`inertia_kg_m2` and one way of stating the law, not both: *bandwidths* (`order`, \
           `bandwidth_rad_s`, `damping`, `estimator_bandwidth_rad_s`, `estimator_damping`) or \
@@ -205,7 +205,7 @@ static GAINS: Section = Section {
         Key {
             name: "inertia_kg_m2",
             unit: "kg·m²",
-            shape: Shape::PerJoint(Bounds::positive(1e4), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(1e4), &[]),
             need: Need::Required,
             doc: "Nominal inertia M̄. The geometric mean of the range that the joint's inertia covers, \
                   rotor included, is in the middle of the stability window; the M̄ with the least \
@@ -214,42 +214,42 @@ static GAINS: Section = Section {
         Key {
             name: "order",
             unit: "",
-            shape: Shape::PerJoint(Bounds::integers(1.0, 4.0), &[]),
+            shape: Shape::PerJoint(NumberBounds::integers(1.0, 4.0), &[]),
             need: Need::Count(2),
             doc: "Estimator order m. By bandwidths.",
         },
         Key {
             name: "bandwidth_rad_s",
             unit: "rad/s",
-            shape: Shape::PerJoint(Bounds::positive(1e5), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(1e5), &[]),
             need: BY_COEFFICIENTS,
             doc: "ω of the outer loop, K_p = ω². Required by bandwidths; below π·`rate_hz`.",
         },
         Key {
             name: "damping",
             unit: "",
-            shape: Shape::PerJoint(Bounds::positive(10.0), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(10.0), &[]),
             need: Need::Number(1.0),
             doc: "ζ of the outer loop, K_d = 2ζω. By bandwidths.",
         },
         Key {
             name: "estimator_bandwidth_rad_s",
             unit: "rad/s",
-            shape: Shape::PerJoint(Bounds::positive(1e5), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(1e5), &[]),
             need: BY_COEFFICIENTS,
             doc: "ω_o of the estimator. Required by bandwidths; below π·`rate_hz`.",
         },
         Key {
             name: "estimator_damping",
             unit: "",
-            shape: Shape::PerJoint(Bounds::positive(10.0), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(10.0), &[]),
             need: Need::Number(1.0),
             doc: "ζ_o of the estimator: of its pairs of poles. By bandwidths.",
         },
         Key {
             name: "torque_bandwidth_hz",
             unit: "Hz",
-            shape: Shape::PerJoint(Bounds::positive(1e5), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(1e5), &[]),
             need: Need::Optional("at once"),
             doc: "How fast the torque goes to what the law wants: the share 1 − exp(−2πfT) of the way per sample. For \
                   `form = \"positions\"`; by bandwidths.",
@@ -257,21 +257,21 @@ static GAINS: Section = Section {
         Key {
             name: "kp_per_s2",
             unit: "1/s²",
-            shape: Shape::PerJoint(Bounds::positive(1e10), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(1e10), &[]),
             need: BY_BANDWIDTHS,
             doc: "K_p. Required by coefficients.",
         },
         Key {
             name: "kd_per_s",
             unit: "1/s",
-            shape: Shape::PerJoint(Bounds::positive(1e6), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(1e6), &[]),
             need: BY_BANDWIDTHS,
             doc: "K_d. Required by coefficients.",
         },
         Key {
             name: "a",
             unit: "1/s^(m-i)",
-            shape: Shape::List { min: 1, max: 4, bounds: Bounds::positive(1e20) },
+            shape: Shape::List { min: 1, max: 4, bounds: NumberBounds::positive(1e20) },
             need: BY_BANDWIDTHS,
             doc: "Estimator coefficients `[a_0, …, a_{m-1}]`, the same for every joint. Required by \
                   coefficients; their number is the order m.",
@@ -279,28 +279,28 @@ static GAINS: Section = Section {
     ],
 };
 
-static LOOP: Section = Section {
+static LOOP: FormatSection = FormatSection {
     path: "loop",
     doc: "The control loop.",
     keys: &[
         Key {
             name: "rate_hz",
             unit: "Hz",
-            shape: Shape::Number(Bounds::closed(1.0, 20_000.0)),
+            shape: Shape::Number(NumberBounds::closed(1.0, 20_000.0)),
             need: Need::Number(1000.0),
             doc: "Control samples per second.",
         },
         Key {
             name: "delay_samples",
             unit: "samples",
-            shape: Shape::Number(Bounds::integers(0.0, 8.0)),
+            shape: Shape::Number(NumberBounds::integers(0.0, 8.0)),
             need: Need::Count(0),
             doc: "Transport delay from the sample to the torque that acts.",
         },
         Key {
             name: "torque_filter_hz",
             unit: "Hz",
-            shape: Shape::Number(Bounds::positive(1e5)),
+            shape: Shape::Number(NumberBounds::positive(1e5)),
             need: Need::Optional("no filter"),
             doc: "Cut-off of a first-order low-pass on the torque command, before its limits; at most half of `rate_hz`. It is a part of the law: \
                   the design counts it, and gains.json carries it.",
@@ -313,7 +313,7 @@ static LOOP: Section = Section {
             doc: "`observer`: the estimator is fed with velocity and the torque that acted. `literal`: the paper's \
                   integrals of the error. `positions`: an observer of position and torque, with a law of its own for \
                   each joint. `design`: whichever of `observer` and `positions` keeps the specification with less torque noise, by \
-                  its tube; `observer` where no `error_max_rad` is asked for, where a settling or rise time is, where the design is by the paper's recipe, or \
+                  its tube; `observer` where no `error_bound_rad` is asked for, where a settling or rise time is, where the design is by the paper's recipe, or \
                   where φ or the arm's inertia are typed, recorded or simulated.",
         },
         Key {
@@ -334,14 +334,14 @@ static LOOP: Section = Section {
         Key {
             name: "torque_rate_max_nm_s",
             unit: "N·m/s",
-            shape: Shape::PerJoint(Bounds::positive(1e9), ROBOT_OR_NONE),
+            shape: Shape::PerJoint(NumberBounds::positive(1e9), ROBOT_OR_NONE),
             need: Need::Word("none"),
             doc: "Torque-rate limit of the command; `\"robot\"` takes the robot's.",
         },
         Key {
             name: "energy_max_j",
             unit: "J",
-            shape: Shape::Number(Bounds::positive(1e9)),
+            shape: Shape::Number(NumberBounds::positive(1e9)),
             need: Need::Optional("no limit"),
             doc: "The most energy that all drives together may give the arm within `energy_window_s`: the last thing before a torque leaves scales down \
                   what would give more. Lifting the arm counts.",
@@ -349,7 +349,7 @@ static LOOP: Section = Section {
         Key {
             name: "energy_window_s",
             unit: "s",
-            shape: Shape::Number(Bounds::positive(10.0)),
+            shape: Shape::Number(NumberBounds::positive(10.0)),
             need: Need::Number(0.1),
             doc: "The time that `energy_max_j` is counted in.",
         },
@@ -365,14 +365,14 @@ static LOOP: Section = Section {
     ],
 };
 
-static SENSOR: Section = Section {
+static SENSOR: FormatSection = FormatSection {
     path: "sensor",
     doc: "What the controller sees of the arm.",
     keys: &[
         Key {
             name: "encoder_bits",
             unit: "bit",
-            shape: Shape::PerJoint(Bounds::integers(1.0, 32.0), ROBOT_OR_NONE),
+            shape: Shape::PerJoint(NumberBounds::integers(1.0, 32.0), ROBOT_OR_NONE),
             need: Need::Word("none"),
             doc: "Encoder resolution per revolution; `\"none\"`: exact position, `\"robot\"` takes the \
                   robot's.",
@@ -388,7 +388,7 @@ static SENSOR: Section = Section {
         Key {
             name: "velocity_filter_hz",
             unit: "Hz",
-            shape: Shape::NumberOrWord(Bounds::positive(1e5), &["design"]),
+            shape: Shape::NumberOrWord(NumberBounds::positive(1e5), &["design"]),
             need: Need::Optional("no filter"),
             doc: "Cut-off of a first-order low-pass on the velocity; at most half of `rate_hz`. \
                   `\"design\"`: `phihat design` chooses it, and gains.json carries it.",
@@ -413,7 +413,7 @@ static SENSOR: Section = Section {
         per_joint(
             "position_bias_rad",
             "rad",
-            Bounds::within(10.0),
+            NumberBounds::within(10.0),
             "Constant error of the position.",
         ),
         per_joint(
@@ -425,13 +425,13 @@ static SENSOR: Section = Section {
         per_joint(
             "torque_noise_nm",
             "N·m",
-            Bounds::closed(0.0, 1e4),
+            NumberBounds::closed(0.0, 1e4),
             "White noise on the torque that the law is fed: standard deviation.",
         ),
         Key {
             name: "sample_jitter_s",
             unit: "s",
-            shape: Shape::Number(Bounds::closed(0.0, 1.0)),
+            shape: Shape::Number(NumberBounds::closed(0.0, 1.0)),
             need: Need::Number(0.0),
             doc: "Every sample is taken early by a random time up to this, at most one period; its time \
                   stamp says when.",
@@ -439,7 +439,7 @@ static SENSOR: Section = Section {
         Key {
             name: "sample_delay_samples",
             unit: "samples",
-            shape: Shape::Number(Bounds::integers(0.0, 8.0)),
+            shape: Shape::Number(NumberBounds::integers(0.0, 8.0)),
             need: Need::Count(0),
             doc: "Measurements arrive so many samples late.",
         },
@@ -460,7 +460,7 @@ static SENSOR: Section = Section {
     ],
 };
 
-static START: Section = Section {
+static START: FormatSection = FormatSection {
     path: "start",
     doc: "Where the run begins, and what holds the arm there; without `q_rad` and `pose`, on the reference.",
     keys: &[
@@ -481,7 +481,7 @@ static START: Section = Section {
         Key {
             name: "torque_nm",
             unit: "N·m",
-            shape: Shape::PerJoint(Bounds::closed(-1e5, 1e5), &["gravity", "balance"]),
+            shape: Shape::PerJoint(NumberBounds::closed(-1e5, 1e5), &["gravity", "balance"]),
             need: Need::Optional("no torque"),
             doc: "Torque with which something holds the arm before, and with which the law takes over: its first command. \
                   `\"gravity\"`: what holds the robot's description there, without payload, where the robot does not do so by itself. \

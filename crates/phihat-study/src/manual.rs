@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use phihat_model::Robot;
 
-use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::format::{FormatSection, Key, Need, NumberBounds, Shape};
 use crate::keys::STUDY;
 use crate::suggest::sections;
 
@@ -35,7 +35,7 @@ pub fn manual() -> String {
     out
 }
 
-fn heading(kind: Option<&str>, section: &Section) -> String {
+fn heading(kind: Option<&str>, section: &FormatSection) -> String {
     match (kind, section.path) {
         (_, "") => "\n## The top of the file\n\n".into(),
         (Some(kind), "reference") => format!("\n## `[reference]`, kind = \"{kind}\"\n\n"),
@@ -83,7 +83,7 @@ fn value(shape: &Shape) -> String {
     }
 }
 
-fn number(bounds: Bounds) -> String {
+fn number(bounds: NumberBounds) -> String {
     format!("{} {bounds}", if bounds.integer { "integer," } else { "number," })
 }
 

@@ -7,7 +7,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::entries::{clip, join, missing_key};
 use crate::error::{StudyError, StudyErrorKind as Kind};
-use crate::format::{Key, Need, Section, Shape};
+use crate::format::{FormatSection, Key, Need, Shape};
 use crate::source::Source;
 use crate::value::{integer, number};
 
@@ -15,7 +15,7 @@ use crate::value::{integer, number};
 #[derive(Clone)]
 pub(crate) struct Node<'a> {
     pub(crate) source: Source<'a>,
-    section: &'static Section,
+    section: &'static FormatSection,
     path: String,
     span: Range<usize>,
     table: Option<&'a DeTable<'a>>,
@@ -25,7 +25,7 @@ impl<'a> Node<'a> {
     /// The top of the file.
     pub(crate) fn top(
         source: Source<'a>,
-        section: &'static Section,
+        section: &'static FormatSection,
         table: &'a DeTable<'a>,
     ) -> Self {
         Self { source, section, path: String::new(), span: 0..0, table: Some(table) }

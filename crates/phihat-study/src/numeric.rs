@@ -2,8 +2,8 @@
 
 use toml::{Table, Value};
 
-use crate::error::{Place, StudyError, StudyErrorKind as Kind};
-use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::error::{StudyError, StudyErrorKind as Kind, TextPlace};
+use crate::format::{FormatSection, Key, Need, NumberBounds, Shape};
 use crate::keys::STUDY;
 use crate::study::Study;
 use crate::suggest::{nearest, sections, with_right_unit};
@@ -34,13 +34,13 @@ pub struct NumericKey {
     path: String,
     above: Vec<(String, Option<usize>)>,
     key: &'static Key,
-    bounds: Bounds,
+    bounds: NumberBounds,
     /// The one entry that is meant, of so many.
-    entry: Option<Entry>,
+    entry: Option<NumericEntry>,
 }
 
 #[derive(Debug, Clone)]
-struct Entry {
+struct NumericEntry {
     place: usize,
     count: usize,
     /// Of a value per joint: the joint's name, and what all of them are where the study says nothing.
@@ -48,7 +48,7 @@ struct Entry {
 }
 
 /// One step of a path: a name, and the place behind it.
-type Step<'a> = (&'a str, Option<usize>);
+type PathStep<'a> = (&'a str, Option<usize>);
 
 impl NumericKey {
     /// Finds a key by its path; `origin` stands for whoever named it in messages.
@@ -61,7 +61,7 @@ impl NumericKey {
         let steps = find.steps()?;
         let table: Table =
             study.text.parse().map_err(|_| find.error(Kind::Syntax, "not in a readable study"))?;
-        let mut section: &'static Section = &STUDY;
+        let mut section: &'static FormatSection = &STUDY;
         let mut at: Option<&Table> = Some(&table);
         for (depth, &(name, place)) in steps.iter().enumerate() {
             let Some(key) = section.key(name) else {
@@ -202,7 +202,7 @@ impl NumericKey {
         Some(at)
     }
 
-    fn put_entry(&self, at: &mut Table, entry: &Entry, number: Value) {
+    fn put_entry(&self, at: &mut Table, entry: &NumericEntry, number: Value) {
         let name = self.key.name;
         if let (Some(Value::Table(all)), Some(joint)) = (at.get_mut(name), &entry.joint) {
             all.insert(joint.clone(), number);
@@ -238,7 +238,7 @@ impl NumericKey {
     }
 }
 
-impl Entry {
+impl NumericEntry {
     /// Its number, of all of them.
     fn of(&self, value: &Value) -> Option<f64> {
         match (value, &self.joint) {
@@ -258,11 +258,11 @@ struct Finder<'a> {
 
 impl<'a> Finder<'a> {
     fn error(&self, kind: Kind, message: impl Into<String>) -> StudyError {
-        StudyError::new(kind, Place::whole_file(self.origin), self.path, message)
+        StudyError::new(kind, TextPlace::whole_file(self.origin), self.path, message)
     }
 
-    fn steps(&self) -> Result<Vec<Step<'a>>, StudyError> {
-        let step = |text: &'a str| -> Option<Step<'a>> {
+    fn steps(&self) -> Result<Vec<PathStep<'a>>, StudyError> {
+        let step = |text: &'a str| -> Option<PathStep<'a>> {
             let Some((name, place)) = text.split_once('[') else {
                 return (!text.is_empty()).then_some((text, None));
             };
@@ -277,7 +277,7 @@ impl<'a> Finder<'a> {
     }
 
     /// There is no such key in a section: the one with the right unit, else the nearest of all.
-    fn unknown(&self, section: &'static Section, name: &str) -> StudyError {
+    fn unknown(&self, section: &'static FormatSection, name: &str) -> StudyError {
         let inside = |name: &str| match section.path {
             "" => name.to_owned(),
             path => format!("{path}.{name}"),
@@ -337,7 +337,7 @@ impl<'a> Finder<'a> {
         study: &Study,
         key: &'static Key,
         place: Option<usize>,
-        rest: &[Step<'_>],
+        rest: &[PathStep<'_>],
     ) -> Result<NumericKey, StudyError> {
         let joints: Vec<&str> = study.robot.joints.iter().map(|j| j.name.as_str()).collect();
         let found = |bounds, entry| {
@@ -352,17 +352,17 @@ impl<'a> Finder<'a> {
             Shape::PerJoint(bounds, _) => match (place, rest) {
                 (None, []) => found(*bounds, None),
                 (Some(place), []) if place < joints.len() => {
-                    found(*bounds, Some(Entry::joint(place, &joints)))
+                    found(*bounds, Some(NumericEntry::joint(place, &joints)))
                 }
                 (None, [(name, None)]) => match joints.iter().position(|joint| joint == name) {
-                    Some(place) => found(*bounds, Some(Entry::joint(place, &joints))),
+                    Some(place) => found(*bounds, Some(NumericEntry::joint(place, &joints))),
                     None => Err(self.no_joint(&joints)),
                 },
                 _ => Err(self.no_joint(&joints)),
             },
             Shape::List { min, max, bounds } => match (place, rest) {
                 (Some(place), []) if place < *max => {
-                    found(*bounds, Some(Entry { place, count: *min, joint: None }))
+                    found(*bounds, Some(NumericEntry { place, count: *min, joint: None }))
                 }
                 _ => Err(self
                     .error(Kind::WrongType, "a list of numbers")
@@ -383,7 +383,7 @@ impl<'a> Finder<'a> {
     }
 }
 
-impl Entry {
+impl NumericEntry {
     fn joint(place: usize, joints: &[&str]) -> Self {
         let joint = joints.get(place).map(|name| (*name).to_owned());
         Self { place, count: joints.len(), joint }

@@ -4,13 +4,13 @@ use phihat_model::Profile;
 
 use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
-use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::format::{FormatSection, Key, Need, NumberBounds, Shape};
 use crate::node::Node;
 use crate::study::Interface;
 
 const OWN: Need = Need::Optional("as the interface has it");
 
-pub(crate) static PROFILE: Section = Section {
+pub(crate) static PROFILE: FormatSection = FormatSection {
     path: "profile",
     doc: "What the robot's torque interface adds to a command, and on what it stops. The keys beside \
           `name` replace figures of the interface.",
@@ -33,35 +33,35 @@ pub(crate) static PROFILE: Section = Section {
         Key {
             name: "adds_friction",
             unit: "",
-            shape: Shape::Number(Bounds::closed(0.0, 1.0)),
+            shape: Shape::Number(NumberBounds::closed(0.0, 1.0)),
             need: OWN,
             doc: "Share of its described friction that the robot adds.",
         },
         Key {
             name: "torque_rate_max_nm_s",
             unit: "N·m/s",
-            shape: Shape::Number(Bounds::positive(1e9)),
+            shape: Shape::Number(NumberBounds::positive(1e9)),
             need: OWN,
             doc: "The robot stops when a command changes faster.",
         },
         Key {
             name: "first_torque_max_nm",
             unit: "N·m",
-            shape: Shape::Number(Bounds::closed(0.0, 1e5)),
+            shape: Shape::Number(NumberBounds::closed(0.0, 1e5)),
             need: OWN,
             doc: "The robot does not start on a first command beyond this.",
         },
         Key {
             name: "losses_max",
             unit: "",
-            shape: Shape::Number(Bounds::integers(1.0, 1e6)),
+            shape: Shape::Number(NumberBounds::integers(1.0, 1e6)),
             need: OWN,
             doc: "The robot stops after so many commands in a row are lost.",
         },
         Key {
             name: "torque_filter_hz",
             unit: "Hz",
-            shape: Shape::Number(Bounds::positive(1e5)),
+            shape: Shape::Number(NumberBounds::positive(1e5)),
             need: OWN,
             doc: "First-order low-pass that the robot puts on the commands.",
         },

@@ -10,13 +10,13 @@ use toml::de::DeTable;
 use crate::arm::StudyArm;
 use crate::base::Base;
 use crate::check::check_table;
-use crate::error::{Place, StudyError, StudyErrorKind as Kind};
-use crate::found::Found;
+use crate::error::{StudyError, StudyErrorKind as Kind, TextPlace};
+use crate::found::StudyErrors;
 use crate::keys::STUDY;
 use crate::node::Node;
-use crate::run::Run;
+use crate::run::ReferenceRun;
 use crate::source::Source;
-use crate::study::{Interface, MotionClass, Reference, Sensor, Study};
+use crate::study::{Interface, MotionClass, ReferenceRequest, Sensor, Study};
 use crate::supervisor::SupervisorRequest;
 use crate::{
     control, design, fault, feedforward, gains, profile, reference, spec, supervisor, world,
@@ -59,7 +59,7 @@ impl Study {
     ///
     /// As [`check`](Self::check).
     pub fn check_text(text: &str, origin: &str, base: &Path) -> Result<Self, Vec<StudyError>> {
-        let found = Found::all();
+        let found = StudyErrors::all();
         let source = Source { text, origin, found: &found };
         let read = read_text(source, Base { folder: base, flat: false });
         match (read, found) {
@@ -92,7 +92,7 @@ impl Study {
 }
 
 fn first_error(text: &str, origin: &str, base: Base<'_>) -> Result<Study, StudyError> {
-    let found = Found::first();
+    let found = StudyErrors::first();
     read_text(Source { text, origin, found: &found }, base)
 }
 
@@ -100,7 +100,7 @@ fn first_error(text: &str, origin: &str, base: Base<'_>) -> Result<Study, StudyE
 fn text_of(path: &Path) -> Result<(String, String), StudyError> {
     let origin = path.display().to_string();
     let refuse = |kind, why: String, help: &str| {
-        StudyError::new(kind, Place::whole_file(&origin), "", why).with_help(help)
+        StudyError::new(kind, TextPlace::whole_file(&origin), "", why).with_help(help)
     };
     let text = input::text(path, BYTES_MAX as u64).map_err(|error| match error.kind() {
         ErrorKind::FileTooLarge => {
@@ -193,7 +193,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let faults = fault::read(top, &arm, duration)?;
     // Along a run of no known length there is nothing to look at.
     let seed = top.count("seed")?;
-    let run = period_ns.map(|_| Run { duration, rate, seed, base });
+    let run = period_ns.map(|_| ReferenceRun { duration, rate, seed, base });
     let reference = run.map(|run| reference::read(&top.child("reference"), &arm, run));
     let reference = reference.map_or(Ok(None), |reference| found.keep(reference))?;
     let all = (sensor, interface, spec, design, feedforward, supervisor, reference);
@@ -236,9 +236,9 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
 #[inline(never)]
 fn of_class(
     mut supervisor: Option<Box<SupervisorRequest>>,
-    reference: &Reference,
+    reference: &ReferenceRequest,
 ) -> Option<Box<SupervisorRequest>> {
-    if let (Some(own), Reference::Any { class, .. }) = (&mut supervisor, reference) {
+    if let (Some(own), ReferenceRequest::Any { class, .. }) = (&mut supervisor, reference) {
         let MotionClass { low, high, speed, acceleration, jerk, .. } = class;
         own.motion = Some([speed.clone(), acceleration.clone(), jerk.clone()]);
         own.reference_box = Some([low.clone(), high.clone()]);
@@ -367,7 +367,7 @@ fn study_name(origin: &str) -> Result<String, StudyError> {
         return Ok(stem.to_owned());
     }
     let message = "the file's name is the study's name, and this one cannot be";
-    Err(StudyError::new(Kind::UnknownName, Place::whole_file(origin), "", message)
+    Err(StudyError::new(Kind::UnknownName, TextPlace::whole_file(origin), "", message)
         .with_help("1 to 64 of the characters a-z, 0-9, _ and - before `.toml`"))
 }
 

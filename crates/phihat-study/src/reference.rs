@@ -3,24 +3,29 @@
 use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
-use crate::run::{QUINTIC_SLOPE_MAX, Run};
-use crate::study::{MotionClass, Reference};
+use crate::run::{QUINTIC_SLOPE_MAX, ReferenceRun};
+use crate::study::{MotionClass, ReferenceRequest};
 use crate::{cartesian, samples, sines};
 
-pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Reference, StudyError> {
+pub(crate) fn read(
+    node: &Node<'_>,
+    arm: &StudyArm,
+    run: ReferenceRun<'_>,
+) -> Result<ReferenceRequest, StudyError> {
     match node.word("kind")? {
         "sines" => sines::read(node, arm, run),
         "waypoints" => waypoints(node, arm),
         "csv" => samples::read(node, arm, run),
         "any" => any(node, arm, run.seed),
-        "hold" => {
-            Ok(Reference::Waypoints { t: vec![0.0], q: vec![arm.position(node, "q_rad", "pose")?] })
-        }
+        "hold" => Ok(ReferenceRequest::Waypoints {
+            t: vec![0.0],
+            q: vec![arm.position(node, "q_rad", "pose")?],
+        }),
         _ => cartesian::read(node, arm),
     }
 }
 
-fn waypoints(node: &Node<'_>, arm: &StudyArm) -> Result<Reference, StudyError> {
+fn waypoints(node: &Node<'_>, arm: &StudyArm) -> Result<ReferenceRequest, StudyError> {
     let (mut t, mut q): (Vec<f64>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
     let found = node.source.found;
     for node in node.children("waypoint") {
@@ -43,11 +48,11 @@ fn waypoints(node: &Node<'_>, arm: &StudyArm) -> Result<Reference, StudyError> {
         t.push(time);
         q.push(position);
     }
-    Ok(Reference::Waypoints { t, q })
+    Ok(ReferenceRequest::Waypoints { t, q })
 }
 
 /// A class of motions: its box inside the joints' limits, its speeds too.
-fn any(node: &Node<'_>, arm: &StudyArm, seed: u64) -> Result<Reference, StudyError> {
+fn any(node: &Node<'_>, arm: &StudyArm, seed: u64) -> Result<ReferenceRequest, StudyError> {
     let center = arm.position(node, "center_rad", "center")?;
     let half = arm.joints.numbers_if(node, "box_rad")?;
     let speed = arm.joints.numbers(node, "speed_max_rad_s")?;
@@ -69,7 +74,7 @@ fn any(node: &Node<'_>, arm: &StudyArm, seed: u64) -> Result<Reference, StudyErr
         high.push(ends.1);
     }
     let class = MotionClass { center, low, high, speed, acceleration, jerk };
-    Ok(Reference::Any { class, seed })
+    Ok(ReferenceRequest::Any { class, seed })
 }
 
 fn check_order(node: &Node<'_>, before: f64, time: f64) -> Result<(), StudyError> {

@@ -1,20 +1,20 @@
 //! The format of `[reference]`: one section for each kind.
 
-use crate::format::{Bounds, Key, Kind, Need, Section, Shape};
+use crate::format::{FormatSection, Key, Need, NumberBounds, SectionKind, Shape};
 
-const POSITION: Bounds = Bounds::within(100.0);
-const POINT: Bounds = Bounds::within(100.0);
-const FADE: Bounds = Bounds::closed(0.0, 3600.0);
+const POSITION: NumberBounds = NumberBounds::within(100.0);
+const POINT: NumberBounds = NumberBounds::within(100.0);
+const FADE: NumberBounds = NumberBounds::closed(0.0, 3600.0);
 
 /// The kinds of reference.
-pub(crate) const KINDS: &[Kind] = &[
-    Kind { word: "sines", section: &SINES },
-    Kind { word: "waypoints", section: &WAYPOINTS },
-    Kind { word: "circle", section: &CIRCLE },
-    Kind { word: "curve", section: &CURVE },
-    Kind { word: "csv", section: &CSV },
-    Kind { word: "hold", section: &HOLD },
-    Kind { word: "any", section: &ANY },
+pub(crate) const KINDS: &[SectionKind] = &[
+    SectionKind { word: "sines", section: &SINES },
+    SectionKind { word: "waypoints", section: &WAYPOINTS },
+    SectionKind { word: "circle", section: &CIRCLE },
+    SectionKind { word: "curve", section: &CURVE },
+    SectionKind { word: "csv", section: &CSV },
+    SectionKind { word: "hold", section: &HOLD },
+    SectionKind { word: "any", section: &ANY },
 ];
 
 const fn kind(word: &'static [&'static str], doc: &'static str) -> Key {
@@ -30,7 +30,7 @@ const fn joint_position(name: &'static str, other: &'static str, doc: &'static s
     Key { name, unit: "rad", shape, need: Need::Optional(other), doc }
 }
 
-static SINES: Section = Section {
+static SINES: FormatSection = FormatSection {
     path: "reference",
     doc: "q_d = center + w(t)·Σ amplitude·sin(2π·frequency·t + phase), one `[[reference.sine]]` for \
           each term. The motion must keep the joints' position and velocity limits.",
@@ -55,7 +55,7 @@ static SINES: Section = Section {
     ],
 };
 
-static SINE: Section = Section {
+static SINE: FormatSection = FormatSection {
     path: "reference.sine",
     doc: "One term of the sum.",
     keys: &[
@@ -69,7 +69,7 @@ static SINE: Section = Section {
         Key {
             name: "frequency_hz",
             unit: "Hz",
-            shape: Shape::PerJoint(Bounds::closed(0.0, 1e4), &[]),
+            shape: Shape::PerJoint(NumberBounds::closed(0.0, 1e4), &[]),
             need: Need::Required,
             doc: "Frequency; below half of `rate_hz`.",
         },
@@ -83,7 +83,7 @@ static SINE: Section = Section {
     ],
 };
 
-static WAYPOINTS: Section = Section {
+static WAYPOINTS: FormatSection = FormatSection {
     path: "reference",
     doc: "Rest-to-rest quintics from one `[[reference.waypoint]]` to the next; holds the last one. \
           Each leg must keep the joints' velocity limits.",
@@ -99,14 +99,14 @@ static WAYPOINTS: Section = Section {
     ],
 };
 
-static WAYPOINT: Section = Section {
+static WAYPOINT: FormatSection = FormatSection {
     path: "reference.waypoint",
     doc: "Where to be and when. Give `q_rad` or `pose`.",
     keys: &[
         Key {
             name: "t_s",
             unit: "s",
-            shape: Shape::Number(Bounds::closed(0.0, 86_400.0)),
+            shape: Shape::Number(NumberBounds::closed(0.0, 86_400.0)),
             need: Need::Required,
             doc: "Time of arrival.",
         },
@@ -125,7 +125,7 @@ const FRAME: Key = Key {
 const PERIOD: Key = Key {
     name: "period_s",
     unit: "s",
-    shape: Shape::Number(Bounds::positive(86_400.0)),
+    shape: Shape::Number(NumberBounds::positive(86_400.0)),
     need: Need::Required,
     doc: "Time of one turn at full speed.",
 };
@@ -147,7 +147,7 @@ const SEED_RAD: Key =
     joint_position("seed_rad", "`seed` is given", "Where inverse kinematics starts looking.");
 const SEED: Key = pose("seed", "`seed_rad` is given", "A named pose of the robot as that place.");
 
-static CIRCLE: Section = Section {
+static CIRCLE: FormatSection = FormatSection {
     path: "reference",
     doc: "A circle in space, followed by inverse kinematics. It begins at its point farthest along x \
           (along y, if the normal is nearly x).",
@@ -164,14 +164,14 @@ static CIRCLE: Section = Section {
         Key {
             name: "radius_m",
             unit: "m",
-            shape: Shape::Number(Bounds::positive(100.0)),
+            shape: Shape::Number(NumberBounds::positive(100.0)),
             need: Need::Required,
             doc: "Radius.",
         },
         Key {
             name: "normal",
             unit: "",
-            shape: Shape::List { min: 3, max: 3, bounds: Bounds::within(1e6) },
+            shape: Shape::List { min: 3, max: 3, bounds: NumberBounds::within(1e6) },
             need: Need::Numbers(&[0.0, 0.0, 1.0]),
             doc: "Normal of the circle's plane; of any length but 0. Motion is counter-clockwise \
                   about it.",
@@ -184,7 +184,7 @@ static CIRCLE: Section = Section {
     ],
 };
 
-static CURVE: Section = Section {
+static CURVE: FormatSection = FormatSection {
     path: "reference",
     doc: "A closed, smooth curve through points (a periodic cubic spline), followed by inverse \
           kinematics.",
@@ -207,7 +207,7 @@ static CURVE: Section = Section {
     ],
 };
 
-static CSV: Section = Section {
+static CSV: FormatSection = FormatSection {
     path: "reference",
     doc: "Samples from a file, joined by a natural cubic spline per joint. First line: `t_s` and \
           every joint's name, in any order. Then one row per sample, comma-separated, in s and \
@@ -225,7 +225,7 @@ static CSV: Section = Section {
     ],
 };
 
-static HOLD: Section = Section {
+static HOLD: FormatSection = FormatSection {
     path: "reference",
     doc: "One position, held. Give `q_rad` or `pose`.",
     keys: &[
@@ -237,11 +237,11 @@ static HOLD: Section = Section {
 
 /// A largest derivative of the motions of a class.
 const fn largest(name: &'static str, unit: &'static str, doc: &'static str) -> Key {
-    let shape = Shape::PerJoint(Bounds::positive(1e6), &[]);
+    let shape = Shape::PerJoint(NumberBounds::positive(1e6), &[]);
     Key { name, unit, shape, need: Need::Required, doc }
 }
 
-static ANY: Section = Section {
+static ANY: FormatSection = FormatSection {
     path: "reference",
     doc: "Any motion of a class: inside a joint box, within speed, acceleration and jerk. `phihat design` bounds the \
           error of all of them at once; a run draws one from `seed`, which starts at rest at the centre and is switched \
@@ -253,7 +253,7 @@ static ANY: Section = Section {
         Key {
             name: "box_rad",
             unit: "rad",
-            shape: Shape::PerJoint(Bounds::positive(100.0), &[]),
+            shape: Shape::PerJoint(NumberBounds::positive(100.0), &[]),
             need: Need::Optional("the whole range of every joint"),
             doc: "Half width of the box around the middle, inside the joints' limits.",
         },

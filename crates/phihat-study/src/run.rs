@@ -7,7 +7,7 @@ pub(crate) const QUINTIC_SLOPE_MAX: f64 = 1.875;
 
 /// The run that a reference is for.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Run<'p> {
+pub(crate) struct ReferenceRun<'p> {
     /// \[s\]
     pub(crate) duration: f64,
     /// Control samples per second \[Hz\].

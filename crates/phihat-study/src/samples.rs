@@ -8,10 +8,10 @@ use phihat_model::input;
 use crate::arm::StudyArm;
 use crate::base::beside;
 use crate::entries::clip;
-use crate::error::{Place, StudyError, StudyErrorKind as Kind};
+use crate::error::{StudyError, StudyErrorKind as Kind, TextPlace};
 use crate::node::Node;
-use crate::run::Run;
-use crate::study::Reference;
+use crate::run::ReferenceRun;
+use crate::study::ReferenceRequest;
 use crate::suggest::did_you_mean;
 
 const BYTES_MAX: u64 = 256 << 20;
@@ -19,7 +19,11 @@ const LINE_MAX: u64 = 4096;
 const COLUMNS_MAX: usize = 512;
 const ROWS_MAX: usize = 1_000_000;
 
-pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Reference, StudyError> {
+pub(crate) fn read(
+    node: &Node<'_>,
+    arm: &StudyArm,
+    run: ReferenceRun<'_>,
+) -> Result<ReferenceRequest, StudyError> {
     let name = node.word("file")?;
     let path = run.base.join(name);
     let refuse =
@@ -32,13 +36,13 @@ pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Refe
         return Err(node.error(Kind::TooLarge, "file", message));
     }
     let shown = path.display().to_string();
-    let mut table = Table::new(&shown, BufReader::new(file.take(BYTES_MAX)));
+    let mut table = SamplesTable::new(&shown, BufReader::new(file.take(BYTES_MAX)));
     let (t, q) = table.read(arm)?;
     if let Some(&end) = t.last().filter(|&&end| end < run.duration - 1e-9) {
         let message = format!("the samples end at {end} s, the run at {} s", run.duration);
         return Err(node.error(Kind::Conflict, "file", message));
     }
-    Ok(Reference::Samples { t, q })
+    Ok(ReferenceRequest::Samples { t, q })
 }
 
 /// Times, and one row of positions for each.
@@ -52,7 +56,7 @@ enum Column {
 }
 
 /// A CSV file while it is read; knows the line it is at.
-struct Table<'f, R> {
+struct SamplesTable<'f, R> {
     file: &'f str,
     reader: R,
     line: String,
@@ -61,14 +65,14 @@ struct Table<'f, R> {
     start: usize,
 }
 
-impl<'f, R: BufRead> Table<'f, R> {
+impl<'f, R: BufRead> SamplesTable<'f, R> {
     fn new(file: &'f str, reader: R) -> Self {
         Self { file, reader, line: String::new(), number: 0, start: 0 }
     }
 
     fn read(&mut self, arm: &StudyArm) -> Result<Samples, StudyError> {
         if !self.next_line()? {
-            let place = Place::whole_file(self.file);
+            let place = TextPlace::whole_file(self.file);
             return Err(StudyError::new(Kind::Syntax, place, "", "the file is empty"));
         }
         let columns = self.header(arm)?;
@@ -103,7 +107,7 @@ impl<'f, R: BufRead> Table<'f, R> {
         let mut bytes = Vec::new();
         let read = self.reader.by_ref().take(LINE_MAX + 1).read_until(b'\n', &mut bytes);
         let count = read.map_err(|error| {
-            let place = Place::whole_file(self.file);
+            let place = TextPlace::whole_file(self.file);
             StudyError::new(Kind::Unreadable, place, "", error.to_string())
         })?;
         if count == 0 {
@@ -253,7 +257,7 @@ impl<'f, R: BufRead> Table<'f, R> {
         }
         let column = self.line.get(..from).map_or(1, |text| text.chars().count() + 1);
         let span = self.start + from..self.start + from + length.max(1);
-        let place = Place {
+        let place = TextPlace {
             file: self.file.into(),
             line: self.number,
             column,

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::format::{FormatSection, Key, Need, NumberBounds, Shape};
 use crate::keys::STUDY;
 
 /// The JSON Schema (2020-12) of a study, for editors that complete and check TOML.
@@ -20,7 +20,7 @@ pub fn schema() -> String {
     format!("{schema:#}\n")
 }
 
-fn section(section: &'static Section) -> Value {
+fn section(section: &'static FormatSection) -> Value {
     let properties: Map<String, Value> =
         section.keys.iter().map(|key| (key.name.to_owned(), property(key))).collect();
     let required: Vec<&str> =
@@ -100,7 +100,7 @@ fn shape(shape: &'static Shape) -> Value {
     }
 }
 
-fn number(bounds: Bounds) -> Value {
+fn number(bounds: NumberBounds) -> Value {
     let low = if bounds.open { "exclusiveMinimum" } else { "minimum" };
     let kind = if bounds.integer { "integer" } else { "number" };
     json!({ "type": kind, low: bounds.low, "maximum": bounds.high })

@@ -5,15 +5,19 @@ use std::f64::consts::TAU;
 use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
-use crate::run::{QUINTIC_SLOPE_MAX, Run};
-use crate::study::{Reference, Sine};
+use crate::run::{QUINTIC_SLOPE_MAX, ReferenceRun};
+use crate::study::{ReferenceRequest, Sine};
 
 /// Longest step of the search for a position outside the limits \[s\].
 const STEP: f64 = 1e-3;
 /// Steps of that search at most; longer runs are searched in longer steps.
 const STEPS_MAX: u32 = 200_000;
 
-pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Reference, StudyError> {
+pub(crate) fn read(
+    node: &Node<'_>,
+    arm: &StudyArm,
+    run: ReferenceRun<'_>,
+) -> Result<ReferenceRequest, StudyError> {
     let center = arm.position(node, "center_rad", "center")?;
     let fade_in = node.number("fade_in_s")?;
     let terms: Vec<Sine> =
@@ -24,10 +28,10 @@ pub(crate) fn read(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Refe
         let sum = JointSines::new(j, &center, fade_in, &terms);
         node.source.found.keep(sum.check(node, arm, run.duration))?;
     }
-    Ok(Reference::Sines { center, terms, fade_in })
+    Ok(ReferenceRequest::Sines { center, terms, fade_in })
 }
 
-fn term(node: &Node<'_>, arm: &StudyArm, run: Run<'_>) -> Result<Sine, StudyError> {
+fn term(node: &Node<'_>, arm: &StudyArm, run: ReferenceRun<'_>) -> Result<Sine, StudyError> {
     let frequency = arm.joints.numbers(node, "frequency_hz")?;
     if let Some(j) = frequency.iter().position(|&f| f >= run.rate / 2.0) {
         let name = arm.joints.names[j].as_str();

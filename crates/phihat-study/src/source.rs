@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use crate::error::{Place, StudyError, StudyErrorKind};
-use crate::found::Found;
+use crate::error::{StudyError, StudyErrorKind, TextPlace};
+use crate::found::StudyErrors;
 
 /// Bytes of a line kept for an error message.
 const LINE_MAX: usize = 4096;
@@ -14,19 +14,19 @@ pub(crate) struct Source<'a> {
     pub(crate) text: &'a str,
     pub(crate) origin: &'a str,
     /// Errors of the text so far.
-    pub(crate) found: &'a Found,
+    pub(crate) found: &'a StudyErrors,
 }
 
 impl Source<'_> {
     /// The place of `span`; a span that is not inside the text means its end.
-    pub(crate) fn place(&self, span: &Range<usize>) -> Place {
+    pub(crate) fn place(&self, span: &Range<usize>) -> TextPlace {
         let start = floor_boundary(self.text, span.start);
         let end = floor_boundary(self.text, span.end).max(start);
         let (before, after) = self.text.split_at(start);
         let begin = before.rfind('\n').map_or(0, |at| at + 1);
         let finish = after.find(['\n', '\r']).map_or(self.text.len(), |at| start + at);
         let bom = |text: &str| text.trim_start_matches('\u{feff}').chars().count();
-        Place {
+        TextPlace {
             file: self.origin.into(),
             line: before.bytes().filter(|&b| b == b'\n').count() + 1,
             column: bom(&self.text[begin..start]) + 1,

@@ -17,9 +17,9 @@ pub(crate) fn read(node: &Node<'_>, joints: &Joints, duration: f64) -> Result<Sp
     Ok(Spec {
         settle,
         settle_stated: node.has("settle_s"),
-        error_bound: joints.numbers_if(node, "error_max_rad")?,
-        error_integral_max: joints.numbers_if(node, "error_integral_max_rad_s")?,
-        velocity_error_max: joints.numbers_if(node, "velocity_error_max_rad_s")?,
-        tip_error_max: node.number_if("tip_error_max_mm").map(|mm| mm * 1e-3),
+        error_bound: joints.numbers_if(node, "error_bound_rad")?,
+        error_integral_bound: joints.numbers_if(node, "error_integral_bound_rad_s")?,
+        velocity_error_bound: joints.numbers_if(node, "velocity_error_bound_rad_s")?,
+        tip_error_bound: node.number_if("tip_error_bound_mm").map(|mm| mm * 1e-3),
     })
 }

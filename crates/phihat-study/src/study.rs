@@ -21,7 +21,7 @@ use crate::payload::Payload;
 ///     name = "planar3r"
 ///     [spec]
 ///     settle_s = 1.0
-///     error_max_rad = 2e-3
+///     error_bound_rad = 2e-3
 ///     [gains]
 ///     order = 1
 ///     bandwidth_rad_s = 20.0
@@ -82,7 +82,7 @@ pub struct Study {
     /// Faults, each with its start and duration.
     pub faults: Vec<Fault>,
     /// Reference motion of the arm.
-    pub reference: Reference,
+    pub reference: ReferenceRequest,
     /// Feed-forward torque on top of `M̄ q̈_d`.
     pub feedforward: Option<FeedForward>,
 }
@@ -97,11 +97,11 @@ pub struct Spec {
     /// Largest |e| \[rad\] per joint.
     pub error_bound: Option<Vec<f64>>,
     /// Largest |∫e| \[rad·s\] per joint.
-    pub error_integral_max: Option<Vec<f64>>,
+    pub error_integral_bound: Option<Vec<f64>>,
     /// Largest |ė| \[rad/s\] per joint.
-    pub velocity_error_max: Option<Vec<f64>>,
+    pub velocity_error_bound: Option<Vec<f64>>,
     /// Largest distance of the arm's tip from where the reference has it \[m\].
-    pub tip_error_max: Option<f64>,
+    pub tip_error_bound: Option<f64>,
 }
 
 /// `[design]`: input of a design of the gains.
@@ -569,7 +569,7 @@ impl Study {
 
 /// `[reference]`: what the arm shall do; every kind is C².
 #[derive(Debug, Clone, PartialEq)]
-pub enum Reference {
+pub enum ReferenceRequest {
     /// `q_d = center + w(t) Σ amplitude sin(2π frequency t + phase)`, faded in over `fade_in`.
     Sines {
         /// Middle \[rad\] per joint.

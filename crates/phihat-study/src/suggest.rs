@@ -1,6 +1,6 @@
 //! Suggestions for a wrong name: the nearest name, the right unit, the right section.
 
-use crate::format::{Section, Shape};
+use crate::format::{FormatSection, Shape};
 
 /// Parts of key names that are units.
 const UNIT_PARTS: &[&str] = &[
@@ -51,7 +51,7 @@ fn fold(name: &str) -> String {
 /// The key that `name` is but for its unit: `rate_khz` → `rate_hz`, `rate` → `rate_hz`.
 pub(crate) fn with_right_unit(
     name: &str,
-    section: &'static Section,
+    section: &'static FormatSection,
 ) -> Option<(&'static str, &'static str)> {
     let name = fold(name);
     let same = |key: &&'static crate::format::Key| {
@@ -73,11 +73,13 @@ fn stem(name: &str) -> &str {
 }
 
 /// All sections, depth first, each with the kind it belongs to.
-pub(crate) fn sections(top: &'static Section) -> Vec<(Option<&'static str>, &'static Section)> {
+pub(crate) fn sections(
+    top: &'static FormatSection,
+) -> Vec<(Option<&'static str>, &'static FormatSection)> {
     fn visit(
         word: Option<&'static str>,
-        section: &'static Section,
-        all: &mut Vec<(Option<&'static str>, &'static Section)>,
+        section: &'static FormatSection,
+        all: &mut Vec<(Option<&'static str>, &'static FormatSection)>,
     ) {
         all.push((word, section));
         for key in section.keys {

@@ -1,19 +1,19 @@
 //! The format of `[supervisor]`: guard, limits and modes around the law.
 
-use crate::format::{Bounds, Key, Need, Section, Shape};
+use crate::format::{FormatSection, Key, Need, NumberBounds, Shape};
 use crate::key_parts::{ROBOT_OR_NONE, TIME};
 
-const ANGLE: Bounds = Bounds::positive(100.0);
-const TORQUE: Bounds = Bounds::positive(1e5);
-const SAMPLES: Bounds = Bounds::integers(1.0, 10_000.0);
-const POSITIVE_TIME: Bounds = Bounds::positive(3600.0);
+const ANGLE: NumberBounds = NumberBounds::positive(100.0);
+const TORQUE: NumberBounds = NumberBounds::positive(1e5);
+const SAMPLES: NumberBounds = NumberBounds::integers(1.0, 10_000.0);
+const POSITIVE_TIME: NumberBounds = NumberBounds::positive(3600.0);
 pub(crate) const REQUESTS: &[&str] = &["idle", "arm", "hold", "track", "stop"];
 
 /// A value per joint that is off unless stated.
 const fn option(
     name: &'static str,
     unit: &'static str,
-    bounds: Bounds,
+    bounds: NumberBounds,
     off: &'static str,
     doc: &'static str,
 ) -> Key {
@@ -23,7 +23,7 @@ const fn option(
 const fn number(
     name: &'static str,
     unit: &'static str,
-    bounds: Bounds,
+    bounds: NumberBounds,
     default: f64,
     doc: &'static str,
 ) -> Key {
@@ -34,7 +34,7 @@ const fn samples(name: &'static str, default: u32, doc: &'static str) -> Key {
     Key { name, unit: "", shape: Shape::Number(SAMPLES), need: Need::Count(default), doc }
 }
 
-pub(crate) static SUPERVISOR: Section = Section {
+pub(crate) static SUPERVISOR: FormatSection = FormatSection {
     path: "supervisor",
     doc: "The core's supervisor around the law, as on a robot: a guard for what comes in, limits for what goes \
           out, and modes. Without this section the law runs bare, from the first sample to the last.",
@@ -42,7 +42,7 @@ pub(crate) static SUPERVISOR: Section = Section {
         Key {
             name: "velocity_max_rad_s",
             unit: "rad/s",
-            shape: Shape::PerJoint(Bounds::positive(1e3), ROBOT_OR_NONE),
+            shape: Shape::PerJoint(NumberBounds::positive(1e3), ROBOT_OR_NONE),
             need: Need::Word("robot"),
             doc: "Largest velocity: a joint that is faster is stopped, and a jump to a higher one, or a step in position that would need it, is \
                   refused. `\"robot\"` takes the robot's limit, where it states one.",
@@ -93,28 +93,28 @@ pub(crate) static SUPERVISOR: Section = Section {
         number(
             "braking_rad_s2",
             "rad/s²",
-            Bounds::positive(1e4),
+            NumberBounds::positive(1e4),
             5.0,
             "Deceleration that every joint can afford; it bounds the velocity towards a joint limit.",
         ),
         option(
             "reference_velocity_max_rad_s",
             "rad/s",
-            Bounds::positive(1e3),
+            NumberBounds::positive(1e3),
             "the reference is not shaped",
             "The reference is shaped to this velocity; with the two keys that follow.",
         ),
         option(
             "reference_acceleration_max_rad_s2",
             "rad/s²",
-            Bounds::positive(1e4),
+            NumberBounds::positive(1e4),
             "the reference is not shaped",
             "The reference is shaped to this acceleration.",
         ),
         option(
             "reference_jerk_max_rad_s3",
             "rad/s³",
-            Bounds::positive(1e6),
+            NumberBounds::positive(1e6),
             "the reference is not shaped",
             "The reference is shaped to this jerk.",
         ),
@@ -130,7 +130,7 @@ pub(crate) static SUPERVISOR: Section = Section {
         option(
             "preset_nm",
             "N·m",
-            Bounds::within(1e5),
+            NumberBounds::within(1e5),
             "zero, or the torque of the last stop",
             "Torque that holds the arm when it is armed.",
         ),
@@ -153,7 +153,7 @@ pub(crate) static SUPERVISOR: Section = Section {
         Key {
             name: "start_estimator_factor",
             unit: "",
-            shape: Shape::Number(Bounds::closed(0.01, 1.0)),
+            shape: Shape::Number(NumberBounds::closed(0.01, 1.0)),
             need: Need::Optional("as fast as the gains"),
             doc: "Start with an estimator slower by this factor, at most 1: its poles are so many times as fast, so that \
                   `a_0` of order 1 is so many times as large. With `start_first_order`, of the first order one. Until \
@@ -178,7 +178,7 @@ pub(crate) static SUPERVISOR: Section = Section {
         Key {
             name: "brake_closing_s",
             unit: "s",
-            shape: Shape::Number(Bounds::positive(10.0)),
+            shape: Shape::Number(NumberBounds::positive(10.0)),
             need: Need::Optional("the arm has no brakes"),
             doc: "The arm has brakes that close when the supervisor asks for them, and hold it after this time. An arm without brakes is held by the law for as \
                   long as it is measured.",
@@ -186,7 +186,7 @@ pub(crate) static SUPERVISOR: Section = Section {
         Key {
             name: "park_rad",
             unit: "rad",
-            shape: Shape::PerJoint(Bounds::within(100.0), &[]),
+            shape: Shape::PerJoint(NumberBounds::within(100.0), &[]),
             need: Need::Optional("`park`, or the arm is held where it is"),
             doc: "Where `phihat drive` takes an arm without brakes before it takes the torque away: at the end of the motion and on the first Ctrl-C, where nothing is \
                   wrong. The way is shaped to the limits of the reference, which it needs; it has to be free, and the arm supported at its end.",
@@ -219,7 +219,7 @@ pub(crate) static SUPERVISOR: Section = Section {
     ],
 };
 
-static REQUEST: Section = Section {
+static REQUEST: FormatSection = FormatSection {
     path: "supervisor.request",
     doc: "One request; it stands until the next one, in the order of the file.",
     keys: &[

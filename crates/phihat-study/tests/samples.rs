@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 
 use crate::support::{read_in, with_reference};
-use phihat_study::{Reference, StudyError, StudyErrorKind};
+use phihat_study::{ReferenceRequest, StudyError, StudyErrorKind};
 
 /// A directory of its own with one file in it; removed when dropped.
 struct Folder(PathBuf);
@@ -18,7 +18,7 @@ impl Folder {
         Self(path)
     }
 
-    fn read(&self) -> Result<Reference, StudyError> {
+    fn read(&self) -> Result<ReferenceRequest, StudyError> {
         let text = with_reference("[reference]\nkind = 'csv'\nfile = 'ref.csv'\n");
         read_in(&text, &self.0).map(|study| study.reference)
     }
@@ -30,13 +30,13 @@ impl Drop for Folder {
     }
 }
 
-fn samples(name: &str, text: &str) -> Reference {
+fn samples(name: &str, text: &str) -> ReferenceRequest {
     Folder::new(name, text.as_bytes()).read().unwrap_or_else(|error| panic!("{}", error.render()))
 }
 
 #[test]
 fn columns_are_found_by_name() {
-    let expected = Reference::Samples {
+    let expected = ReferenceRequest::Samples {
         t: vec![0.0, 2.5, 5.0],
         q: vec![vec![0.1, 0.2, 0.3], vec![0.2, 0.3, 0.4], vec![0.3, 0.4, 0.5]],
     };
@@ -62,7 +62,7 @@ fn a_joint_without_ends_takes_the_near_way() {
     let study = "duration_s = 5.0\n[robot]\nfile = 'axis.urdf'\n[spec]\nsettle_s = 1.0\n[gains]\nbandwidth_rad_s = 10\n\
                  estimator_bandwidth_rad_s = 30\ninertia_kg_m2 = 0.3\n[reference]\nkind = 'csv'\nfile = 'ref.csv'\n";
     let study = read_in(study, &folder.0).unwrap_or_else(|error| panic!("{}", error.render()));
-    let Reference::Samples { q, .. } = study.reference else { panic!("samples") };
+    let ReferenceRequest::Samples { q, .. } = study.reference else { panic!("samples") };
     let turn = core::f64::consts::TAU;
     for (row, wanted) in q.iter().zip([3.0, 3.1, turn - 3.1, turn - 3.0, 3.1, 3.0]) {
         assert!((row[0] - wanted).abs() < 1e-12, "{q:?}");

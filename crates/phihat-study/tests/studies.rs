@@ -4,7 +4,7 @@
 
 use crate::support::{GOOD, read, studies, with_line, with_reference};
 use phihat::{Form, VelocitySource};
-use phihat_study::{Curve, LawRequest, Payload, Push, Reference, Start, Study};
+use phihat_study::{Curve, LawRequest, Payload, Push, ReferenceRequest, Start, Study};
 
 #[test]
 fn every_published_study_is_read() {
@@ -27,8 +27,8 @@ fn what_is_not_said_has_its_default() {
     .unwrap();
     assert_eq!((study.name.as_str(), study.title.as_str(), study.seed), ("base", "base", 0));
     assert_eq!(study.spec.settle.to_bits(), 1.0_f64.to_bits());
-    assert_eq!((&study.spec.error_bound, &study.spec.error_integral_max), (&None, &None));
-    assert_eq!(study.spec.velocity_error_max, None);
+    assert_eq!((&study.spec.error_bound, &study.spec.error_integral_bound), (&None, &None));
+    assert_eq!(study.spec.velocity_error_bound, None);
     let law = LawRequest::Bandwidths {
         order: vec![2; 3],
         bandwidth: vec![10.0; 3],
@@ -53,7 +53,10 @@ fn what_is_not_said_has_its_default() {
     assert_eq!((&world.extra_coulomb, &world.extra_viscous), (&vec![0.0; 3], &vec![0.0; 3]));
     assert_eq!((&world.drive_bandwidth_hz, &world.payload, &world.start), (&None, &None, &None));
     assert_eq!(world.substeps, 1);
-    assert_eq!(study.reference, Reference::Waypoints { t: vec![0.0], q: vec![vec![0.1; 3]] });
+    assert_eq!(
+        study.reference,
+        ReferenceRequest::Waypoints { t: vec![0.0], q: vec![vec![0.1; 3]] }
+    );
 }
 
 #[test]
@@ -78,7 +81,9 @@ fn what_is_said_arrives() {
     assert_eq!(study.world.payload, Some(payload));
     let push = Push { joint: 1, torque: 3.0, start: 2.0, duration: 0.2 };
     assert_eq!(study.world.pushes, [push]);
-    let Reference::Sines { center, terms, fade_in } = study.reference else { panic!("sines") };
+    let ReferenceRequest::Sines { center, terms, fade_in } = study.reference else {
+        panic!("sines")
+    };
     assert_eq!(center, [0.4, 1.2, 0.6]);
     assert_eq!((terms[0].amplitude.clone(), terms[0].phase.clone()), (vec![0.2; 3], vec![0.0; 3]));
     assert_eq!(terms[0].frequency, [0.1, 0.2, 0.3]);
@@ -114,7 +119,7 @@ fn a_circle_has_a_normal_of_unit_length() {
         "[reference]\nkind = 'circle'\ncenter_m = [0.4, 0, 0.2]\nradius_m = 0.1\nperiod_s = 5\n\
          normal = [0, -3, 4]\nseed_rad = [0.4, 1.2, 0.6]\n",
     );
-    let Reference::Cartesian { frame, curve, seed, hold_orientation, .. } =
+    let ReferenceRequest::Cartesian { frame, curve, seed, hold_orientation, .. } =
         read(&text).unwrap().reference
     else {
         panic!("cartesian")
@@ -136,7 +141,7 @@ fn locked_joints_are_gone_and_the_rest_keeps_its_order() {
     assert_eq!(names, ["joint2", "joint3"]);
     assert_eq!(study.gains.unwrap().inertia, [0.2, 0.3]);
     assert_eq!(study.world.pushes[0].joint, 0);
-    let Reference::Sines { center, .. } = study.reference else { panic!("sines") };
+    let ReferenceRequest::Sines { center, .. } = study.reference else { panic!("sines") };
     assert_eq!(center, [1.2, 0.6], "the named pose without the locked joint");
 }
 
@@ -245,7 +250,7 @@ fn joints_without_a_description_have_no_tip() {
     };
     assert!(!read(&text("")).unwrap().has_tip());
     assert!(read(GOOD).unwrap().has_tip());
-    let error = read(&text("tip_error_max_mm = 1\n")).unwrap_err().to_string();
-    let said = ["spec.tip_error_max_mm", "where the tip is they do not tell", "error_max_rad"];
+    let error = read(&text("tip_error_bound_mm = 1\n")).unwrap_err().to_string();
+    let said = ["spec.tip_error_bound_mm", "where the tip is they do not tell", "error_bound_rad"];
     assert!(said.iter().all(|part| error.contains(part)), "{error}");
 }

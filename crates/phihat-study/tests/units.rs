@@ -9,9 +9,9 @@ use serde_json::Value;
 /// Keys of the good study's sections, without their unit and with it.
 const KEYS: &[(&str, &str, &str)] = &[
     ("spec", "settle", "s"),
-    ("spec", "error_max", "rad"),
-    ("spec", "error_integral_max", "rad_s"),
-    ("spec", "velocity_error_max", "rad_s"),
+    ("spec", "error_bound", "rad"),
+    ("spec", "error_integral_bound", "rad_s"),
+    ("spec", "velocity_error_bound", "rad_s"),
     ("gains", "bandwidth", "rad_s"),
     ("gains", "estimator_bandwidth", "rad_s"),
     ("gains", "kp", "per_s2"),

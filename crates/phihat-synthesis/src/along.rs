@@ -2,7 +2,7 @@
 
 use phihat_design::claims::Refutation;
 use phihat_design::coupled::coupled;
-use phihat_design::{Arm, ArmError, CoupledGains, Gains, Motion, Phi, PhiBasis};
+use phihat_design::{Arm, ArmError, CoupledGains, Gains, Phi, PhiBasis, ReferenceBounds};
 use phihat_sim::Demand;
 use phihat_study::Study;
 
@@ -50,10 +50,10 @@ pub fn coupled_along(study: &Study, gains: &Gains) -> Result<Option<CoupledGains
 }
 
 /// Largest velocity, acceleration and jerk of a joint's reference.
-pub fn motion_along(demand: &Demand, joint: usize) -> Motion {
+pub fn motion_along(demand: &Demand, joint: usize) -> ReferenceBounds {
     let (acceleration_rad_s2, jerk_rad_s3) = demand.motion(joint);
     let velocity_rad_s = demand.velocity(joint);
-    Motion { velocity_rad_s, acceleration_rad_s2, jerk_rad_s3 }
+    ReferenceBounds { velocity_rad_s, acceleration_rad_s2, jerk_rad_s3 }
 }
 
 /// `φ` of a joint along the reference for a nominal inertia \[kg·m²\].

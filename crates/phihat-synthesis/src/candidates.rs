@@ -13,7 +13,7 @@ use crate::typed_phi::typed_phi_holds;
 const DOUBLINGS: u32 = 12;
 
 /// Use of bounds of `φ` for a study: a search.
-type Make<'a> = &'a dyn Fn(&Study, PhiOf<'_>) -> Result<Outcome, SynthesisError>;
+type SearchOfBounds<'a> = &'a dyn Fn(&Study, PhiOf<'_>) -> Result<Outcome, SynthesisError>;
 
 /// Candidate of the search joint by joint: gains with claims about the loop; of a coupled arm without any bound on
 /// the error, which only a tube gives.
@@ -35,7 +35,7 @@ pub(crate) fn with_phi(
     study: &Study,
     demand: &Demand,
     recordings: &Recordings,
-    make: Make<'_>,
+    make: SearchOfBounds<'_>,
 ) -> Result<Outcome, SynthesisError> {
     let moving = |study: &Study, phi: PhiOf<'_>| {
         let phi = |joint: usize, inertia: f64| {
@@ -44,7 +44,7 @@ pub(crate) fn with_phi(
         };
         make(study, &phi)
     };
-    let make: Make<'_> = &moving;
+    let make: SearchOfBounds<'_> = &moving;
     match &study.design.phi {
         PhiSource::Typed { rate, jump } => {
             let typed = make(study, &|joint, _| Phi {
@@ -77,7 +77,11 @@ pub(crate) fn with_phi(
 
 /// `φ` from the closed loop: simulated with gains for `φ` along the reference, designed, simulated again, and
 /// designed once more if the second run asks for more than the first one allowed.
-fn simulated(study: &Study, demand: &Demand, make: Make<'_>) -> Result<Outcome, SynthesisError> {
+fn simulated(
+    study: &Study,
+    demand: &Demand,
+    make: SearchOfBounds<'_>,
+) -> Result<Outcome, SynthesisError> {
     let margin = study.design.phi_margin;
     let Some(first) = first_gains(study, demand, make)? else {
         return make(study, &|joint, inertia| phi_along(demand, joint, inertia));
@@ -112,7 +116,7 @@ fn simulated(study: &Study, demand: &Demand, make: Make<'_>) -> Result<Outcome, 
 fn first_gains(
     study: &Study,
     demand: &Demand,
-    make: Make<'_>,
+    make: SearchOfBounds<'_>,
 ) -> Result<Option<Box<Gains>>, SynthesisError> {
     let mut easier = study.clone();
     for _ in 0..DOUBLINGS {
@@ -122,7 +126,7 @@ fn first_gains(
         }
         let spec = &mut easier.spec;
         let bounds =
-            [&mut spec.error_bound, &mut spec.velocity_error_max, &mut spec.error_integral_max];
+            [&mut spec.error_bound, &mut spec.velocity_error_bound, &mut spec.error_integral_bound];
         bounds.into_iter().flatten().flatten().for_each(|bound| *bound *= 2.0);
     }
     Ok(None)

@@ -6,7 +6,7 @@ use phihat_design::{
     Arm, ClassBound, ClassDemand, ClassRefusal, Clause, Gains, Infeasible, Outcome, Phi,
     PositionSearch, class_bound, quick_class_bound, requested_gains,
 };
-use phihat_study::{Reference, Study};
+use phihat_study::{ReferenceRequest, Study};
 
 use crate::error::SynthesisError;
 use crate::judged::ERROR_KEY;
@@ -36,7 +36,7 @@ const STILL: f64 = 0.02;
 
 /// Returns true if a study's reference is a class of motions.
 pub(crate) fn is_class(study: &Study) -> bool {
-    matches!(study.reference, Reference::Any { .. })
+    matches!(study.reference, ReferenceRequest::Any { .. })
 }
 
 /// Shares of what is allowed: error and torque step of each joint.
@@ -56,7 +56,7 @@ impl Shares {
             own.into_iter().chain(rate).map(|most| step / most).largest()
         };
         Self {
-            errors: class.error_rad.iter().enumerate().map(over).collect(),
+            errors: class.error_bound_rad.iter().enumerate().map(over).collect(),
             steps: class.torque_step_nm.iter().enumerate().map(step).collect(),
         }
     }
@@ -97,7 +97,7 @@ impl Shares {
 }
 
 /// The best laws so far.
-struct Best {
+struct BestOfClass {
     rank: (u8, f64),
     shares: Vec<f64>,
     gains: Box<Gains>,
@@ -128,7 +128,7 @@ pub(crate) fn for_class(study: &Study, arm: &Arm) -> Result<Outcome, SynthesisEr
         return certified(Box::new(stated), &search, None);
     }
     let mut shares = vec![FIRST; study.robot.joints.len()];
-    let mut best: Option<Best> = None;
+    let mut best: Option<BestOfClass> = None;
     let mut radius = None;
     for _ in 0..ROUNDS {
         let Some((gains, _)) = search.laws(&shares) else { break };
@@ -139,7 +139,8 @@ pub(crate) fn for_class(study: &Study, arm: &Arm) -> Result<Outcome, SynthesisEr
                 let gained = best.as_ref().is_none_or(|before| rank < before.rank);
                 let done = best.as_ref().is_some_and(|before| before.rank.0 == 0) && !gained;
                 if gained {
-                    best = Some(Best { rank, shares: shares.clone(), gains: Box::new(gains) });
+                    best =
+                        Some(BestOfClass { rank, shares: shares.clone(), gains: Box::new(gains) });
                 }
                 if done {
                     break;
@@ -176,7 +177,7 @@ pub(crate) fn for_class(study: &Study, arm: &Arm) -> Result<Outcome, SynthesisEr
 fn within_step(
     study: &Study,
     search: &mut PositionSearch<'_>,
-    Best { mut shares, mut gains, .. }: Best,
+    BestOfClass { mut shares, mut gains, .. }: BestOfClass,
 ) -> (Box<Gains>, Option<ClassBound>) {
     for _ in 0..MENDED {
         let Ok(class) = class_bound(study, &gains) else { break };
@@ -231,7 +232,7 @@ fn judge(study: &Study, gains: &mut Gains, bound: Option<ClassBound>) {
     for (i, joint) in study.robot.joints.iter().enumerate() {
         let allowed = study.spec.error_bound.as_ref().map(|all| all[i]);
         if let Some(allowed) = allowed.filter(|_| shares.errors[i] > 1.0) {
-            let bound = class.error_rad[i];
+            let bound = class.error_bound_rad[i];
             let line = format!(
                 "{ERROR_KEY} = {allowed} on {}: the class bound says {bound:.4e}",
                 joint.name

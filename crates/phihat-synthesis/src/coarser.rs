@@ -62,7 +62,7 @@ pub(crate) fn told_of(
         let limits = |i: usize| study.limits(i).1.map_or(f64::INFINITY, |rate| rate * period);
         CoarserEncoder {
             bits_fewer,
-            error_max_rad: joints().map(|(_, joint)| joint.error_max_rad).collect(),
+            error_bound_rad: joints().map(|(_, joint)| joint.error_bound_rad).collect(),
             torque_step_max_nm: joints().map(|(_, joint)| joint.torque_step_max_nm).collect(),
             within_rate_limits: tube.is_some()
                 && joints().all(|(i, joint)| joint.torque_step_max_nm <= limits(i)),

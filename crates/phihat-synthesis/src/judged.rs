@@ -105,7 +105,7 @@ pub fn late_error(bin_s: f64, joint: &TubeJoint, from_s: f64) -> f64 {
 }
 
 /// The key of the error that joints are allowed.
-pub(crate) const ERROR_KEY: &str = "spec.error_max_rad";
+pub(crate) const ERROR_KEY: &str = "spec.error_bound_rad";
 
 /// The joints whose tube exceeds their allowed error, the worst first, each with the error of its tube;
 /// `None` where there are none, no tube, or where another clause of the specification is not satisfied
@@ -113,7 +113,7 @@ pub(crate) const ERROR_KEY: &str = "spec.error_max_rad";
 pub(crate) fn beyond_error(study: &Study, gains: &Gains) -> Option<Vec<Clause>> {
     let tube = gains.certificate.as_ref()?.tube.as_ref()?;
     let allowed = study.spec.error_bound.as_ref()?;
-    let has: Vec<f64> = tube.joints.iter().map(|joint| joint.error_max_rad).collect();
+    let has: Vec<f64> = tube.joints.iter().map(|joint| joint.error_bound_rad).collect();
     let mut easier = study.clone();
     easier.spec.error_bound = Some(allowed.iter().zip(&has).map(|(a, b)| a.max(*b)).collect());
     let mut others = Vec::new();
@@ -153,11 +153,11 @@ pub(crate) fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> 
                 }
             }
         };
-    clause(ERROR_KEY, spec.error_bound.as_ref(), &|i| tube.joints[i].error_max_rad, true);
+    clause(ERROR_KEY, spec.error_bound.as_ref(), &|i| tube.joints[i].error_bound_rad, true);
     clause(
-        "spec.velocity_error_max_rad_s",
-        spec.velocity_error_max.as_ref(),
-        &|i| tube.joints[i].velocity_error_max_rad_s,
+        "spec.velocity_error_bound_rad_s",
+        spec.velocity_error_bound.as_ref(),
+        &|i| tube.joints[i].velocity_error_bound_rad_s,
         true,
     );
     let integral = |i: usize| {
@@ -167,13 +167,13 @@ pub(crate) fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> 
     };
     let steady = |i: usize| tube.joints[i].torque_step_steady_max_nm;
     clause("design.torque_step_max_nm", study.design.torque_step_max.as_ref(), &steady, false);
-    let limits = spec.error_integral_max.as_ref();
-    clause("spec.error_integral_max_rad_s", limits, &integral, false);
-    if let Some(limit) = spec.tip_error_max {
-        let bound = tube.tip.as_ref().map_or(f64::INFINITY, |tip| tip.error_max_m);
+    let limits = spec.error_integral_bound.as_ref();
+    clause("spec.error_integral_bound_rad_s", limits, &integral, false);
+    if let Some(limit) = spec.tip_error_bound {
+        let bound = tube.tip.as_ref().map_or(f64::INFINITY, |tip| tip.error_bound_m);
         if bound > limit {
             let (limit, bound) = (1e3 * limit, 1e3 * bound);
-            unproved.push(format!("spec.tip_error_max_mm = {limit}: the tube says {bound:.4e}"));
+            unproved.push(format!("spec.tip_error_bound_mm = {limit}: the tube says {bound:.4e}"));
         }
         for share in &mut shares {
             *share = share.max(bound / limit);

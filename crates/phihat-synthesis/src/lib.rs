@@ -44,7 +44,7 @@ mod typed_phi;
 
 pub use along::{arm_along, coupled_along, motion_along, phi_along};
 pub use arm::arm;
-pub use budget::{Tried, budget};
+pub use budget::{BudgetSearch, budget};
 pub use error::SynthesisError;
 pub use judged::{SETTLED_S, late_error};
 pub use limits::beside_limits;

@@ -10,7 +10,7 @@ use crate::coarser::{encoders, told_of};
 use crate::commanded::Commanded;
 use crate::error::SynthesisError;
 use crate::judged::{Judged, judge, judge_by, promised, without_rate_limits};
-use crate::rank::{Figures, ROOM, Rank, SHARES, next};
+use crate::rank::{ROOM, Rank, SHARES, TubeFigures, next};
 use crate::tube_parts::tube_parts;
 
 /// Rounds of a search for laws, at most.
@@ -85,7 +85,7 @@ pub(crate) fn by_positions(
         best = filtered.filter(|own| own.rank.pays(&plain.rank)).or(best);
     }
     // Laws of which a claim is refused do not arm.
-    let Some(Best { rank, mut gains, parts, .. }) = best.filter(|best| best.rank.armed) else {
+    let Some(BestGains { rank, mut gains, parts, .. }) = best.filter(|best| best.rank.armed) else {
         return Ok(Outcome::Infeasible(rounds.search.refused()));
     };
     // A tube whose steps are within the limits is that of the loop with them.
@@ -106,7 +106,7 @@ fn divisible(study: &Study) -> bool {
 }
 
 /// The best gains so far, and what they were looked for with.
-struct Best {
+struct BestGains {
     rank: Rank,
     gains: Box<Gains>,
     shares: Vec<f64>,
@@ -114,7 +114,7 @@ struct Best {
     /// Shares of the next round of a search.
     next: Option<Vec<f64>>,
     /// Figures of each joint.
-    found: Option<Figures>,
+    found: Option<TubeFigures>,
     /// True if every claim was computed, and the tube over all payloads.
     whole: bool,
 }
@@ -130,12 +130,12 @@ struct Rounds<'a> {
     /// True if every claim is computed in every round.
     thorough: bool,
     /// By how much the tube over all payloads is wider than that of the heaviest.
-    beside: Option<Figures>,
+    beside: Option<TubeFigures>,
 }
 
 impl Rounds<'_> {
     /// The best laws of the search from these shares on, with every claim.
-    fn best(&mut self, first: &[f64]) -> Result<Option<Best>, SynthesisError> {
+    fn best(&mut self, first: &[f64]) -> Result<Option<BestGains>, SynthesisError> {
         let study = self.study;
         let mut best = self.settled(first, PARTS)?;
         let asked = best.as_ref().filter(|best| !best.rank.kept() && best.rank.error.is_finite());
@@ -158,10 +158,10 @@ impl Rounds<'_> {
     }
 
     /// The best gains from these shares on, confirmed, unless finer slices are to come.
-    fn settled(&mut self, first: &[f64], parts: u32) -> Result<Option<Best>, SynthesisError> {
+    fn settled(&mut self, first: &[f64], parts: u32) -> Result<Option<BestGains>, SynthesisError> {
         let last = parts >= FINER || !divisible(self.study);
         let mut shares = first.to_vec();
-        let mut sure: Option<Best> = None;
+        let mut sure: Option<BestGains> = None;
         self.beside = None;
         for _ in 0..CONFIRMED {
             let Some(found) = self.sought(shares.clone(), parts)? else { break };
@@ -186,7 +186,7 @@ impl Rounds<'_> {
     }
 
     /// The same gains with every claim, their tube over all payloads, and those behind coarser encoders.
-    fn confirmed(&mut self, mut best: Best) -> Result<Best, SynthesisError> {
+    fn confirmed(&mut self, mut best: BestGains) -> Result<BestGains, SynthesisError> {
         if best.whole {
             return Ok(best);
         }
@@ -210,12 +210,12 @@ impl Rounds<'_> {
             gains.coarser = told_of(study, settle.settle_s, coarser);
         }
         let tube = gains.certificate.as_ref().and_then(|all| all.tube.as_ref());
-        let found = Figures::of(study, tube, &judged);
+        let found = TubeFigures::of(study, tube, &judged);
         if let (Some(promised), Some(found)) = (&best.found, &found) {
             self.beside = Some(found.over(promised));
         }
         let (rank, next) = next(&judged, found.as_ref(), &best.shares);
-        Ok(Best { rank: Rank { armed, ..rank }, next, found, whole: true, ..best })
+        Ok(BestGains { rank: Rank { armed, ..rank }, next, found, whole: true, ..best })
     }
 
     /// Laws for shares, and what the tube of the heaviest payloads says of them; where it does not close, what all say.
@@ -223,7 +223,7 @@ impl Rounds<'_> {
         &mut self,
         shares: &[f64],
         parts: u32,
-    ) -> Result<Option<(Best, bool)>, SynthesisError> {
+    ) -> Result<Option<(BestGains, bool)>, SynthesisError> {
         let Some((gains, _)) = self.search.laws(shares) else { return Ok(None) };
         let mut gains = Box::new(gains);
         if self.thorough {
@@ -239,7 +239,7 @@ impl Rounds<'_> {
                 tube_in_parts(own, gains, (&desired, parts))
             });
         }
-        let found = Figures::of(self.study, tube.as_ref(), &judged);
+        let found = TubeFigures::of(self.study, tube.as_ref(), &judged);
         let expected = match (&found, &self.beside) {
             (Some(found), Some(beside)) => Some(found.times(beside)),
             _ => found.clone(),
@@ -248,13 +248,13 @@ impl Rounds<'_> {
         let rank = Rank { armed, ..rank };
         let open = matches!(judged, Judged::Open);
         let shares = shares.to_vec();
-        Ok(Some((Best { rank, gains, shares, parts, next, found, whole: false }, open)))
+        Ok(Some((BestGains { rank, gains, shares, parts, next, found, whole: false }, open)))
     }
 
     /// The best gains from these shares on, by the tubes of the heaviest of so many slices of the payload.
-    fn sought(&mut self, first: Vec<f64>, parts: u32) -> Result<Option<Best>, SynthesisError> {
+    fn sought(&mut self, first: Vec<f64>, parts: u32) -> Result<Option<BestGains>, SynthesisError> {
         let mut shares = first;
-        let mut best: Option<Best> = None;
+        let mut best: Option<BestGains> = None;
         let (mut stuck, mut open) = (0, 0);
         let finer = parts < FINER && divisible(self.study);
         let patience = if finer { 1 } else { STUCK };

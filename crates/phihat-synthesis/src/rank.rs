@@ -24,12 +24,12 @@ const ENOUGH: f64 = 0.85;
 
 /// Figures of each joint by a tube: its error and its change of torque, over their allowed values.
 #[derive(Debug, Clone)]
-pub(crate) struct Figures {
+pub(crate) struct TubeFigures {
     errors: Vec<f64>,
     steps: Vec<f64>,
 }
 
-impl Figures {
+impl TubeFigures {
     /// `None` where there is no tube.
     pub(crate) fn of(study: &Study, tube: Option<&Tube>, judged: &Judged) -> Option<Self> {
         let (Judged::Kept(errors) | Judged::Beyond(errors)) = judged else { return None };
@@ -129,14 +129,14 @@ impl Rank {
 /// Rank of gains, and the shares to try next; `None`: these are the last.
 pub(crate) fn next(
     judged: &Judged,
-    found: Option<&Figures>,
+    found: Option<&TubeFigures>,
     shares: &[f64],
 ) -> (Rank, Option<Vec<f64>>) {
     let to = |factor: &dyn Fn(usize) -> f64| -> Option<Vec<f64>> {
         let moved = shares.iter().enumerate();
         Some(moved.map(|(i, s)| (s * factor(i)).clamp(SHARES.0, SHARES.1)).collect())
     };
-    let Some(Figures { errors, steps }) = found else {
+    let Some(TubeFigures { errors, steps }) = found else {
         // Stiffer laws close a tube sooner.
         let open = matches!(judged, Judged::Open);
         return (Rank::UNKNOWN, if open { to(&|_| 1.5) } else { None });

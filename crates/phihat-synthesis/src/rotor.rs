@@ -47,7 +47,7 @@ fn sought<T>(
 fn easy(study: &Study) -> Study {
     let mut easy = study.clone();
     easy.spec.error_bound = Some(vec![ANY; study.robot.joints.len()]);
-    (easy.spec.velocity_error_max, easy.spec.error_integral_max) = (None, None);
+    (easy.spec.velocity_error_bound, easy.spec.error_integral_bound) = (None, None);
     easy
 }
 

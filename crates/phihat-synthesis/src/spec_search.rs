@@ -32,14 +32,17 @@ const ENOUGH: f64 = 0.6;
 const EASIEST: f64 = 3.0;
 
 /// One search.
-type Make<'a> = &'a dyn Fn(&Study) -> Result<Outcome, SynthesisError>;
+type SpecSearchMake<'a> = &'a dyn Fn(&Study) -> Result<Outcome, SynthesisError>;
 
 /// Designs for a study by `make`, until the tube of what was designed keeps the specification.
 ///
 /// # Errors
 ///
 /// [`SynthesisError`] of the search.
-pub(crate) fn within_spec(study: &Study, make: Make<'_>) -> Result<Outcome, SynthesisError> {
+pub(crate) fn within_spec(
+    study: &Study,
+    make: SpecSearchMake<'_>,
+) -> Result<Outcome, SynthesisError> {
     let motion = Motion::of(study)?;
     let desired = Desired::of(study, |joint, t| motion.told(joint, t));
     let alone = || {
@@ -56,7 +59,7 @@ pub(crate) fn within_spec(study: &Study, make: Make<'_>) -> Result<Outcome, Synt
     }
     let mut asked = study.clone();
     scale(&mut asked, |_| FIRST);
-    let mut found = Found::default();
+    let mut found = RoundResults::default();
     for _ in 0..ROUNDS {
         let next = match make(&asked) {
             Ok(Outcome::Designed(gains)) if !described(&gains) => return alone(),
@@ -90,7 +93,7 @@ fn kept_by_tube(
     mut no: Infeasible,
     study: &Study,
     desired: &Desired,
-    make: Make<'_>,
+    make: SpecSearchMake<'_>,
 ) -> Result<Infeasible, SynthesisError> {
     let error = no.clauses.iter_mut().find(|clause| clause.key == ERROR_KEY);
     let Some(clause) = error.filter(|clause| clause.possible.is_some()) else { return Ok(no) };
@@ -116,7 +119,7 @@ fn described(gains: &Gains) -> bool {
 
 /// Results of the rounds so far.
 #[derive(Default)]
-struct Found {
+struct RoundResults {
     /// Laws whose tube was looked for.
     seen: Vec<Vec<JointRecord>>,
     /// Keeps the specification.
@@ -131,7 +134,7 @@ struct Found {
     hard: bool,
 }
 
-impl Found {
+impl RoundResults {
     /// Returns true if a law was tried before.
     fn seen(&mut self, gains: &Gains) -> bool {
         let before = self.seen.contains(&gains.joints);
@@ -184,7 +187,7 @@ impl Found {
 }
 
 fn scale(study: &mut Study, factor: impl Fn(usize) -> f64) {
-    for limits in [&mut study.spec.error_bound, &mut study.spec.velocity_error_max] {
+    for limits in [&mut study.spec.error_bound, &mut study.spec.velocity_error_bound] {
         for (i, limit) in limits.iter_mut().flatten().enumerate() {
             *limit *= factor(i);
         }

@@ -33,7 +33,7 @@ pub(crate) fn tube_parts(
         return None;
     };
     let joint = |i: usize| {
-        let error = |tube: &Tube| tube.joints[i].error_max_rad;
+        let error = |tube: &Tube| tube.joints[i].error_bound_rad;
         let step = |tube: &Tube| tube.joints[i].torque_step_steady_max_nm;
         TubeParts {
             motion_rad: error(&neither),

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use phihat_certificate::tube::Reference;
+use phihat_certificate::tube::TubeReference;
 use phihat_design::tube::PARTS;
 use phihat_design::{Arm, Gains, Outcome, design};
 use phihat_sim::{Demand, Metrics, Motion, Simulation, fed_along};
@@ -14,7 +14,7 @@ use phihat_synthesis::{bound_by_tube, phi_along};
 /// A planar arm under some load and dry friction, whose torque goes through a low-pass.
 fn study(form: &str, world: &str) -> Study {
     let text = format!(
-        "duration_s = 3.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.0\nerror_max_rad = 2e-2\n\
+        "duration_s = 3.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.0\nerror_bound_rad = 2e-2\n\
          [design]\npayload_max_kg = 0.3\norders = [1]\ncoulomb_min_nm = 0.0\ncoulomb_max_nm = 0.05\n[loop]\ndelay_samples = 1\nform = \"{form}\"\n\
          torque_filter_hz = 120.0\n[sensor]\nencoder_bits = 24\nvelocity = \"differenced\"\n\
          velocity_filter_hz = 100.0\n[world]\nfriction = \"none\"\ngravity_m_s2 = [0.0, 0.0, 0.0]\nsubsteps = 4\n\
@@ -48,7 +48,7 @@ fn run(study: &Study, gains: &Gains) -> Vec<f64> {
 fn derived_again(study: &Study, gains: &Gains) {
     let motion = Motion::of(study).unwrap();
     let n = study.robot.joints.len();
-    let reference = Reference::of(study, |t| (0..n).map(|i| motion.told(i, t)).collect());
+    let reference = TubeReference::of(study, |t| (0..n).map(|i| motion.told(i, t)).collect());
     let inertia: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
     let fed = fed_along(study, &motion, &inertia, reference.q.len()).unwrap();
     let reference = reference.feeding(&fed);
@@ -73,7 +73,7 @@ fn gains_behind_a_low_pass_hold_their_bound() {
         for world in [HEAVY, LIGHT, "coulomb_extra_nm = 0.02\npayload = { mass_kg = 0.15 }"] {
             let errors = run(&study_of(world), &gains);
             for (joint, error) in errors.iter().enumerate() {
-                let bound = certificate.error_bound(joint).unwrap().error_rad;
+                let bound = certificate.error_bound(joint).unwrap().error_bound_rad;
                 println!("{form} {world:?} {joint}: {error:.3e} of {bound:.3e}");
                 assert!(*error <= bound, "{form} {world} {joint}");
             }

@@ -165,7 +165,7 @@ pub struct JointState<R> {
 
 /// The time between two samples, as the estimator takes it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Interval<R> {
+pub(crate) struct SampleInterval<R> {
     /// Length of one step \[s\].
     pub(crate) step: R,
     /// Number of steps in the interval; 0: the interval cannot be trusted, nothing is integrated.

@@ -2,7 +2,7 @@
 
 use crate::estimate::Estimate;
 use crate::gains::{AsLiteral, AsObserver, Built, Filtered, FromPositions, Path};
-use crate::joint::Interval;
+use crate::joint::SampleInterval;
 use crate::{Command, Form, JointGains, JointState, Measurement, ORDER_MAX, Real, Reference};
 
 impl<R: Real> JointGains<R> {
@@ -152,8 +152,8 @@ impl<R: Real> JointGains<R> {
     }
 
     /// One whole sample period.
-    pub(crate) fn nominal(&self) -> Interval<R> {
-        Interval { step: self.period, parts: 1, share: R::from_f64(1.0) }
+    pub(crate) fn nominal(&self) -> SampleInterval<R> {
+        SampleInterval { step: self.period, parts: 1, share: R::from_f64(1.0) }
     }
 
     /// The estimator over the interval that ends at this sample. The state is left as it was: whether the
@@ -165,7 +165,7 @@ impl<R: Real> JointGains<R> {
         state: &JointState<R>,
         measurement: &Measurement<R>,
         reference: &Reference<R>,
-        interval: &Interval<R>,
+        interval: &SampleInterval<R>,
     ) -> Estimate<R> {
         match S::FORM {
             Form::Observer => {
@@ -219,7 +219,7 @@ impl<R: Real> JointGains<R> {
         &self,
         state: &JointState<R>,
         measurement: &Measurement<R>,
-        interval: &Interval<R>,
+        interval: &SampleInterval<R>,
     ) -> [R; ORDER_MAX] {
         let mut memory = state.memory;
         if state.started {
@@ -244,7 +244,7 @@ impl<R: Real> JointGains<R> {
         state: &JointState<R>,
         measurement: &Measurement<R>,
         reference: &Reference<R>,
-        interval: &Interval<R>,
+        interval: &SampleInterval<R>,
     ) -> Estimate<R> {
         let (mut memory, mut carry) = (state.memory, state.carry);
         let e = measurement.q - reference.q;

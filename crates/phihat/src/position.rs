@@ -4,7 +4,7 @@ use crate::delay::PENDING_MAX;
 use crate::estimate::Estimate;
 use crate::gains::Path;
 use crate::innovation::{Filtered, InnovationFilter};
-use crate::joint::Interval;
+use crate::joint::SampleInterval;
 use crate::position_design::STATES;
 use crate::position_gains::{Correction, Expected, PositionGains, Step, entry, push, weighed};
 use crate::{
@@ -93,7 +93,7 @@ impl<R: Real> JointGains<R> {
         state: &JointState<R>,
         m: &Measurement<R>,
         reference: &Reference<R>,
-        interval: &Interval<R>,
+        interval: &SampleInterval<R>,
     ) -> Estimate<R> {
         let own = &self.position;
         let (e, de) = (m.q - reference.q, m.dq - reference.dq);
@@ -150,7 +150,7 @@ impl<R: Real> JointGains<R> {
         state: &JointState<R>,
         from: Expected<R>,
         tau_applied: R,
-        interval: &Interval<R>,
+        interval: &SampleInterval<R>,
     ) -> (Expected<R>, [R; PENDING_MAX]) {
         let own = &self.position;
         let step = own.step.times(interval.step / self.period);
@@ -255,7 +255,7 @@ impl<R: Real> JointState<R> {
 #[cfg(test)]
 mod tests {
     use crate::gains::FromPositions;
-    use crate::joint::Interval;
+    use crate::joint::SampleInterval;
     use crate::{JointGains, JointState, Measurement, PositionDesign, Reference};
 
     const T: f64 = 1e-3;
@@ -296,7 +296,7 @@ mod tests {
         let mut one_by_one = state();
         let mut last = None;
         for tau_applied in acted {
-            let interval = Interval { step: T, parts: 1, share: 1.0 };
+            let interval = SampleInterval { step: T, parts: 1, share: 1.0 };
             let blind = Measurement { q: 0.0, dq: 0.0, tau_applied };
             // Told where it is expected to be: no innovation.
             let at = |q: f64| {
@@ -310,7 +310,7 @@ mod tests {
             last = Some((expected, estimate));
         }
         let (expected, last) = last.unwrap();
-        let interval = Interval { step: T, parts: 3, share: 1.0 / 3.0 };
+        let interval = SampleInterval { step: T, parts: 3, share: 1.0 / 3.0 };
         let mean = acted.iter().sum::<f64>() / 3.0;
         let m = Measurement { q: expected, dq: 0.0, tau_applied: mean };
         let mut at_once = state();
@@ -331,7 +331,7 @@ mod tests {
         let state = JointState { motion: [0.0, 0.0], memory: [0.0; 4], ..state() };
         let m = Measurement { q: 0.0, dq: 0.0, tau_applied: 1.0 - 1.5 };
         let moved = |step: f64| {
-            let interval = Interval { step, parts: 1, share: 1.0 };
+            let interval = SampleInterval { step, parts: 1, share: 1.0 };
             let at = gains.estimate::<FromPositions>(&state, &m, &Reference::default(), &interval);
             at.beside[0] / (1.0 - 0.271)
         };

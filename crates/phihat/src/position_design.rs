@@ -7,7 +7,7 @@ use crate::{Gain, GainError};
 /// States of the observer at most: error, its velocity, `φ` and two derivatives.
 pub(crate) const STATES: usize = 5;
 
-type Square = [[f64; STATES]; STATES];
+type DesignSquare = [[f64; STATES]; STATES];
 
 /// Design of one joint whose observer uses the position, not a filtered velocity.
 ///
@@ -122,8 +122,8 @@ impl PositionDesign<'_> {
     }
 
     /// `(1 − ℓC)F`: what becomes of an error of the estimate in one sample, in time units of `T`.
-    fn error_dynamics(&self) -> Square {
-        let mut carried = Square::default();
+    fn error_dynamics(&self) -> DesignSquare {
+        let mut carried = DesignSquare::default();
         // ê, T ė̂, T² φ̂/M̄, …: F is without T in it.
         let [position, velocity, phi, d1, d2] = &mut carried;
         *position = [1.0, 1.0, -0.5, 0.0, 0.0];
@@ -148,7 +148,7 @@ impl PositionDesign<'_> {
 
 /// Returns true if all eigenvalues of the leading `n × n` block are inside the unit circle: the
 /// characteristic polynomial by Faddeev and LeVerrier, its roots by Schur and Cohn.
-fn settles(a: &Square, n: usize) -> bool {
+fn settles(a: &DesignSquare, n: usize) -> bool {
     // c_0 … c_n of det(z − A), c_n = 1.
     let mut c = [0.0; STATES + 1];
     for (into, value) in c.iter_mut().zip(characteristic_polynomial(a, n)) {

@@ -4,7 +4,7 @@
 use crate::ORDER_MAX;
 use crate::square::{characteristic_polynomial, product};
 
-type Square = [[f64; ORDER_MAX]; ORDER_MAX];
+type SampledSquare = [[f64; ORDER_MAX]; ORDER_MAX];
 
 /// Coefficients `α_0 … α_{m−1}` of the estimator in the difference operator `δ = (z − 1)/T`.
 ///
@@ -49,8 +49,8 @@ pub(crate) fn sampled_coefficients(a: &[f64], period: f64) -> [f64; ORDER_MAX] {
 }
 
 /// `F/scale` for the state `(r, η_1, …, η_{m−1})` of (T4), in time units of `1/scale`.
-fn companion(a: &[f64], scale: f64) -> Square {
-    let mut f = Square::default();
+fn companion(a: &[f64], scale: f64) -> SampledSquare {
+    let mut f = SampledSquare::default();
     let mut power = 1.0;
     for (row, coefficient) in a.iter().rev().enumerate().take(ORDER_MAX) {
         power *= scale;
@@ -68,7 +68,7 @@ fn companion(a: &[f64], scale: f64) -> Square {
 }
 
 /// `e^X − 1` by its Taylor series; `X` is small, so 20 terms reach the last bit.
-fn exponential_minus_one(x: &Square, m: usize) -> Square {
+fn exponential_minus_one(x: &SampledSquare, m: usize) -> SampledSquare {
     let mut term = *x;
     let mut total = *x;
     for k in 2..20_u8 {
@@ -80,7 +80,7 @@ fn exponential_minus_one(x: &Square, m: usize) -> Square {
 }
 
 /// `a + factor·b`.
-fn sum(a: &Square, b: &Square, factor: f64) -> Square {
+fn sum(a: &SampledSquare, b: &SampledSquare, factor: f64) -> SampledSquare {
     let mut out = *a;
     for (row, other) in out.iter_mut().zip(b) {
         for (entry, value) in row.iter_mut().zip(other) {
@@ -90,6 +90,6 @@ fn sum(a: &Square, b: &Square, factor: f64) -> Square {
     out
 }
 
-fn each(a: &mut Square, f: impl Fn(f64) -> f64) {
+fn each(a: &mut SampledSquare, f: impl Fn(f64) -> f64) {
     a.iter_mut().flatten().for_each(|v| *v = f(*v));
 }

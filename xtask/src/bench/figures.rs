@@ -9,7 +9,7 @@ use super::places::ARMS;
 
 /// One algorithm's figure in every round.
 #[derive(Clone)]
-struct Series {
+struct FigureSeries {
     unit: Unit,
     rounds: Vec<f64>,
 }
@@ -34,7 +34,7 @@ impl Unit {
     }
 }
 
-impl Series {
+impl FigureSeries {
     /// The round that was disturbed least.
     fn best(&self) -> f64 {
         match self.unit {
@@ -63,11 +63,11 @@ type Name = (String, String);
 
 /// One side's figures.
 #[derive(Default)]
-pub(super) struct Figures {
-    series: BTreeMap<Name, Series>,
+pub(super) struct BenchFigures {
+    series: BTreeMap<Name, FigureSeries>,
 }
 
-impl Figures {
+impl BenchFigures {
     /// Takes one round's output: a JSON object per line, such as
     /// `{"robot":"panda","algorithm":"aba","ns":412.3}`. Quartiles of a round are passed over, further fields
     /// name a variant; lines that are no JSON object are other people's talk.
@@ -76,7 +76,8 @@ impl Figures {
             let read: Map<String, Value> =
                 serde_json::from_str(line).map_err(|e| format!("{line}: {e}"))?;
             let (name, unit, value) = figure(read).ok_or(format!("no figure in {line}"))?;
-            let series = self.series.entry(name).or_insert(Series { unit, rounds: Vec::new() });
+            let series =
+                self.series.entry(name).or_insert(FigureSeries { unit, rounds: Vec::new() });
             series.rounds.push(value);
         }
         Ok(())
@@ -109,10 +110,10 @@ fn without_arm(algorithm: &str, arm: &str) -> Option<(String, String)> {
 
 /// Ours, Pinocchio's, and MuJoCo's.
 #[derive(Default)]
-pub(super) struct Sides {
-    pub(super) ours: Figures,
-    pub(super) peer: Figures,
-    pub(super) mujoco: Figures,
+pub(super) struct BenchSides {
+    pub(super) ours: BenchFigures,
+    pub(super) peer: BenchFigures,
+    pub(super) mujoco: BenchFigures,
 }
 
 /// Many arms at once: what each line is, whose figure, and of what.
@@ -132,7 +133,7 @@ enum Side {
     Mujoco,
 }
 
-impl Sides {
+impl BenchSides {
     /// Time of ours over time of the peer.
     fn ratio(&self, name: &Name) -> Option<f64> {
         let (ours, peer) = (self.ours.series.get(name)?, self.peer.series.get(name)?);
@@ -184,7 +185,7 @@ impl Sides {
         text + &self.many()
     }
 
-    fn series(&self, side: Side, algorithm: &str) -> Option<&Series> {
+    fn series(&self, side: Side, algorithm: &str) -> Option<&FigureSeries> {
         let figures = match side {
             Side::Ours => &self.ours,
             Side::Pinocchio => &self.peer,
@@ -195,7 +196,7 @@ impl Sides {
 
     /// Many Pandas at once, on one core: simulated seconds of all of them per second, and ours in lanes over each.
     fn many(&self) -> String {
-        let world = self.series(Side::Ours, MANY[1].2).map(Series::best);
+        let world = self.series(Side::Ours, MANY[1].2).map(FigureSeries::best);
         let mut text = format!(
             "\n{:40} {:>10} {:>7} {:>22}\n",
             "many pandas, one core", "s per s", "spread", "whole world over it"
@@ -219,9 +220,9 @@ impl Sides {
                 "robot": (!name.0.is_empty()).then_some(&name.0),
                 "algorithm": name.1,
                 "unit": ours.or(peer).map(|series| series.unit.key()),
-                "ours": ours.map(Series::json),
-                "pinocchio": peer.map(Series::json),
-                "mujoco": self.mujoco.series.get(name).map(Series::json),
+                "ours": ours.map(FigureSeries::json),
+                "pinocchio": peer.map(FigureSeries::json),
+                "mujoco": self.mujoco.series.get(name).map(FigureSeries::json),
                 "ratio": self.ratio(name),
             })
         };
@@ -230,7 +231,7 @@ impl Sides {
 }
 
 /// Figure and spread, or two dashes.
-fn cells(series: Option<&Series>) -> String {
+fn cells(series: Option<&FigureSeries>) -> String {
     let Some(series) = series else { return format!("{:>10} {:>7}", "–", "–") };
     let mark = if series.unit == Unit::TimesRealTime { "x" } else { "" };
     let figure = format!("{:.1}{mark}", series.best());
@@ -240,10 +241,10 @@ fn cells(series: Option<&Series>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Figures, Sides};
+    use super::{BenchFigures, BenchSides};
 
-    fn side(lines: &[&str]) -> Figures {
-        let mut figures = Figures::default();
+    fn side(lines: &[&str]) -> BenchFigures {
+        let mut figures = BenchFigures::default();
         for line in lines {
             figures.add(line).unwrap();
         }
@@ -252,7 +253,7 @@ mod tests {
 
     #[test]
     fn ratio_below_one_means_ours_is_faster_in_either_unit() {
-        let sides = Sides {
+        let sides = BenchSides {
             ours: side(&[
                 r#"{"robot":"panda","algorithm":"aba","ns":200.0}"#,
                 r#"{"robot":"panda","algorithm":"aba","ns":100.0}"#,
@@ -262,7 +263,7 @@ mod tests {
                 r#"{"robot":"panda","algorithm":"aba","ns":400.0}"#,
                 r#"{"robot":"panda","algorithm":"closed_loop_rk4","times_real_time":200.0}"#,
             ]),
-            mujoco: Figures::default(),
+            mujoco: BenchFigures::default(),
         };
         for algorithm in ["aba", "closed_loop_rk4"] {
             let ratio = sides.ratio(&("panda".into(), algorithm.into())).unwrap();
@@ -272,7 +273,7 @@ mod tests {
 
     #[test]
     fn many_arms_are_set_beside_every_peer() {
-        let sides = Sides {
+        let sides = BenchSides {
             ours: side(&[
                 r#"{"algorithm":"closed_loop_panda_full_world_figures_in_lanes","times_real_time":1500.0,"quartiles":[1.0,2.0]}"#,
                 r#"{"algorithm":"lanes_over_alone","ratio":4.5,"quartiles":[4.0,5.0]}"#,

@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::{Value, json};
 
 /// The processor, the system, our compiler and our commit.
-pub(super) struct Machine {
+pub(super) struct BenchMachine {
     cpu: String,
     cores: usize,
     system: String,
@@ -17,7 +17,7 @@ pub(super) struct Machine {
     core: Option<usize>,
 }
 
-impl Machine {
+impl BenchMachine {
     pub(super) fn inspect(root: &Path) -> Self {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         Self {

@@ -15,10 +15,10 @@ mod places;
 use std::path::Path;
 use std::process::Command;
 
-use figures::Sides;
-use machine::Machine;
+use figures::BenchSides;
+use machine::BenchMachine;
 use peer::Peer;
-use places::{Places, output, write};
+use places::{BenchPlaces, output, write};
 
 const USAGE: &str = "usage: cargo xtask bench [--quick] [--keep] [--cxx COMPILER]";
 const ROUNDS: usize = 5;
@@ -29,16 +29,16 @@ const OWN: [(&str, &str); 3] =
 
 /// Measures both sides, prints the table, and writes `target/bench/bench.json`.
 pub(crate) fn run(args: &[String]) -> Result<(), String> {
-    let options = Options::parse(args)?;
-    let places = Places::find()?;
+    let options = BenchOptions::parse(args)?;
+    let places = BenchPlaces::find()?;
     let benches = present(&places.root);
     for (package, bench) in &benches {
         output(cargo_bench(&places.root, package, bench).arg("--no-run"))?;
     }
     let peer = Peer::build(&places, options.cxx.as_deref())?;
-    let machine = Machine::inspect(&places.root);
+    let machine = BenchMachine::inspect(&places.root);
 
-    let mut sides = Sides::default();
+    let mut sides = BenchSides::default();
     for round in 1..=options.rounds {
         println!("round {round} of {}", options.rounds);
         sides.peer.add(&output(&mut machine.pin(peer.command(options.quick)))?)?;
@@ -69,7 +69,7 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     }
 }
 
-struct Options {
+struct BenchOptions {
     quick: bool,
     /// Puts the figures at the end of those that the repository keeps.
     keep: bool,
@@ -77,7 +77,7 @@ struct Options {
     cxx: Option<String>,
 }
 
-impl Options {
+impl BenchOptions {
     fn parse(args: &[String]) -> Result<Self, String> {
         let mut options = Self { quick: false, keep: false, rounds: ROUNDS, cxx: None };
         let mut rest = args.iter();

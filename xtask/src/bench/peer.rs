@@ -8,7 +8,7 @@ use std::process::Command;
 use serde_json::{Value, json};
 
 use super::machine::first_line;
-use super::places::{ARMS, Places, output, write};
+use super::places::{ARMS, BenchPlaces, output, write};
 
 /// Flags of Pinocchio's own build, and the optimisation that users of it would choose.
 const FLAGS: [&str; 8] = [
@@ -40,7 +40,7 @@ pub(super) struct Peer {
 }
 
 impl Peer {
-    pub(super) fn build(places: &Places, cxx: Option<&str>) -> Result<Self, String> {
+    pub(super) fn build(places: &BenchPlaces, cxx: Option<&str>) -> Result<Self, String> {
         let cxx = cxx.map_or_else(find_compiler, |name| Ok(name.to_owned()))?;
         let compiler = first_line(Command::new(&cxx).arg("--version"));
         if !compiler.contains("clang") {
@@ -95,7 +95,7 @@ fn find_compiler() -> Result<String, String> {
 }
 
 /// A virtual environment with the pinned wheels; its Python.
-fn environment(places: &Places) -> Result<PathBuf, String> {
+fn environment(places: &BenchPlaces) -> Result<PathBuf, String> {
     let folder = places.output.join("venv");
     let python = folder.join("bin/python");
     let wanted = places.sources().join("requirements.txt");
@@ -111,7 +111,7 @@ fn environment(places: &Places) -> Result<PathBuf, String> {
     Ok(python)
 }
 
-fn export_arms(places: &Places, python: &Path) -> Result<PathBuf, String> {
+fn export_arms(places: &BenchPlaces, python: &Path) -> Result<PathBuf, String> {
     let text = output(
         Command::new(python)
             .arg(places.sources().join("export_arms.py"))
@@ -125,7 +125,12 @@ fn export_arms(places: &Places, python: &Path) -> Result<PathBuf, String> {
 }
 
 /// Compiles, unless the same text, headers, flags and compiler were compiled before.
-fn compile(places: &Places, python: &Path, cxx: &str, compiler: &str) -> Result<PathBuf, String> {
+fn compile(
+    places: &BenchPlaces,
+    python: &Path,
+    cxx: &str,
+    compiler: &str,
+) -> Result<PathBuf, String> {
     let (program, stamp) = (places.output.join("pinocchio"), places.output.join("pinocchio.txt"));
     let source = places.sources().join("pinocchio.cpp");
     let headers = read(&places.sources().join("requirements.txt"))?;

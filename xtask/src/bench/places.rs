@@ -8,12 +8,12 @@ use std::process::Command;
 pub(super) const ARMS: [&str; 4] = ["panda", "iiwa14", "ur5", "planar3r"];
 
 /// The workspace and the folder for what this chore builds and writes.
-pub(super) struct Places {
+pub(super) struct BenchPlaces {
     pub(super) root: PathBuf,
     pub(super) output: PathBuf,
 }
 
-impl Places {
+impl BenchPlaces {
     pub(super) fn find() -> Result<Self, String> {
         let manifest =
             std::env::var("CARGO_MANIFEST_DIR").map_err(|_| "run it as `cargo xtask`")?;

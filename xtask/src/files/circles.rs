@@ -2,11 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::tree::Tree;
+use super::tree::ModuleTree;
 use super::uses::{Arrows, arrows};
 
 /// Number of files on circles, and the names that tie each circle.
-pub(super) fn told(tree: &Tree) -> (usize, Vec<String>) {
+pub(super) fn told(tree: &ModuleTree) -> (usize, Vec<String>) {
     let arrows = arrows(tree);
     let found = circles(&arrows);
     let mut lines = Vec::new();
@@ -53,7 +53,7 @@ fn reach<'a>(arrows: &'a Arrows, from: &String) -> BTreeSet<&'a String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tree::Tree;
+    use super::super::tree::ModuleTree;
     use super::told;
 
     /// Files on circles of a crate made of these.
@@ -61,7 +61,7 @@ mod tests {
         let read = |name: &str| {
             files.iter().find(|(file, _)| *file == name).map(|(_, text)| (*text).to_owned())
         };
-        told(&Tree::read("lib.rs", &read).unwrap()).0
+        told(&ModuleTree::read("lib.rs", &read).unwrap()).0
     }
 
     const LIB: (&str, &str) = ("lib.rs", "mod a; mod b; pub use a::A; pub use b::B;");

@@ -7,7 +7,7 @@ use syn::{
     Signature, TraitItemFn, Type,
 };
 
-use super::tree::{Tree, is_test};
+use super::tree::{ModuleTree, is_test};
 
 /// Lines of a function, from its signature to its last brace.
 const LINES_MAX: usize = 80;
@@ -16,8 +16,8 @@ const LINES_MAX: usize = 80;
 const MEDIAN_MAX: usize = 130;
 
 /// Functions that are longer than one can see at once.
-pub(super) fn long_functions(tree: &Tree) -> Vec<String> {
-    let read = |(file, _): &(String, Measured)| !written_by_a_program(file);
+pub(super) fn long_functions(tree: &ModuleTree) -> Vec<String> {
+    let read = |(file, _): &(String, ModuleFigures)| !written_by_a_program(file);
     let longer = gathered(tree).into_iter().filter(read).filter_map(|(file, measured)| {
         let places: Vec<String> =
             measured.long.iter().map(|(name, n)| format!("{file}: {name}, {n} lines")).collect();
@@ -33,7 +33,7 @@ fn written_by_a_program(file: &str) -> bool {
 }
 
 /// Places where an error is a `String`: nobody can tell its kind but by reading it.
-pub(super) fn errors_of_text(tree: &Tree) -> Vec<String> {
+pub(super) fn errors_of_text(tree: &ModuleTree) -> Vec<String> {
     let all = gathered(tree).into_iter();
     all.flat_map(|(file, measured)| {
         measured.texts.into_iter().map(move |line| format!("{file}:{line}"))
@@ -42,7 +42,7 @@ pub(super) fn errors_of_text(tree: &Tree) -> Vec<String> {
 }
 
 /// Places where a condition has a `let` among others (Rust 1.88): the core compiles with an older compiler.
-pub(super) fn let_chains(tree: &Tree) -> Vec<String> {
+pub(super) fn let_chains(tree: &ModuleTree) -> Vec<String> {
     let all = gathered(tree).into_iter();
     all.flat_map(|(file, measured)| {
         measured.chains.into_iter().map(move |line| format!("{file}:{line}"))
@@ -51,7 +51,7 @@ pub(super) fn let_chains(tree: &Tree) -> Vec<String> {
 }
 
 /// Lines of each file.
-pub(super) fn lines(tree: &Tree) -> impl Iterator<Item = usize> {
+pub(super) fn lines(tree: &ModuleTree) -> impl Iterator<Item = usize> {
     tree.files.values().map(|file| file.lines)
 }
 
@@ -65,15 +65,15 @@ pub(super) fn median(mut lines: Vec<usize>) -> Option<String> {
 
 /// Figures of a module's code.
 #[derive(Default)]
-struct Measured {
+struct ModuleFigures {
     long: Vec<(String, usize)>,
     texts: Vec<usize>,
     chains: Vec<usize>,
 }
 
-fn gathered(tree: &Tree) -> Vec<(String, Measured)> {
+fn gathered(tree: &ModuleTree) -> Vec<(String, ModuleFigures)> {
     let each = tree.modules.values().map(|module| {
-        let mut measured = Measured::default();
+        let mut measured = ModuleFigures::default();
         for item in module.items.iter().filter(|item| !matches!(item, Item::Mod(_))) {
             measured.visit_item(item);
         }
@@ -82,7 +82,7 @@ fn gathered(tree: &Tree) -> Vec<(String, Measured)> {
     each.collect()
 }
 
-impl Measured {
+impl ModuleFigures {
     fn function(&mut self, signature: &Signature, block: &Block) {
         let first = signature.span().start().line;
         let lines = block.span().end().line + 1 - first;
@@ -92,7 +92,7 @@ impl Measured {
     }
 }
 
-impl<'ast> Visit<'ast> for Measured {
+impl<'ast> Visit<'ast> for ModuleFigures {
     fn visit_item_fn(&mut self, item: &'ast ItemFn) {
         self.function(&item.sig, &item.block);
         visit::visit_item_fn(self, item);
@@ -135,11 +135,11 @@ impl<'ast> Visit<'ast> for Measured {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tree::Tree;
+    use super::super::tree::ModuleTree;
     use super::{errors_of_text, let_chains, lines, long_functions, median};
 
-    fn alone(text: &str) -> Tree {
-        Tree::read("lib.rs", &|name| (name == "lib.rs").then(|| text.to_owned())).unwrap()
+    fn alone(text: &str) -> ModuleTree {
+        ModuleTree::read("lib.rs", &|name| (name == "lib.rs").then(|| text.to_owned())).unwrap()
     }
 
     #[test]

@@ -9,7 +9,7 @@ mod uses;
 use std::fs;
 use std::path::Path;
 
-use tree::Tree;
+use tree::ModuleTree;
 
 /// Everything that the rules do not allow, over every crate of the workspace.
 pub(crate) fn wrong(root: &Path) -> Result<Vec<String>, String> {
@@ -36,7 +36,7 @@ fn some(name: &str, what: &str, places: &[String]) -> Option<String> {
 }
 
 /// The name and the files of every crate, without its tests.
-fn crates(root: &Path) -> Result<Vec<(String, Tree)>, String> {
+fn crates(root: &Path) -> Result<Vec<(String, ModuleTree)>, String> {
     let mut folders = vec![root.join("xtask")];
     let all = root.join("crates");
     for entry in fs::read_dir(&all).map_err(|e| format!("{}: {e}", all.display()))? {
@@ -50,7 +50,7 @@ fn crates(root: &Path) -> Result<Vec<(String, Tree)>, String> {
         let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
         for main in ["lib.rs", "main.rs"] {
             if source.join(main).exists() {
-                let tree = Tree::read(main, &read).map_err(|e| format!("{name}: {e}"))?;
+                let tree = ModuleTree::read(main, &read).map_err(|e| format!("{name}: {e}"))?;
                 let program = if main == "main.rs" && name != "xtask" { ", program" } else { "" };
                 found.push((format!("{name}{program}"), tree));
             }

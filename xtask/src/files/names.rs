@@ -4,17 +4,17 @@ use std::collections::BTreeMap;
 
 use syn::{Item, UseTree, Visibility};
 
-use super::tree::Tree;
+use super::tree::ModuleTree;
 
 /// The names of a crate's modules.
 pub(super) struct Names<'a> {
-    tree: &'a Tree,
-    scopes: BTreeMap<&'a [String], Scope>,
+    tree: &'a ModuleTree,
+    scopes: BTreeMap<&'a [String], ModuleScope>,
 }
 
 /// The names of one module.
 #[derive(Default)]
-struct Scope {
+struct ModuleScope {
     defined: Vec<String>,
     imports: Vec<Import>,
 }
@@ -35,9 +35,9 @@ enum Found {
 }
 
 impl<'a> Names<'a> {
-    pub(super) fn new(tree: &'a Tree) -> Self {
+    pub(super) fn new(tree: &'a ModuleTree) -> Self {
         let scope = |items: &[Item]| {
-            let mut scope = Scope::default();
+            let mut scope = ModuleScope::default();
             for item in items {
                 match item {
                     Item::Use(_) => scope.imports.extend(imports(item)),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use syn::{Attribute, Item};
 
 /// A crate: its files, parsed, and its modules by their path, the root's being empty.
-pub(super) struct Tree {
+pub(super) struct ModuleTree {
     pub(super) files: BTreeMap<String, File>,
     pub(super) modules: BTreeMap<Vec<String>, Module>,
 }
@@ -21,7 +21,7 @@ pub(super) struct Module {
     pub(super) items: Vec<Item>,
 }
 
-impl Tree {
+impl ModuleTree {
     /// Reads a crate from the file of its root; `read` gives the text of a file of the source folder.
     pub(super) fn read(root: &str, read: &dyn Fn(&str) -> Option<String>) -> Result<Self, String> {
         let mut tree = Self { files: BTreeMap::new(), modules: BTreeMap::new() };

@@ -7,7 +7,7 @@ use syn::visit::{self, Visit};
 use syn::{ImplItem, Item, Macro, Path};
 
 use super::names::{Names, imports};
-use super::tree::{Tree, is_test};
+use super::tree::{ModuleTree, is_test};
 
 /// From a file to those that it uses, and one name for each.
 pub(super) type Arrows = BTreeMap<String, BTreeMap<String, BTreeSet<String>>>;
@@ -16,11 +16,11 @@ pub(super) type Arrows = BTreeMap<String, BTreeMap<String, BTreeSet<String>>>;
 ///
 /// A name that a module only passes on (`pub use`) is no arrow; a use of it there counts as one of the file
 /// that defines it.
-pub(super) fn arrows(tree: &Tree) -> Arrows {
+pub(super) fn arrows(tree: &ModuleTree) -> Arrows {
     let names = Names::new(tree);
     let mut arrows = Arrows::new();
     for (module, content) in &tree.modules {
-        let mut seen = Seen { module, names: &names, found: BTreeMap::new() };
+        let mut seen = UsedFiles { module, names: &names, found: BTreeMap::new() };
         for item in &content.items {
             match item {
                 Item::Use(_) => {
@@ -43,13 +43,13 @@ pub(super) fn arrows(tree: &Tree) -> Arrows {
 }
 
 /// Targets of the paths in a module's code.
-struct Seen<'a> {
+struct UsedFiles<'a> {
     module: &'a [String],
     names: &'a Names<'a>,
     found: BTreeMap<String, BTreeSet<String>>,
 }
 
-impl Seen<'_> {
+impl UsedFiles<'_> {
     fn add(&mut self, file: Option<String>, path: &[String]) {
         if let Some(file) = file {
             self.found.entry(file).or_default().extend(path.last().cloned());
@@ -87,7 +87,7 @@ impl Seen<'_> {
     }
 }
 
-impl<'ast> Visit<'ast> for Seen<'_> {
+impl<'ast> Visit<'ast> for UsedFiles<'_> {
     fn visit_path(&mut self, path: &'ast Path) {
         let segments: Vec<String> = path.segments.iter().map(|s| s.ident.to_string()).collect();
         if path.leading_colon.is_none() {

@@ -1,6 +1,6 @@
 //! `cargo xtask test`: the gate, which is everything that an edit can break; with `--all` the long campaigns too.
 //!
-//! The steps stand in [`steps`]. Steps of one [`Stage`] run side by side, three at a time, each in a process of
+//! The steps stand in [`steps`]. Steps of one [`GateStage`] run side by side, three at a time, each in a process of
 //! its own, so that the processor time of each is measured separately ([`times`]). What a step prints is
 //! shown when it has ended.
 
@@ -14,14 +14,14 @@ use std::time::Instant;
 
 use crate::shell::root;
 use pool::Finished;
-use steps::{Scope, Stage, Step};
-use times::Times;
+use steps::{GateStage, GateStep, Scope};
+use times::GateTimes;
 
 pub(crate) use measured::run as measured;
 
 /// Options of `cargo xtask test`.
 #[derive(Debug, Default, PartialEq)]
-struct Options {
+struct GateOptions {
     /// The long campaigns too.
     all: bool,
     /// Writes the measured times into the file of times that the repository keeps.
@@ -32,7 +32,7 @@ struct Options {
     names: Vec<String>,
 }
 
-impl Options {
+impl GateOptions {
     fn parse(arguments: &[String]) -> Result<Self, String> {
         let mut options = Self::default();
         let mut words = arguments.iter();
@@ -56,7 +56,7 @@ impl Options {
 /// Runs the gate, the gate and the campaigns, or the steps whose name contains an argument; stops at the first failure.
 pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
     let root = root();
-    let options = Options::parse(arguments)?;
+    let options = GateOptions::parse(arguments)?;
     if let Some(name) = &options.step {
         return one(&root, name);
     }
@@ -67,7 +67,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
     let result = stages.iter().try_for_each(|stage| pool::run(&root, &program, stage, &mut done));
     let wall = began.elapsed().as_secs_f64();
     let costs = done.iter().map(|step| (step.name.to_owned(), step.cost)).collect();
-    let times = Times::of(&root, costs, done.iter().any(|step| step.name == steps::TESTS))?;
+    let times = GateTimes::of(&root, costs, done.iter().any(|step| step.name == steps::TESTS))?;
     print!("{}", times.table(&root, wall)?);
     times.write(&root)?;
     let failed: Vec<&Finished> = done.iter().filter(|step| !step.ok).collect();
@@ -93,16 +93,17 @@ fn one(root: &Path, name: &str) -> Result<(), String> {
 }
 
 /// The stages with the steps that the options choose; stages without a step are left out.
-fn chosen(options: &Options) -> Result<Vec<Stage>, String> {
-    let named = |step: &Step| options.names.iter().any(|name| step.name.contains(name.as_str()));
-    let wanted = |step: &Step| match step.scope {
+fn chosen(options: &GateOptions) -> Result<Vec<GateStage>, String> {
+    let named =
+        |step: &GateStep| options.names.iter().any(|name| step.name.contains(name.as_str()));
+    let wanted = |step: &GateStep| match step.scope {
         _ if !options.names.is_empty() => named(step),
         Scope::Gate => true,
         Scope::All => options.all,
     };
-    let stages: Vec<Stage> = steps::STAGES
+    let stages: Vec<GateStage> = steps::STAGES
         .iter()
-        .map(|stage| stage.iter().copied().filter(|step| wanted(step)).collect::<Stage>())
+        .map(|stage| stage.iter().copied().filter(|step| wanted(step)).collect::<GateStage>())
         .filter(|stage| !stage.is_empty())
         .collect();
     if stages.is_empty() { Err(unknown()) } else { Ok(stages) }
@@ -116,10 +117,10 @@ fn unknown() -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Options, chosen, steps};
+    use super::{GateOptions, chosen, steps};
 
-    fn options(words: &str) -> Result<Options, String> {
-        Options::parse(&words.split_whitespace().map(str::to_owned).collect::<Vec<_>>())
+    fn options(words: &str) -> Result<GateOptions, String> {
+        GateOptions::parse(&words.split_whitespace().map(str::to_owned).collect::<Vec<_>>())
     }
 
     fn names(words: &str) -> Vec<&'static str> {

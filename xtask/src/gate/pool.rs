@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
 
-use super::steps::Stage;
+use super::steps::GateStage;
 use super::times::{self, Cost};
 use crate::shell::{gate_folder, read};
 
@@ -26,7 +26,7 @@ pub(super) struct Finished {
 pub(super) fn run(
     root: &Path,
     program: &Path,
-    stage: &Stage,
+    stage: &GateStage,
     done: &mut Vec<Finished>,
 ) -> Result<(), String> {
     let alone = stage.len() == 1;

@@ -22,14 +22,14 @@ pub(super) enum Scope {
 
 /// One check: its name, when it runs, and what it does.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
+pub(super) struct GateStep {
     pub(super) name: &'static str,
     pub(super) scope: Scope,
     pub(super) run: fn(&Path) -> Result<(), String>,
 }
 
 /// Steps that may run side by side; the next stage begins when all have ended.
-pub(super) type Stage = Vec<Step>;
+pub(super) type GateStage = Vec<GateStep>;
 
 /// The step whose tests are measured one by one.
 pub(super) const TESTS: &str = "tests";
@@ -37,16 +37,16 @@ pub(super) const TESTS: &str = "tests";
 /// The version of cargo-nextest that is installed where another one, or none, is there.
 const NEXTEST: &str = "0.9.143";
 
-const fn gate(name: &'static str, run: fn(&Path) -> Result<(), String>) -> Step {
-    Step { name, scope: Scope::Gate, run }
+const fn gate(name: &'static str, run: fn(&Path) -> Result<(), String>) -> GateStep {
+    GateStep { name, scope: Scope::Gate, run }
 }
 
-const fn all(name: &'static str, run: fn(&Path) -> Result<(), String>) -> Step {
-    Step { name, scope: Scope::All, run }
+const fn all(name: &'static str, run: fn(&Path) -> Result<(), String>) -> GateStep {
+    GateStep { name, scope: Scope::All, run }
 }
 
 /// Every step, in the order in which they begin. Within a stage, long steps come first.
-pub(super) const STAGES: [&[Step]; 5] = [
+pub(super) const STAGES: [&[GateStep]; 5] = [
     &[gate("format", |root| cargo(root, &["fmt", "--all", "--check"]))],
     &[
         gate("programs, tests and their lints", programs::build),
@@ -86,7 +86,7 @@ pub(super) const STAGES: [&[Step]; 5] = [
 ];
 
 /// Every step of every stage.
-pub(super) fn every() -> impl Iterator<Item = &'static Step> {
+pub(super) fn every() -> impl Iterator<Item = &'static GateStep> {
     STAGES.iter().flat_map(|stage| stage.iter())
 }
 

@@ -73,13 +73,13 @@ pub(super) fn left(root: &Path, name: &str) -> Result<Cost, String> {
 
 /// The figures of one run.
 #[derive(Debug, Default)]
-pub(super) struct Times {
+pub(super) struct GateTimes {
     steps: Vec<(String, Cost)>,
     /// Processor time of each test \[s\].
     tests: BTreeMap<String, f64>,
 }
 
-impl Times {
+impl GateTimes {
     /// Those of steps that have ended, in their order, and of the tests if they are among them.
     pub(super) fn of(
         root: &Path,
@@ -187,12 +187,12 @@ fn tests(text: &str) -> BTreeMap<String, f64> {
 
 #[cfg(test)]
 mod unit {
-    use super::{Cost, Times, json, tests};
+    use super::{Cost, GateTimes, json, tests};
 
-    fn times(steps: &[(&str, f64)]) -> Times {
+    fn times(steps: &[(&str, f64)]) -> GateTimes {
         let cost = |processor| Cost { wall: 1.0, processor };
         let steps = steps.iter().map(|(name, s)| ((*name).to_owned(), cost(*s))).collect();
-        Times {
+        GateTimes {
             steps,
             tests: tests("12.5 phihat::tests laws::one\nnonsense\n3.0 phihat laws::two\n"),
         }

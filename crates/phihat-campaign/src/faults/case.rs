@@ -2,17 +2,17 @@
 
 use std::fmt;
 
-use super::catalogue::Fault;
+use super::catalogue::CatalogueFault;
 
 /// One run of the matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Case {
+pub struct FaultCase {
     /// Place of the arm in the matrix.
     pub arm: usize,
     /// Order of the estimator.
     pub order: usize,
     /// Fault of the run.
-    pub fault: &'static Fault,
+    pub fault: &'static CatalogueFault,
     /// Severity, 0 to 2.
     pub severity: usize,
     /// Seed, from 1.
@@ -22,7 +22,7 @@ pub struct Case {
 /// A run's name: `panda/m2/freeze/3/1` – arm, order, fault, severity 1 to 3, seed.
 #[derive(Debug, Clone, Copy)]
 pub struct CaseName<'a> {
-    pub(crate) case: &'a Case,
+    pub(crate) case: &'a FaultCase,
     pub(crate) arm: &'a str,
 }
 

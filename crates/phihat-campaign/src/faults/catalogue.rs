@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// One fault of the matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fault {
+pub struct CatalogueFault {
     /// Its name in runs and reports.
     pub name: &'static str,
     /// The failure mode it stands for (docs/reliability.md).
@@ -25,7 +25,7 @@ pub struct Fault {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bar {
     /// Required end of the run.
-    pub end: End,
+    pub end: RequiredEnd,
     /// Largest excursion \[rad\]: the error while the arm follows, and how far outside of the planned path it
     /// comes while it stops. `None`: listed, not judged.
     pub excursion_rad: Option<f64>,
@@ -36,7 +36,7 @@ pub struct Bar {
 /// Required end of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum End {
+pub enum RequiredEnd {
     /// On the reference, without a stop.
     Following,
     /// In a safe stop.
@@ -49,7 +49,7 @@ pub enum End {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Effect {
     /// An entry `[[fault]]`.
-    Entry { kind: &'static str, size: Size, lasts: Lasts, on: On },
+    Entry { kind: &'static str, size: Size, lasts: Lasts, on: AffectedPart },
     /// Other values of keys, for the whole run.
     Keys(&'static [(&'static [&'static str], Size)]),
     /// A stop is requested at the onset, and a restart after the level, in seconds.
@@ -98,7 +98,7 @@ pub(crate) enum Lasts {
 
 /// Part of the arm that a fault affects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum On {
+pub(crate) enum AffectedPart {
     /// The whole arm.
     Arm,
     /// One joint, drawn for the run.
@@ -106,21 +106,25 @@ pub(crate) enum On {
 }
 
 const fn follows(excursion_rad: f64) -> Bar {
-    Bar { end: End::Following, excursion_rad: Some(excursion_rad), noticed_ms: None }
+    Bar { end: RequiredEnd::Following, excursion_rad: Some(excursion_rad), noticed_ms: None }
 }
 
 const fn stops(noticed_ms: f64, excursion_rad: f64) -> Bar {
-    Bar { end: End::Stopped, excursion_rad: Some(excursion_rad), noticed_ms: Some(noticed_ms) }
+    Bar {
+        end: RequiredEnd::Stopped,
+        excursion_rad: Some(excursion_rad),
+        noticed_ms: Some(noticed_ms),
+    }
 }
 
 const fn either(excursion_rad: f64) -> Bar {
-    Bar { end: End::Either, excursion_rad: Some(excursion_rad), noticed_ms: None }
+    Bar { end: RequiredEnd::Either, excursion_rad: Some(excursion_rad), noticed_ms: None }
 }
 
 /// Whatever the fault makes of the arm is listed.
-const LISTED: Bar = Bar { end: End::Either, excursion_rad: None, noticed_ms: None };
+const LISTED: Bar = Bar { end: RequiredEnd::Either, excursion_rad: None, noticed_ms: None };
 
-const fn entry(kind: &'static str, size: Size, lasts: Lasts, on: On) -> Effect {
+const fn entry(kind: &'static str, size: Size, lasts: Lasts, on: AffectedPart) -> Effect {
     Effect::Entry { kind, size, lasts, on }
 }
 
@@ -129,8 +133,8 @@ const fn keys(keys: &'static [(&'static [&'static str], Size)]) -> Effect {
 }
 
 /// All faults of the matrix.
-pub const FAULTS: &[Fault] = &[
-    Fault {
+pub const FAULTS: &[CatalogueFault] = &[
+    CatalogueFault {
         name: "nothing",
         row: "F5",
         what: "nothing goes wrong; encoder of so many bits",
@@ -139,16 +143,16 @@ pub const FAULTS: &[Fault] = &[
         unit: "bit",
         bars: [follows(0.004); 3],
     },
-    Fault {
+    CatalogueFault {
         name: "torque_limit",
         row: "F1",
         what: "a joint's drive gives no more than this share of its torque for 0.2 s",
-        effect: entry("drive_limit", Size::Torque, Lasts::Seconds(0.2), On::Joint),
+        effect: entry("drive_limit", Size::Torque, Lasts::Seconds(0.2), AffectedPart::Joint),
         levels: [0.5, 0.2, 0.1],
         unit: "τ_max",
         bars: [either(0.1), either(0.3), either(0.5)],
     },
-    Fault {
+    CatalogueFault {
         name: "rate_limit",
         row: "F2",
         what: "the controller may change the torque no faster than this",
@@ -157,7 +161,7 @@ pub const FAULTS: &[Fault] = &[
         unit: "N·m/s",
         bars: [follows(0.01), either(0.01), either(0.02)],
     },
-    Fault {
+    CatalogueFault {
         name: "coarse_encoder",
         row: "F3",
         what: "the encoder has so many bits",
@@ -166,16 +170,16 @@ pub const FAULTS: &[Fault] = &[
         unit: "bit",
         bars: [follows(0.006), follows(0.01), LISTED],
     },
-    Fault {
+    CatalogueFault {
         name: "position_noise",
         row: "F3",
         what: "white noise of this standard deviation on a position, for the rest of the run",
-        effect: entry("sensor_noise", Size::Level, Lasts::Rest, On::Joint),
+        effect: entry("sensor_noise", Size::Level, Lasts::Rest, AffectedPart::Joint),
         levels: [1e-6, 1e-5, 1e-4],
         unit: "rad",
         bars: [follows(0.006), follows(0.006), either(0.02)],
     },
-    Fault {
+    CatalogueFault {
         name: "torque_noise",
         row: "F3",
         what: "white noise of this standard deviation on the torque that the law is fed",
@@ -184,7 +188,7 @@ pub const FAULTS: &[Fault] = &[
         unit: "N·m",
         bars: [follows(0.006), either(0.02), either(0.06)],
     },
-    Fault {
+    CatalogueFault {
         name: "jitter",
         row: "F4",
         what: "samples are taken early by a random time up to this",
@@ -193,250 +197,255 @@ pub const FAULTS: &[Fault] = &[
         unit: "periods",
         bars: [follows(0.006), either(0.02), either(0.05)],
     },
-    Fault {
+    CatalogueFault {
         name: "controller_stop",
         row: "F4",
         what: "the controller does not run for",
-        effect: entry("controller_stop", Size::None, Lasts::Level, On::Arm),
+        effect: entry("controller_stop", Size::None, Lasts::Level, AffectedPart::Arm),
         levels: [0.003, 0.01, 0.1],
         unit: "s",
         bars: [follows(0.01), either(0.02), either(0.1)],
     },
-    Fault {
+    CatalogueFault {
         name: "commands_down",
         row: "F4",
         what: "no command gets through for",
-        effect: entry("command_loss", Size::Fixed(1.0), Lasts::Level, On::Arm),
+        effect: entry("command_loss", Size::Fixed(1.0), Lasts::Level, AffectedPart::Arm),
         levels: [0.003, 0.01, 0.1],
         unit: "s",
         bars: [follows(0.01), either(0.02), either(0.1)],
     },
-    Fault {
+    CatalogueFault {
         name: "freeze",
         row: "F5",
         what: "all positions and velocities freeze for",
-        effect: entry("sensor_freeze", Size::None, Lasts::Level, On::Arm),
+        effect: entry("sensor_freeze", Size::None, Lasts::Level, AffectedPart::Arm),
         levels: [0.005, 0.02, 0.2],
         unit: "s",
         bars: [either(0.03), either(0.03), stops(30.0, 0.2)],
     },
-    Fault {
+    CatalogueFault {
         name: "freeze_joint",
         row: "F5",
         what: "one joint's position and velocity freeze for",
-        effect: entry("sensor_freeze", Size::None, Lasts::Level, On::Joint),
+        effect: entry("sensor_freeze", Size::None, Lasts::Level, AffectedPart::Joint),
         levels: [0.005, 0.02, 0.2],
         unit: "s",
         bars: [either(0.03), either(0.03), either(0.2)],
     },
-    Fault {
+    CatalogueFault {
         name: "not_a_number",
         row: "F6",
         what: "all positions and velocities are not a number for",
-        effect: entry("sensor_nan", Size::None, Lasts::Level, On::Arm),
+        effect: entry("sensor_nan", Size::None, Lasts::Level, AffectedPart::Arm),
         levels: [0.0, 0.005, 0.05],
         unit: "s",
         bars: [follows(0.006), either(0.01), stops(30.0, 0.05)],
     },
-    Fault {
+    CatalogueFault {
         name: "not_a_number_joint",
         row: "F6",
         what: "one joint's position and velocity are not a number for",
-        effect: entry("sensor_nan", Size::None, Lasts::Level, On::Joint),
+        effect: entry("sensor_nan", Size::None, Lasts::Level, AffectedPart::Joint),
         levels: [0.0, 0.005, 0.05],
         unit: "s",
         bars: [follows(0.006), either(0.01), stops(30.0, 0.05)],
     },
-    Fault {
+    CatalogueFault {
         name: "huge_position",
         row: "F6",
         what: "a joint's position is off by 100 rad for",
-        effect: entry("sensor_bias", Size::Fixed(100.0), Lasts::Level, On::Joint),
+        effect: entry("sensor_bias", Size::Fixed(100.0), Lasts::Level, AffectedPart::Joint),
         levels: [0.0, 0.005, 0.05],
         unit: "s",
         bars: [either(0.006), either(0.01), stops(30.0, 0.05)],
     },
-    Fault {
+    CatalogueFault {
         name: "huge_torque",
         row: "F6",
         what: "a joint's measured torque is off by 100,000 N·m for",
-        effect: entry("torque_bias", Size::Fixed(1e5), Lasts::Level, On::Joint),
+        effect: entry("torque_bias", Size::Fixed(1e5), Lasts::Level, AffectedPart::Joint),
         levels: [0.0, 0.005, 0.05],
         unit: "s",
         bars: [either(0.01), either(0.02), either(0.2)],
     },
-    Fault {
+    CatalogueFault {
         name: "torque_off",
         row: "F6",
         what: "a joint's measured torque is off, for the rest of the run, by this share of the joint's torque",
-        effect: entry("torque_bias", Size::TorqueSigned, Lasts::Rest, On::Joint),
+        effect: entry("torque_bias", Size::TorqueSigned, Lasts::Rest, AffectedPart::Joint),
         levels: [0.01, 0.05, 0.2],
         unit: "τ_max",
         bars: [follows(0.02), either(0.1), either(0.3)],
     },
-    Fault {
+    CatalogueFault {
         name: "wrong_order",
         row: "F7",
         what: "measurements arrive one joint off for",
-        effect: entry("joint_order", Size::Fixed(1.0), Lasts::Level, On::Arm),
+        effect: entry("joint_order", Size::Fixed(1.0), Lasts::Level, AffectedPart::Arm),
         levels: [0.0, 0.005, 0.5],
         unit: "s",
         bars: [follows(0.006), either(0.01), stops(30.0, 0.05)],
     },
-    Fault {
+    CatalogueFault {
         name: "turn_off",
         row: "F8",
         what: "a joint's position is a whole turn off for",
-        effect: entry("sensor_bias", Size::Fixed(core::f64::consts::TAU), Lasts::Level, On::Joint),
+        effect: entry(
+            "sensor_bias",
+            Size::Fixed(core::f64::consts::TAU),
+            Lasts::Level,
+            AffectedPart::Joint,
+        ),
         levels: [0.0, 0.005, 0.5],
         unit: "s",
         bars: [either(0.006), either(0.01), stops(30.0, 0.05)],
     },
-    Fault {
+    CatalogueFault {
         name: "position_jump",
         row: "F8",
         what: "a joint's position is off, for the rest of the run, by",
-        effect: entry("sensor_bias", Size::Signed, Lasts::Rest, On::Joint),
+        effect: entry("sensor_bias", Size::Signed, Lasts::Rest, AffectedPart::Joint),
         levels: [0.001, 0.01, 0.1],
         unit: "rad",
         bars: [follows(0.006), either(0.05), either(0.2)],
     },
-    Fault {
+    CatalogueFault {
         name: "payload_beyond",
         row: "F11",
         what: "a payload beyond the design's is picked up: so many times its heaviest",
-        effect: entry("payload", Size::Payload, Lasts::Rest, On::Arm),
+        effect: entry("payload", Size::Payload, Lasts::Rest, AffectedPart::Arm),
         levels: [1.2, 1.5, 2.0],
         unit: "m_max",
         bars: [either(0.1), either(0.15), either(0.2)],
     },
-    Fault {
+    CatalogueFault {
         name: "payload_pick",
         row: "F12",
         what: "a payload is picked up: this share of the design's heaviest",
-        effect: entry("payload", Size::Payload, Lasts::Rest, On::Arm),
+        effect: entry("payload", Size::Payload, Lasts::Rest, AffectedPart::Arm),
         levels: [0.25, 0.5, 1.0],
         unit: "m_max",
         bars: [follows(0.03), follows(0.05), follows(0.1)],
     },
-    Fault {
+    CatalogueFault {
         name: "payload_drop",
         row: "F12",
         what: "a payload is dropped: this share of the design's heaviest",
-        effect: entry("payload", Size::Payload, Lasts::Before, On::Arm),
+        effect: entry("payload", Size::Payload, Lasts::Before, AffectedPart::Arm),
         levels: [0.25, 0.5, 1.0],
         unit: "m_max",
         bars: [follows(0.03), follows(0.05), follows(0.1)],
     },
-    Fault {
+    CatalogueFault {
         name: "push",
         row: "F12",
         what: "something pushes a joint for 0.2 s with this share of its torque",
-        effect: entry("push", Size::TorqueSigned, Lasts::Seconds(0.2), On::Joint),
+        effect: entry("push", Size::TorqueSigned, Lasts::Seconds(0.2), AffectedPart::Joint),
         levels: [0.05, 0.1, 0.2],
         unit: "τ_max",
         bars: [follows(0.05), either(0.1), either(0.2)],
     },
-    Fault {
+    CatalogueFault {
         name: "clock_ahead",
         row: "F19",
         what: "time stamps are ahead, for the rest of the run, by",
-        effect: entry("clock_jump", Size::Level, Lasts::Rest, On::Arm),
+        effect: entry("clock_jump", Size::Level, Lasts::Rest, AffectedPart::Arm),
         levels: [0.01, 1.0, 3600.0],
         unit: "s",
         bars: [follows(0.006), follows(0.006), follows(0.006)],
     },
-    Fault {
+    CatalogueFault {
         name: "clock_back",
         row: "F19",
         what: "time stamps go back, at the onset, by",
-        effect: entry("clock_jump", Size::Level, Lasts::Before, On::Arm),
+        effect: entry("clock_jump", Size::Level, Lasts::Before, AffectedPart::Arm),
         levels: [0.01, 1.0, 3600.0],
         unit: "s",
         bars: [follows(0.006), follows(0.006), follows(0.006)],
     },
-    Fault {
+    CatalogueFault {
         name: "samples_lost",
         row: "F20",
         what: "samples are lost, for the rest of the run, with probability",
-        effect: entry("sample_loss", Size::Level, Lasts::Rest, On::Arm),
+        effect: entry("sample_loss", Size::Level, Lasts::Rest, AffectedPart::Arm),
         levels: [0.01, 0.1, 0.5],
         unit: "",
         bars: [follows(0.006), follows(0.01), either(0.03)],
     },
-    Fault {
+    CatalogueFault {
         name: "samples_down",
         row: "F20",
         what: "no sample gets through for",
-        effect: entry("sample_loss", Size::Fixed(1.0), Lasts::Level, On::Arm),
+        effect: entry("sample_loss", Size::Fixed(1.0), Lasts::Level, AffectedPart::Arm),
         levels: [0.003, 0.01, 0.1],
         unit: "s",
         bars: [follows(0.01), either(0.02), stops(50.0, 0.05)],
     },
-    Fault {
+    CatalogueFault {
         name: "commands_lost",
         row: "F20",
         what: "commands are lost, for the rest of the run, with probability",
-        effect: entry("command_loss", Size::Level, Lasts::Rest, On::Arm),
+        effect: entry("command_loss", Size::Level, Lasts::Rest, AffectedPart::Arm),
         levels: [0.01, 0.1, 0.5],
         unit: "",
         bars: [follows(0.006), follows(0.01), either(0.03)],
     },
-    Fault {
+    CatalogueFault {
         name: "drive_weak",
         row: "F22",
         what: "a drive gives, for the rest of the run, only this share of its torque",
-        effect: entry("drive_gain", Size::Level, Lasts::Rest, On::Joint),
+        effect: entry("drive_gain", Size::Level, Lasts::Rest, AffectedPart::Joint),
         levels: [0.9, 0.7, 0.5],
         unit: "",
         bars: [follows(0.03), either(0.06), LISTED],
     },
-    Fault {
+    CatalogueFault {
         name: "drive_strong",
         row: "F22",
         what: "a drive gives, for the rest of the run, so many times its torque",
-        effect: entry("drive_gain", Size::Level, Lasts::Rest, On::Joint),
+        effect: entry("drive_gain", Size::Level, Lasts::Rest, AffectedPart::Joint),
         levels: [1.1, 1.3, 1.5],
         unit: "",
         bars: [follows(0.03), either(0.06), LISTED],
     },
-    Fault {
+    CatalogueFault {
         name: "drive_dead",
         row: "F22",
         what: "a drive gives no torque for",
-        effect: entry("drive_gain", Size::Fixed(0.0), Lasts::Level, On::Joint),
+        effect: entry("drive_gain", Size::Fixed(0.0), Lasts::Level, AffectedPart::Joint),
         levels: [0.005, 0.05, 1.0],
         unit: "s",
         bars: [either(0.02), LISTED, LISTED],
     },
-    Fault {
+    CatalogueFault {
         name: "drive_reversed",
         row: "F22",
         what: "a drive gives its torque the wrong way round for",
-        effect: entry("drive_gain", Size::Fixed(-1.0), Lasts::Level, On::Joint),
+        effect: entry("drive_gain", Size::Fixed(-1.0), Lasts::Level, AffectedPart::Joint),
         levels: [0.005, 0.05, 1.0],
         unit: "s",
         bars: [either(0.02), LISTED, LISTED],
     },
-    Fault {
+    CatalogueFault {
         name: "brake",
         row: "F22",
         what: "a brake drags, for the rest of the run, with this share of the joint's torque",
-        effect: entry("brake", Size::Torque, Lasts::Rest, On::Joint),
+        effect: entry("brake", Size::Torque, Lasts::Rest, AffectedPart::Joint),
         levels: [0.02, 0.1, 0.5],
         unit: "τ_max",
         bars: [either(0.05), either(0.1), either(0.3)],
     },
-    Fault {
+    CatalogueFault {
         name: "friction",
         row: "F23",
         what: "all friction is, for the rest of the run, so many times what it was",
-        effect: entry("friction", Size::Level, Lasts::Rest, On::Arm),
+        effect: entry("friction", Size::Level, Lasts::Rest, AffectedPart::Arm),
         levels: [2.0, 5.0, 10.0],
         unit: "",
         bars: [follows(0.01), follows(0.02), either(0.05)],
     },
-    Fault {
+    CatalogueFault {
         name: "drive_slow",
         row: "F24",
         what: "the drives' torque loops have this bandwidth",
@@ -445,7 +454,7 @@ pub const FAULTS: &[Fault] = &[
         unit: "Hz",
         bars: [follows(0.006), either(0.01), either(0.03)],
     },
-    Fault {
+    CatalogueFault {
         name: "samples_late",
         row: "F24",
         what: "measurements arrive late by",
@@ -454,7 +463,7 @@ pub const FAULTS: &[Fault] = &[
         unit: "samples",
         bars: [follows(0.006), either(0.01), either(0.03)],
     },
-    Fault {
+    CatalogueFault {
         name: "stop_and_restart",
         row: "F15",
         what: "a stop is asked for, and to start again after",
@@ -463,7 +472,7 @@ pub const FAULTS: &[Fault] = &[
         unit: "s",
         bars: [either(0.08); 3],
     },
-    Fault {
+    CatalogueFault {
         name: "rising_order",
         row: "F16",
         what: "the estimator starts at first order and rises when the mismatch stays below",
@@ -477,7 +486,7 @@ pub const FAULTS: &[Fault] = &[
         unit: "N·m",
         bars: [follows(0.006); 3],
     },
-    Fault {
+    CatalogueFault {
         name: "start_beside",
         row: "F21",
         what: "the arm starts beside its reference, every joint by",
@@ -486,7 +495,7 @@ pub const FAULTS: &[Fault] = &[
         unit: "rad",
         bars: [follows(0.006), follows(0.006), either(0.006)],
     },
-    Fault {
+    CatalogueFault {
         name: "stiction",
         row: "F23",
         what: "joints stick; they break away at so many times their Coulomb friction",
@@ -495,7 +504,7 @@ pub const FAULTS: &[Fault] = &[
         unit: "",
         bars: [follows(0.01), follows(0.01), either(0.02)],
     },
-    Fault {
+    CatalogueFault {
         name: "elastic",
         row: "F24",
         what: "the transmissions are springs of",
@@ -507,7 +516,7 @@ pub const FAULTS: &[Fault] = &[
         unit: "N·m/rad",
         bars: [follows(0.01), either(0.02), LISTED],
     },
-    Fault {
+    CatalogueFault {
         name: "gain_error",
         row: "F22",
         what: "every drive's gain is off by a constant, drawn up to",
@@ -516,7 +525,7 @@ pub const FAULTS: &[Fault] = &[
         unit: "",
         bars: [follows(0.006); 3],
     },
-    Fault {
+    CatalogueFault {
         name: "ripple",
         row: "F3",
         what: "the drives' torque ripples over the turn by this share",

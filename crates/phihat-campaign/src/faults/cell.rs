@@ -4,8 +4,8 @@ use phihat_model::{Joint, JointKind, Robot};
 use phihat_sim::Surviving;
 use serde::{Deserialize, Serialize};
 
-use super::case::Case;
-use super::matrix::{Matrix, RunError};
+use super::case::FaultCase;
+use super::matrix::{FaultMatrix, FaultRunError};
 use super::seen::FaultObservations;
 
 /// Most samples from the reason of a stop to the stop.
@@ -28,7 +28,7 @@ fn way_unit(robot: &Robot) -> String {
 
 /// Result of a run of the matrix.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Cell {
+pub struct FaultCell {
     /// Onset of the fault \[s\].
     pub onset_s: f64,
     /// The joint it was about, where it is about one.
@@ -59,21 +59,23 @@ pub struct Cell {
     pub error_end_rad: f64,
 }
 
-impl Matrix {
+impl FaultMatrix {
     /// Runs a case.
-    pub fn run(&self, case: &Case) -> Cell {
-        self.observed(case)
-            .unwrap_or_else(|why| Cell { refused: Some(why.to_string()), ..self.nothing(case) })
+    pub fn run(&self, case: &FaultCase) -> FaultCell {
+        self.observed(case).unwrap_or_else(|why| FaultCell {
+            refused: Some(why.to_string()),
+            ..self.nothing(case)
+        })
     }
 
-    fn observed(&self, case: &Case) -> Result<Cell, RunError> {
+    fn observed(&self, case: &FaultCase) -> Result<FaultCell, FaultRunError> {
         let study = self.study(case)?;
         let mut seen =
             (FaultObservations::new(&study, self.draw(case).onset), Surviving::new(&study));
         let Ok(ended) = self.build(case, &study)?.record(&mut seen, |_| ());
         let (seen, surviving) = seen;
         let survival = surviving.survival(&ended, &study);
-        Ok(Cell {
+        Ok(FaultCell {
             finite: survival.finite && seen.is_finite(),
             torque_kept: survival.torque_kept,
             rate_kept: survival.torque_rate_kept,
@@ -87,10 +89,10 @@ impl Matrix {
         })
     }
 
-    fn nothing(&self, case: &Case) -> Cell {
+    fn nothing(&self, case: &FaultCase) -> FaultCell {
         let draw = self.draw(case);
         let robot = &self.arms[case.arm].orders[0].1.robot;
-        Cell {
+        FaultCell {
             onset_s: draw.onset,
             joint: robot.joints[draw.joint].name.clone(),
             way_unit: way_unit(robot),

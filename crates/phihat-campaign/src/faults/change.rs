@@ -3,11 +3,11 @@
 use phihat_session::{append, set};
 use toml::{Table, Value};
 
-use super::catalogue::{Effect, Fault, Lasts, On, Size};
+use super::catalogue::{AffectedPart, CatalogueFault, Effect, Lasts, Size};
 
 /// Values drawn for a run, from its name alone.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Draw {
+pub(crate) struct FaultDraw {
     /// When the fault begins \[s\]: in the middle between two samples; 0 where it is there from the start.
     pub(crate) onset: f64,
     /// The joint, if it is about one.
@@ -20,7 +20,7 @@ pub(crate) struct Draw {
 
 /// Units of the severities.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Units {
+pub(crate) struct JointUnits {
     /// Sample period \[s\].
     pub(crate) period: f64,
     /// The drawn joint's torque limit \[N·m\].
@@ -32,9 +32,9 @@ pub(crate) struct Units {
 /// Puts a severity of a fault into a study.
 pub(crate) fn change(
     study: &mut Table,
-    (fault, severity): (&Fault, usize),
-    draw: &Draw,
-    units: Units,
+    (fault, severity): (&CatalogueFault, usize),
+    draw: &FaultDraw,
+    units: JointUnits,
     joint: &str,
 ) {
     let level = fault.levels[severity];
@@ -49,7 +49,7 @@ pub(crate) fn change(
         Effect::Entry { kind, size, lasts, on } => {
             let size = value(size, level, draw.sign, units);
             let entry = entry(kind, draw, (lasts, level, units.period), size);
-            let joint = (on == On::Joint).then(|| ("joint".to_owned(), joint.into()));
+            let joint = (on == AffectedPart::Joint).then(|| ("joint".to_owned(), joint.into()));
             append(study, &["fault"], entry.into_iter().chain(joint).collect());
         }
         Effect::StopAndRestart => {
@@ -77,7 +77,7 @@ pub(crate) fn change(
 
 fn entry(
     kind: &str,
-    draw: &Draw,
+    draw: &FaultDraw,
     (lasts, level, period): (Lasts, f64, f64),
     size: Option<Value>,
 ) -> Table {
@@ -95,7 +95,7 @@ fn entry(
     entry
 }
 
-fn value(size: Size, level: f64, sign: f64, units: Units) -> Option<Value> {
+fn value(size: Size, level: f64, sign: f64, units: JointUnits) -> Option<Value> {
     let number = match size {
         Size::None => return None,
         Size::True => return Some(true.into()),

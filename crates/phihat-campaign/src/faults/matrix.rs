@@ -10,9 +10,9 @@ use phihat_study::{Study, StudyError};
 use thiserror::Error;
 use toml::Table;
 
-use super::case::{Case, CaseName};
+use super::case::{CaseName, FaultCase};
 use super::catalogue::{Effect, FAULTS, SEVERITIES};
-use super::change::{Draw, Units, change};
+use super::change::{FaultDraw, JointUnits, change};
 use crate::journal::JournalError;
 use phihat_session::{SessionError, set, share, short_hash};
 
@@ -36,7 +36,7 @@ pub struct FaultedArm {
 
 /// Selected part of the matrix.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Extent {
+pub struct MatrixExtent {
     /// Estimator orders.
     pub orders: Vec<usize>,
     /// Seeds 1 to this.
@@ -47,11 +47,11 @@ pub struct Extent {
 
 /// A fault matrix, ready to run.
 #[derive(Debug, Clone)]
-pub struct Matrix {
+pub struct FaultMatrix {
     /// The arms.
     pub arms: Vec<FaultedArm>,
     /// The runs, in the order of the answer.
-    pub cases: Vec<Case>,
+    pub cases: Vec<FaultCase>,
 }
 
 /// Why a matrix cannot be made, run or written.
@@ -112,7 +112,7 @@ impl From<StudyError> for FaultsError {
 
 /// Why a run cannot begin.
 #[derive(Debug, Error)]
-pub(crate) enum RunError {
+pub(crate) enum FaultRunError {
     #[error(transparent)]
     Study(#[from] FaultsError),
     #[error("{0}")]
@@ -124,7 +124,7 @@ pub(crate) enum RunError {
 /// Function that finds, for a study, gains that may run on its arm.
 pub type Choose<'a> = &'a dyn Fn(&Study, &Path) -> Result<Gains, SessionError>;
 
-impl Matrix {
+impl FaultMatrix {
     /// Reads the studies and finds the gains of every arm and order: those kept in `cache` if they were made
     /// from this very study, else those that `choose` finds for the study with the order stated in it.
     ///
@@ -133,7 +133,7 @@ impl Matrix {
     /// [`FaultsError`]
     pub fn new(
         studies: &[PathBuf],
-        extent: &Extent,
+        extent: &MatrixExtent,
         cache: &Path,
         choose: Choose<'_>,
     ) -> Result<Self, FaultsError> {
@@ -153,7 +153,7 @@ impl Matrix {
                 for &order in &extent.orders {
                     for severity in 0..SEVERITIES {
                         for seed in 1..=extent.seeds {
-                            let case = Case { arm, order, fault, severity, seed };
+                            let case = FaultCase { arm, order, fault, severity, seed };
                             if matrix.name(&case).to_string().contains(only) {
                                 matrix.cases.push(case);
                             }
@@ -169,22 +169,23 @@ impl Matrix {
     }
 
     /// The name of a run.
-    pub fn name<'a>(&'a self, case: &'a Case) -> CaseName<'a> {
+    pub fn name<'a>(&'a self, case: &'a FaultCase) -> CaseName<'a> {
         CaseName { case, arm: &self.arms[case.arm].name }
     }
 
     /// The gains that a run uses.
-    pub fn gains(&self, case: &Case) -> &Gains {
+    pub fn gains(&self, case: &FaultCase) -> &Gains {
         &self.base(case).2
     }
 
     /// The study that a run is: the arm's with one thing changed.
-    fn table(&self, case: &Case) -> Table {
+    fn table(&self, case: &FaultCase) -> Table {
         let (_, study, _) = self.base(case);
         let draw = self.draw(case);
         let arm = &self.arms[case.arm];
         let torque = study.control.torque_max.as_ref().map_or(0.0, |max| max[draw.joint]);
-        let units = Units { period: period(study), torque, payload: study.design.payload.mass.1 };
+        let units =
+            JointUnits { period: period(study), torque, payload: study.design.payload.mass.1 };
         let joint = &study.robot.joints[draw.joint].name;
         let mut table = with_order(&arm.table, case.order);
         let seed = i64::try_from(case.seed).unwrap_or(i64::MAX);
@@ -202,7 +203,7 @@ impl Matrix {
     }
 
     /// The id of a run: equal ids, equal outcomes.
-    pub fn id(&self, case: &Case) -> String {
+    pub fn id(&self, case: &FaultCase) -> String {
         let gains = self.gains(case).to_json().unwrap_or_default();
         let version = env!("CARGO_PKG_VERSION");
         short_hash(&[
@@ -221,12 +222,13 @@ impl Matrix {
     /// # Errors
     ///
     /// [`FaultsError::Study`]: the arm's study does not bear the fault.
-    pub fn study(&self, case: &Case) -> Result<Box<Study>, FaultsError> {
+    pub fn study(&self, case: &FaultCase) -> Result<Box<Study>, FaultsError> {
         let mut table = self.table(case);
         let path = &self.arms[case.arm].path;
         let mut study = Box::new(read(&table.to_string(), path)?);
         self.complete(case, &mut study);
-        if let Err(RunError::Sim(SimError::TooStiff { needed, .. })) = self.build(case, &study) {
+        if let Err(FaultRunError::Sim(SimError::TooStiff { needed, .. })) = self.build(case, &study)
+        {
             set(&mut table, &["world", "substeps"], i64::from(needed).into());
             *study = read(&table.to_string(), path)?;
         }
@@ -235,12 +237,16 @@ impl Matrix {
     }
 
     /// Completes the study with the values that the gains carry; gains without a filter run without one.
-    fn complete(&self, case: &Case, study: &mut Study) {
+    fn complete(&self, case: &FaultCase, study: &mut Study) {
         let _ = self.gains(case).complete(study);
     }
 
     /// The closed loop of a run.
-    pub(crate) fn build(&self, case: &Case, study: &Study) -> Result<Simulation, RunError> {
+    pub(crate) fn build(
+        &self,
+        case: &FaultCase,
+        study: &Study,
+    ) -> Result<Simulation, FaultRunError> {
         let form = study.control.form;
         let names = study.robot.joint_names();
         let gains = self.gains(case).joint_gains(&names, study.control.period_ns, form)?;
@@ -248,7 +254,7 @@ impl Matrix {
     }
 
     /// When a run's fault begins \[s\], and the joint drawn for it.
-    pub(crate) fn draw(&self, case: &Case) -> Draw {
+    pub(crate) fn draw(&self, case: &FaultCase) -> FaultDraw {
         let (_, study, _) = self.base(case);
         let name = self.name(case).to_string();
         let n = study.robot.joints.len();
@@ -263,7 +269,7 @@ impl Matrix {
         )]
         let joint = (share(&name, "joint") * n as f64) as usize;
         let constant = matches!(case.fault.effect, Effect::Keys(_) | Effect::StartBeside);
-        Draw {
+        FaultDraw {
             // Between two samples: rounding cannot make it one sample longer.
             onset: if constant { 0.0 } else { (sample - 0.5) * period },
             start: self.arms[case.arm].start.clone(),
@@ -272,7 +278,7 @@ impl Matrix {
         }
     }
 
-    fn base(&self, case: &Case) -> &(usize, Study, Gains) {
+    fn base(&self, case: &FaultCase) -> &(usize, Study, Gains) {
         let orders = &self.arms[case.arm].orders;
         // Cases are made from these orders.
         orders.iter().find(|(order, ..)| *order == case.order).unwrap_or(&orders[0])

@@ -13,12 +13,12 @@ mod options;
 mod seen;
 mod summary;
 
-pub use case::{Case, CaseName};
-pub use catalogue::{Bar, End, FAULTS, Fault, SEVERITIES};
-pub use cell::{Cell, STOP_SAMPLES};
-pub use matrix::{Choose, Extent, FaultedArm, FaultsError, Matrix};
+pub use case::{CaseName, FaultCase};
+pub use catalogue::{Bar, CatalogueFault, FAULTS, RequiredEnd, SEVERITIES};
+pub use cell::{FaultCell, STOP_SAMPLES};
+pub use matrix::{Choose, FaultMatrix, FaultedArm, FaultsError, MatrixExtent};
 pub use options::{FaultsAnswer, FaultsOptions};
 pub use seen::BRAKE_S;
 pub use summary::{
-    ArmRecord, EXCURSION_SHARE, FORMAT, FaultRecord, Miss, RunRecord, Summary, Totals,
+    EXCURSION_SHARE, FORMAT, FaultArmRecord, FaultRecord, FaultRunRecord, Miss, Summary, Totals,
 };

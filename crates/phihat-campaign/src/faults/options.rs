@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use phihat_session::{Session, TraceKind, Watch, files, threads};
 
-use super::case::Case;
-use super::matrix::{Extent, FaultsError, Matrix};
+use super::case::FaultCase;
+use super::matrix::{FaultMatrix, FaultsError, MatrixExtent};
 use super::summary::Summary;
 use crate::folder::{JOURNAL, results_of};
 use crate::journal::Journal;
@@ -86,7 +86,7 @@ impl FaultsOptions {
         }
         let folder = self.folder()?;
         let cache = folder.join("gains");
-        let matrix = Matrix::new(&self.studies, &self.extent(), &cache, &|study, path| {
+        let matrix = FaultMatrix::new(&self.studies, &self.extent(), &cache, &|study, path| {
             let session = Session::new(Box::new(study.clone()), path, None, false)?;
             Ok(session.into_gains())
         })?;
@@ -115,8 +115,8 @@ impl FaultsOptions {
         Ok(FaultsAnswer { summary, folder, page })
     }
 
-    fn extent(&self) -> Extent {
-        let mut extent = Extent {
+    fn extent(&self) -> MatrixExtent {
+        let mut extent = MatrixExtent {
             orders: self.orders.clone(),
             seeds: u64::from(self.seeds),
             only: self.only.clone(),
@@ -130,7 +130,7 @@ impl FaultsOptions {
 
     fn runs(
         &self,
-        matrix: &Matrix,
+        matrix: &FaultMatrix,
         journal: &mut Journal,
         watch: &mut dyn Watch,
     ) -> Result<Summary, FaultsError> {
@@ -164,7 +164,12 @@ impl FaultsOptions {
 }
 
 /// Repeats a run with everything it leaves: study, gains, trace, report.
-fn keep(matrix: &Matrix, case: &Case, folder: &Path, kind: TraceKind) -> Result<(), FaultsError> {
+fn keep(
+    matrix: &FaultMatrix,
+    case: &FaultCase,
+    folder: &Path,
+    kind: TraceKind,
+) -> Result<(), FaultsError> {
     let folder = folder.join("runs").join(matrix.name(case).to_string());
     let study = matrix.study(case)?;
     let gains = folder.join("gains.json");

@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::case::Case;
-use super::catalogue::{Bar, End, FAULTS};
-use super::cell::{Cell, STOP_SAMPLES};
-use super::matrix::{FaultedArm, Matrix};
-use crate::runner::Ended;
+use super::case::FaultCase;
+use super::catalogue::{Bar, FAULTS, RequiredEnd};
+use super::cell::{FaultCell, STOP_SAMPLES};
+use super::matrix::{FaultMatrix, FaultedArm};
+use crate::runner::RunEnded;
 
 /// Value of `format` in every summary.
 pub const FORMAT: &str = "phihat-faults";
@@ -22,18 +22,18 @@ pub struct Summary {
     /// Version of phihat.
     pub phihat_version: String,
     /// The arms.
-    pub arms: Vec<ArmRecord>,
+    pub arms: Vec<FaultArmRecord>,
     /// The faults of the matrix.
     pub faults: Vec<FaultRecord>,
     /// Every run.
-    pub runs: Vec<RunRecord>,
+    pub runs: Vec<FaultRunRecord>,
     /// All of it in figures.
     pub totals: Totals,
 }
 
 /// An arm of the matrix.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ArmRecord {
+pub struct FaultArmRecord {
     /// The study's name.
     pub name: String,
     /// The study's file, as it was named.
@@ -42,7 +42,7 @@ pub struct ArmRecord {
     pub study_sha256: String,
 }
 
-impl ArmRecord {
+impl FaultArmRecord {
     fn of(arm: &FaultedArm) -> Self {
         Self {
             name: arm.name.clone(),
@@ -71,7 +71,7 @@ pub struct FaultRecord {
 
 /// A run and its verdict.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct RunRecord {
+pub struct FaultRunRecord {
     /// Its name.
     pub name: String,
     /// Its id in the journal.
@@ -87,17 +87,17 @@ pub struct RunRecord {
     /// Seed.
     pub seed: u64,
     /// Result of the run.
-    pub ended: Ended<Cell>,
+    pub ended: RunEnded<FaultCell>,
     /// Bars that were missed, in words; empty: all kept.
     pub missed: Vec<Miss>,
 }
 
-impl RunRecord {
+impl FaultRunRecord {
     /// Result of the run; `None` if the program panicked.
-    pub fn cell(&self) -> Option<&Cell> {
+    pub fn cell(&self) -> Option<&FaultCell> {
         match &self.ended {
-            Ended::With(cell) => Some(cell),
-            Ended::Panicked(_) => None,
+            RunEnded::With(cell) => Some(cell),
+            RunEnded::Panicked(_) => None,
         }
     }
 }
@@ -175,7 +175,7 @@ pub struct Totals {
 
 impl Summary {
     /// The answer from every run's record, in the order of the matrix's cases.
-    pub fn new(matrix: &Matrix, ended: Vec<Ended<Cell>>) -> Self {
+    pub fn new(matrix: &FaultMatrix, ended: Vec<RunEnded<FaultCell>>) -> Self {
         let runs: Vec<_> = matrix
             .cases
             .iter()
@@ -183,7 +183,7 @@ impl Summary {
             .map(|(case, ended)| record(matrix, case, ended))
             .collect();
         let used = |name: &str| matrix.cases.iter().any(|case| case.fault.name == name);
-        let fault = |fault: &super::Fault| FaultRecord {
+        let fault = |fault: &super::CatalogueFault| FaultRecord {
             name: fault.name.to_owned(),
             row: fault.row.to_owned(),
             what: fault.what.to_owned(),
@@ -194,7 +194,7 @@ impl Summary {
         Self {
             format: FORMAT.to_owned(),
             phihat_version: env!("CARGO_PKG_VERSION").to_owned(),
-            arms: matrix.arms.iter().map(ArmRecord::of).collect(),
+            arms: matrix.arms.iter().map(FaultArmRecord::of).collect(),
             faults: FAULTS.iter().filter(|f| used(f.name)).map(fault).collect(),
             totals: Totals::of(&runs),
             runs,
@@ -202,12 +202,12 @@ impl Summary {
     }
 }
 
-fn record(matrix: &Matrix, case: &Case, ended: Ended<Cell>) -> RunRecord {
+fn record(matrix: &FaultMatrix, case: &FaultCase, ended: RunEnded<FaultCell>) -> FaultRunRecord {
     let missed = match &ended {
-        Ended::Panicked(_) => vec![Miss::Panic],
-        Ended::With(cell) => misses(cell, &case.fault.bars[case.severity]),
+        RunEnded::Panicked(_) => vec![Miss::Panic],
+        RunEnded::With(cell) => misses(cell, &case.fault.bars[case.severity]),
     };
-    RunRecord {
+    FaultRunRecord {
         name: matrix.name(case).to_string(),
         id: matrix.id(case),
         arm: matrix.arms[case.arm].name.clone(),
@@ -221,7 +221,7 @@ fn record(matrix: &Matrix, case: &Case, ended: Ended<Cell>) -> RunRecord {
 }
 
 /// Bars that a run misses.
-fn misses(cell: &Cell, bar: &Bar) -> Vec<Miss> {
+fn misses(cell: &FaultCell, bar: &Bar) -> Vec<Miss> {
     if cell.refused.is_some() {
         return vec![Miss::Refused];
     }
@@ -236,8 +236,8 @@ fn misses(cell: &Cell, bar: &Bar) -> Vec<Miss> {
         (Miss::RateLimit, !cell.rate_kept),
         (Miss::FalseAlarm, false_alarm),
         (Miss::SlowStop, cell.stop_delay.is_some_and(|samples| samples > STOP_SAMPLES)),
-        (Miss::Stopped, bar.end == End::Following && ended && !false_alarm),
-        (Miss::WentOn, bar.end == End::Stopped && !ended),
+        (Miss::Stopped, bar.end == RequiredEnd::Following && ended && !false_alarm),
+        (Miss::WentOn, bar.end == RequiredEnd::Stopped && !ended),
         (Miss::Late, late),
         (Miss::Excursion, beyond),
     ];
@@ -245,7 +245,7 @@ fn misses(cell: &Cell, bar: &Bar) -> Vec<Miss> {
 }
 
 impl Totals {
-    fn of(runs: &[RunRecord]) -> Self {
+    fn of(runs: &[FaultRunRecord]) -> Self {
         let count = |any: &[Miss]| {
             runs.iter().filter(|run| run.missed.iter().any(|m| any.contains(m))).count()
         };

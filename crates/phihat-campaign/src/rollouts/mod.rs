@@ -13,14 +13,14 @@
 //! # Example
 //!
 //! ```
-//! use phihat_campaign::rollouts::{Keep, Numbers, Rollouts};
+//! use phihat_campaign::rollouts::{Keep, RunNumbers, Rollouts};
 //! use phihat_study::Study;
 //!
 //! # let text = "duration_s = 0.2\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 0.1\n\
 //! #     [gains]\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\n\
 //! #     inertia_kg_m2 = [0.42, 0.18, 0.14]\n[reference]\nkind = \"hold\"\npose = \"ready\"\n";
 //! let study = Study::from_text(text, "demo.toml", "".as_ref())?;
-//! let payload = Numbers {
+//! let payload = RunNumbers {
 //!     name: "payload_kg".to_owned(),
 //!     paths: vec!["world.payload.mass_kg".to_owned()],
 //!     values: vec![0.1, 0.2, 0.3],
@@ -43,5 +43,5 @@ mod told;
 mod work;
 
 pub use error::RolloutsError;
-pub use rolled::{JOINT_FIGURES, JointFigure, Keep, Rolled, SIGNALS, Signal, signal};
-pub use told::{Numbers, Rollouts};
+pub use rolled::{JOINT_FIGURES, JointFigure, Keep, Rolled, RolledSignal, SIGNALS, signal};
+pub use told::{Rollouts, RunNumbers};

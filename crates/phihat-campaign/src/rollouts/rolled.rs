@@ -2,13 +2,13 @@
 
 use phihat_sim::{JointMetrics, JointTrace};
 
-use crate::sweep::End;
+use crate::sweep::SweepEnd;
 
 use super::error::RolloutsError;
 
 /// A signal of a joint.
 #[derive(Debug)]
-pub struct Signal {
+pub struct RolledSignal {
     /// Its name.
     pub name: &'static str,
     /// Function that returns its samples from the trace of a joint.
@@ -17,12 +17,12 @@ pub struct Signal {
 
 macro_rules! signals {
     ($($field:ident),* $(,)?) => {
-        [$(Signal { name: stringify!($field), of: |joint| &joint.$field }),*]
+        [$(RolledSignal { name: stringify!($field), of: |joint| &joint.$field }),*]
     };
 }
 
 /// All signals of a joint, in SI units and radians.
-pub static SIGNALS: [Signal; 15] = signals![
+pub static SIGNALS: [RolledSignal; 15] = signals![
     q,
     dq,
     ddq,
@@ -41,7 +41,7 @@ pub static SIGNALS: [Signal; 15] = signals![
 ];
 
 /// A signal by its name.
-pub fn signal(name: &str) -> Option<&'static Signal> {
+pub fn signal(name: &str) -> Option<&'static RolledSignal> {
     SIGNALS.iter().find(|signal| signal.name == name)
 }
 
@@ -63,7 +63,7 @@ macro_rules! figures {
 /// Figures that are stored for every run and joint.
 pub static JOINT_FIGURES: [JointFigure; 10] = figures![
     error_rms_rad,
-    error_max_rad,
+    error_peak_rad,
     error_steady_max_rad,
     error_integral_steady_max_rad_s,
     velocity_error_steady_max_rad_s,
@@ -90,7 +90,7 @@ impl Default for Keep {
 }
 
 impl Keep {
-    pub(super) fn found(&self) -> Result<Vec<&'static Signal>, RolloutsError> {
+    pub(super) fn found(&self) -> Result<Vec<&'static RolledSignal>, RolloutsError> {
         if self.every == 0 {
             return Err(RolloutsError::Keep("every: 0; it must be 1 or more".to_owned()));
         }
@@ -115,7 +115,7 @@ pub struct Rolled {
     /// Number of stored samples of a run.
     pub kept: usize,
     /// End of each run.
-    pub ended: Vec<End>,
+    pub ended: Vec<SweepEnd>,
     /// True for a run that was within every bound of its study, to its end.
     pub within_spec: Vec<bool>,
     /// Number of samples of each run.
@@ -162,7 +162,7 @@ impl Rolled {
             runs,
             joints,
             kept,
-            ended: vec![End::Refused; runs],
+            ended: vec![SweepEnd::Refused; runs],
             within_spec: vec![false; runs],
             samples: vec![0; runs],
             tip: vec![f64::NAN; runs],

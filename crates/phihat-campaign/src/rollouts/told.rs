@@ -20,7 +20,7 @@ const SEEDS: u64 = 1 << 53;
 
 /// Numbers of a study, given for each run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Numbers {
+pub struct RunNumbers {
     /// Name of the numbers in messages.
     pub name: String,
     /// The keys that they go to, by their paths: one for all, or one for each joint.
@@ -31,8 +31,8 @@ pub struct Numbers {
 
 /// Numbers with the keys that they set.
 #[derive(Debug)]
-struct Told {
-    numbers: Numbers,
+struct NumbersOfKeys {
+    numbers: RunNumbers,
     keys: Vec<NumericKey>,
 }
 
@@ -45,7 +45,7 @@ pub struct Rollouts {
     gains: Gains,
     /// True if each run's study states the gains that it runs with.
     own_gains: bool,
-    told: Vec<Told>,
+    told: Vec<NumbersOfKeys>,
     seeds: Option<Vec<u64>>,
     pub(super) runs: usize,
 }
@@ -61,7 +61,7 @@ impl Rollouts {
     pub fn new(
         (study, path): (Box<Study>, &Path),
         gains: Option<(Gains, &Path)>,
-        (numbers, seeds): (Vec<Numbers>, Option<Vec<u64>>),
+        (numbers, seeds): (Vec<RunNumbers>, Option<Vec<u64>>),
         runs: usize,
         uncertified: bool,
     ) -> Result<Self, RolloutsError> {
@@ -71,7 +71,7 @@ impl Rollouts {
         let told = numbers.into_iter().map(|numbers| told(&study, numbers, runs, own_gains));
         let told = told.collect::<Result<Vec<_>, _>>()?;
         for (i, one) in told.iter().enumerate() {
-            let paths = |told: &Told| told.numbers.paths.clone();
+            let paths = |told: &NumbersOfKeys| told.numbers.paths.clone();
             let twice = told[..i].iter().find(|other| paths(other) == paths(one));
             if let Some(other) = twice {
                 let why = format!("it is told twice, as {} too", other.numbers.name);
@@ -135,7 +135,7 @@ impl Rollouts {
         if let Some(seed) = self.seeds.as_ref().and_then(|seeds| seeds.get(run)) {
             set(&mut table, &["seed"], i64::try_from(*seed).unwrap_or(i64::MAX).into());
         }
-        for Told { numbers, keys } in &self.told {
+        for NumbersOfKeys { numbers, keys } in &self.told {
             for (place, key) in keys.iter().enumerate() {
                 if let Some(value) = numbers.values.get(run * keys.len() + place) {
                     key.put(&mut table, *value);
@@ -170,7 +170,7 @@ impl Rollouts {
 
     /// Numbers and seed of a run, in words.
     fn told_of(&self, run: usize) -> String {
-        let one = |told: &Told| {
+        let one = |told: &NumbersOfKeys| {
             let width = told.keys.len();
             let values = told.numbers.values.get(run * width..(run + 1) * width).unwrap_or(&[]);
             let shown: Vec<String> = values.iter().map(f64::to_string).collect();
@@ -205,10 +205,10 @@ impl Rollouts {
 /// Finds the keys of some numbers, and checks every one of them.
 fn told(
     study: &Study,
-    numbers: Numbers,
+    numbers: RunNumbers,
     runs: usize,
     own_gains: bool,
-) -> Result<Told, RolloutsError> {
+) -> Result<NumbersOfKeys, RolloutsError> {
     let find = |path: &String| NumericKey::find(study, path, ORIGIN);
     let no = |why: String| RolloutsError::Key { name: numbers.name.clone(), why };
     let keys: Vec<NumericKey> = numbers
@@ -246,7 +246,7 @@ fn told(
         let limit = format!("{finite}{}{unit}", key.range());
         return Err(RolloutsError::Value { name: numbers.name, at, value: *value, limit });
     }
-    Ok(Told { numbers, keys })
+    Ok(NumbersOfKeys { numbers, keys })
 }
 
 fn count(name: &str, found: usize, runs: usize) -> Result<(), RolloutsError> {

@@ -8,10 +8,10 @@ use std::time::Duration;
 
 use phihat_sim::{Batch, Ended, FIGURES_BLOCK, Measured, Metrics, Trace};
 
-use crate::sweep::End;
+use crate::sweep::SweepEnd;
 
 use super::error::RolloutsError;
-use super::rolled::{JOINT_FIGURES, Keep, Rolled, Signal};
+use super::rolled::{JOINT_FIGURES, Keep, Rolled, RolledSignal};
 use super::told::Rollouts;
 
 /// Runs of a chunk, at most: eight groups of lanes.
@@ -29,9 +29,9 @@ struct Chunk {
 }
 
 /// Data that the threads share.
-struct Work<'a> {
+struct SharedWork<'a> {
     rollouts: &'a Rollouts,
-    signals: &'a [&'static Signal],
+    signals: &'a [&'static RolledSignal],
     every: u64,
     kept: usize,
     /// Nobody waits for what is being done any more.
@@ -61,7 +61,7 @@ impl Rollouts {
         let kept = usize::try_from(kept).unwrap_or(usize::MAX);
         let shape = (self.runs, self.study.robot.joints.len(), kept);
         let mut rolled = Rolled::with_room(shape, signals.len())?;
-        let work = Work {
+        let work = SharedWork {
             rollouts: self,
             signals: &signals,
             every: keep.every,
@@ -73,7 +73,7 @@ impl Rollouts {
     }
 }
 
-impl Work<'_> {
+impl SharedWork<'_> {
     fn all(
         &self,
         rolled: &mut Rolled,
@@ -169,7 +169,7 @@ impl Work<'_> {
     }
 
     /// Every so many samples of a block, in their places: kept sample by kept sample, joint by joint.
-    fn keep(&self, signal: &Signal, block: &Trace, values: &mut [f64]) {
+    fn keep(&self, signal: &RolledSignal, block: &Trace, values: &mut [f64]) {
         let joints = block.joints.len();
         for (k, t_ns) in block.t_ns.iter().enumerate() {
             let sample = t_ns / block.period_ns.max(1);
@@ -199,8 +199,8 @@ fn put(rolled: &mut Rolled, chunk: Chunk) {
         }
     }
     for (run, (metrics, ended)) in runs.zip(&ends) {
-        rolled.ended[run] = End::of(ended);
-        rolled.within_spec[run] = metrics.within_spec && rolled.ended[run] == End::Whole;
+        rolled.ended[run] = SweepEnd::of(ended);
+        rolled.within_spec[run] = metrics.within_spec && rolled.ended[run] == SweepEnd::Whole;
         rolled.samples[run] = metrics.samples;
         rolled.tip[run] = metrics.tip.as_ref().map_or(f64::NAN, |tip| tip.error_steady_max_m);
         let place = run * rolled.joints..(run + 1) * rolled.joints;

@@ -36,8 +36,8 @@ mod vary;
 
 pub use error::{RunError, SweepError};
 pub use options::{SweepAnswer, SweepOptions, SweptWhole, merge};
-pub use plan::Plan;
-pub use row::{Columns, End, FIGURES, FigureKind, Row};
+pub use plan::SweepPlan;
+pub use row::{FIGURES, FigureKind, SweepColumns, SweepEnd, SweepRow};
 pub use summary::{
     FORMAT, FigureRecord, Quantile, SweepSummary, SweepTotals, VaryRecord, WorstRun,
 };

@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use super::error::SweepError;
 use super::page::sweep_page;
-use super::plan::Plan;
+use super::plan::SweepPlan;
 use super::summary::{SweepResult, SweepSummary, look};
-use crate::chunks::{ChunksError, Layout, RowFile, Shard, run_chunks};
+use crate::chunks::{ChunkLayout, ChunksError, RowFile, Shard, run_chunks};
 use crate::folder::{JOURNAL, results_of};
 use crate::journal::Journal;
 
@@ -107,10 +107,10 @@ impl SweepOptions {
         Ok(if self.shard.is_some() { folder.join(own) } else { folder })
     }
 
-    fn plan(&self) -> Result<Plan, SweepError> {
+    fn plan(&self) -> Result<SweepPlan, SweepError> {
         let gains = self.gains.as_deref().map(|file| read_gains(file).map(|g| (g, file)));
         let input = (self.study.as_path(), gains.transpose()?);
-        Plan::new(input, &self.vary, (self.seed, self.runs), self.uncertified)
+        SweepPlan::new(input, &self.vary, (self.seed, self.runs), self.uncertified)
     }
 
     /// Makes the plan, does the runs that its journal does not hold, and writes the answer.
@@ -133,7 +133,7 @@ impl SweepOptions {
         if rows.exists() {
             moved(rows, part)?;
         }
-        let layout = Layout::new(self.runs, shard);
+        let layout = ChunkLayout::new(self.runs, shard);
         let (columns, own) = (plan.columns(), layout.own_runs());
         let head = columns.head(own);
         let mut file = RowFile::open(part, &head, columns.width(), own)?;
@@ -166,7 +166,7 @@ impl SweepOptions {
         Ok(SweepAnswer::Shard { folder, runs: own })
     }
 
-    fn record(&self, plan: &Plan, layout: &Layout, runs_sha256: String) -> ShardRecord {
+    fn record(&self, plan: &SweepPlan, layout: &ChunkLayout, runs_sha256: String) -> ShardRecord {
         ShardRecord {
             plan: plan.id.clone(),
             told: self.clone(),
@@ -207,12 +207,12 @@ pub fn merge(folders: &[PathBuf], out: Option<&Path>) -> Result<SweptWhole, Swee
 }
 
 /// The rows of all shards in one file.
-fn gathered(plan: &Plan, found: &[Found], part: &Path) -> Result<RowFile, SweepError> {
+fn gathered(plan: &SweepPlan, found: &[ShardFile], part: &Path) -> Result<RowFile, SweepError> {
     let columns = plan.columns();
     let mut file = RowFile::open(part, &columns.head(plan.runs), columns.width(), plan.runs)?;
     for (folder, record) in found {
         let shard = Shard { part: record.part, of: record.of };
-        let layout = Layout::new(record.told.runs, shard);
+        let layout = ChunkLayout::new(record.told.runs, shard);
         let head = columns.head(layout.own_runs());
         let path = folder.join(ROWS);
         let mut rows = RowFile::finished(&path, &head, columns.width(), layout.own_runs())?;
@@ -234,7 +234,7 @@ fn no(path: &Path, why: impl Into<String>) -> SweepError {
 }
 
 /// All shards of one sweep, each once, in their order.
-fn complete(mut found: Vec<Found>) -> Result<Vec<Found>, SweepError> {
+fn complete(mut found: Vec<ShardFile>) -> Result<Vec<ShardFile>, SweepError> {
     found.sort_by_key(|(_, record)| record.part);
     found.dedup_by_key(|(_, record)| (record.plan.clone(), record.part, record.of));
     let Some((first, record)) = found.first() else { return Err(SweepError::Nothing) };
@@ -253,10 +253,10 @@ fn complete(mut found: Vec<Found>) -> Result<Vec<Found>, SweepError> {
     Err(SweepError::Missing { missing: missing.join(", "), count: of })
 }
 
-type Found = (PathBuf, ShardRecord);
+type ShardFile = (PathBuf, ShardRecord);
 
 /// Every finished shard in these folders, or right below them.
-fn shards(folders: &[PathBuf]) -> Result<Vec<Found>, SweepError> {
+fn shards(folders: &[PathBuf]) -> Result<Vec<ShardFile>, SweepError> {
     let mut found = Vec::new();
     for folder in folders {
         let mut here = vec![folder.clone()];
@@ -282,7 +282,7 @@ fn shards(folders: &[PathBuf]) -> Result<Vec<Found>, SweepError> {
 
 /// Writes the answer into the folder of the rows, which are moved to their final name.
 fn leave(
-    plan: &Plan,
+    plan: &SweepPlan,
     mut file: RowFile,
     (part, folder): (&Path, &Path),
 ) -> Result<Box<SweptWhole>, SweepError> {

@@ -7,14 +7,14 @@ use phihat_report::kit::number::{number, stated};
 use phihat_report::kit::text::line;
 
 use super::plot::{DrawnRun, distribution, scatter};
-use super::row::Row;
+use super::row::SweepRow;
 use super::summary::{FigureRecord, Quantile, SweepSummary};
 
 /// Quantiles of the table.
 const SHOWN: [f64; 4] = [0.5, 0.95, 0.99, 0.999];
 
 /// The self-contained page of a sweep; `drawn` are the runs of its pictures.
-pub(super) fn sweep_page(summary: &SweepSummary, drawn: &[Row]) -> String {
+pub(super) fn sweep_page(summary: &SweepSummary, drawn: &[SweepRow]) -> String {
     let title = format!("Sweep: {}", line(&summary.study));
     let main = html! {
         header {
@@ -117,10 +117,10 @@ fn compared(summary: &SweepSummary) -> (usize, &'static str, Option<f64>) {
     }
 }
 
-fn scatters(summary: &SweepSummary, drawn: &[Row]) -> Markup {
+fn scatters(summary: &SweepSummary, drawn: &[SweepRow]) -> Markup {
     let (by, beside, bound) = compared(summary);
     let runs = |i: usize| -> Vec<DrawnRun> {
-        let run = |row: &Row| DrawnRun {
+        let run = |row: &SweepRow| DrawnRun {
             value: row.values[i],
             error: row.figures[by],
             within: row.within_spec,

@@ -12,7 +12,7 @@ use phihat_study::Study;
 use toml::{Table, Value};
 
 use super::error::{RunError, SweepError};
-use super::row::{Columns, End, Row};
+use super::row::{SweepColumns, SweepEnd, SweepRow};
 use super::vary::Vary;
 
 /// Raised when the same run would come out otherwise: journals of before are then done again.
@@ -23,7 +23,7 @@ const TOGETHER: usize = 64;
 
 /// A sweep, ready to run.
 #[derive(Debug)]
-pub struct Plan {
+pub struct SweepPlan {
     pub(crate) study: Box<Study>,
     path: PathBuf,
     table: Table,
@@ -37,7 +37,7 @@ pub struct Plan {
     pub(crate) id: String,
 }
 
-impl Plan {
+impl SweepPlan {
     /// Makes a plan: the study and its gains checked as `phihat run` checks them, every end of what varies tried.
     ///
     /// # Errors
@@ -109,10 +109,10 @@ impl Plan {
     }
 
     /// The columns of its rows.
-    pub fn columns(&self) -> Columns {
+    pub fn columns(&self) -> SweepColumns {
         let varied = self.vary.iter().map(Vary::name).collect();
         let joints = self.study.robot.joint_names();
-        Columns::new(varied, joints)
+        SweepColumns::new(varied, joints)
     }
 
     /// Seed of a run's study, and the values of the numbers that vary.
@@ -172,12 +172,12 @@ impl Plan {
     /// # Errors
     ///
     /// [`RunError`]: its study cannot be run.
-    pub fn run(&self, run: u64) -> Result<Row, RunError> {
+    pub fn run(&self, run: u64) -> Result<SweepRow, RunError> {
         let (study, simulation) = self.simulation(&mut self.table(run))?;
         let mut measured = Measured::new(&study);
         let Ok(ended) = simulation.record(&mut measured, |_| ());
         let (seed, values) = self.drawn(run);
-        Ok(Row::of((run, seed, values), &measured.metrics(), &ended))
+        Ok(SweepRow::of((run, seed, values), &measured.metrics(), &ended))
     }
 
     /// Simulates some runs and returns their rows as bytes. The rows depend on the plan and the runs' numbers
@@ -198,7 +198,7 @@ impl Plan {
     }
 
     /// Some runs, in lanes where their arms can share them: each has the row that [`run`](Self::run) gives.
-    fn together(&self, runs: &[u64]) -> Vec<Row> {
+    fn together(&self, runs: &[u64]) -> Vec<SweepRow> {
         let (mut studies, mut simulations) = (Vec::new(), Vec::new());
         let mut begin = |run: &u64| {
             let (study, simulation) = self.simulation(&mut self.table(*run)).ok()?;
@@ -213,26 +213,26 @@ impl Plan {
             |(run, begun): (&u64, bool)| match measured.by_ref().take(usize::from(begun)).next() {
                 Some((metrics, ended)) => {
                     let (seed, values) = self.drawn(*run);
-                    Row::of((*run, seed, values), &metrics, &ended)
+                    SweepRow::of((*run, seed, values), &metrics, &ended)
                 }
-                None => self.none(*run, End::Refused),
+                None => self.none(*run, SweepEnd::Refused),
             };
         runs.iter().zip(begun).map(&mut row).collect()
     }
 
     /// The row of a run that may panic.
-    fn by_itself(&self, run: u64) -> Row {
+    fn by_itself(&self, run: u64) -> SweepRow {
         match catch_unwind(AssertUnwindSafe(|| self.run(run))) {
             Ok(Ok(row)) => row,
-            Ok(Err(_)) => self.none(run, End::Refused),
-            Err(_) => self.none(run, End::Panicked),
+            Ok(Err(_)) => self.none(run, SweepEnd::Refused),
+            Err(_) => self.none(run, SweepEnd::Panicked),
         }
     }
 
     /// The row of a run that could not be.
-    fn none(&self, run: u64, end: End) -> Row {
+    fn none(&self, run: u64, end: SweepEnd) -> SweepRow {
         let (seed, values) = self.drawn(run);
-        Row::none((run, seed, values), end, self.study.robot.joints.len())
+        SweepRow::none((run, seed, values), end, self.study.robot.joints.len())
     }
 
     /// Text of a study that repeats a run, with absolute file paths; and true if it runs only uncertified. It

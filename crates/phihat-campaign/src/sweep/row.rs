@@ -5,7 +5,7 @@ use phihat_sim::{Ended, Metrics};
 /// End of a run of a sweep, as in the column `ended`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
-pub enum End {
+pub enum SweepEnd {
     /// It ran to its end.
     Whole = 0,
     /// The arm left every plausible state.
@@ -18,7 +18,7 @@ pub enum End {
     Panicked = 4,
 }
 
-impl End {
+impl SweepEnd {
     /// All, in the order of their numbers.
     pub const ALL: [Self; 5] =
         [Self::Whole, Self::Diverged, Self::Stopped, Self::Refused, Self::Panicked];
@@ -73,7 +73,7 @@ pub static FIGURES: [FigureKind; 10] = [
         name: "error_over_spec",
         what: "the same over its bound: up to 1 it is kept",
         unit: "",
-        of: |m| worst(m, |j| j.error_spec_rad.map(|bound| j.error_steady_max_rad / bound)),
+        of: |m| worst(m, |j| j.error_bound_rad.map(|bound| j.error_steady_max_rad / bound)),
     },
     FigureKind {
         name: "error_rms_rad",
@@ -82,10 +82,10 @@ pub static FIGURES: [FigureKind; 10] = [
         of: |m| worst(m, |j| Some(j.error_rms_rad)),
     },
     FigureKind {
-        name: "error_max_rad",
+        name: "error_peak_rad",
         what: "largest |e| of the whole run",
         unit: "rad",
-        of: |m| worst(m, |j| Some(j.error_max_rad)),
+        of: |m| worst(m, |j| Some(j.error_peak_rad)),
     },
     FigureKind {
         name: "velocity_error_steady_max_rad_s",
@@ -134,7 +134,7 @@ fn worst(metrics: &Metrics, of: impl Fn(&phihat_sim::JointMetrics) -> Option<f64
 
 /// A row.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct SweepRow {
     /// The run's place in the sweep.
     pub run: u64,
     /// The seed of its study.
@@ -142,7 +142,7 @@ pub struct Row {
     /// Values of the numbers that varied, in the order in which they were requested.
     pub values: Vec<f64>,
     /// End of the run.
-    pub end: End,
+    pub end: SweepEnd,
     /// True if every bound of the study was satisfied to the end.
     pub within_spec: bool,
     /// [`FIGURES`], then the largest |e| after `settle_s` of each joint; infinite if the run did not reach
@@ -150,11 +150,11 @@ pub struct Row {
     pub figures: Vec<f64>,
 }
 
-impl Row {
+impl SweepRow {
     /// Of a run with these figures.
     pub(crate) fn of(at: (u64, u64, Vec<f64>), metrics: &Metrics, ended: &Ended) -> Self {
-        let end = End::of(ended);
-        let whole = end == End::Whole;
+        let end = SweepEnd::of(ended);
+        let whole = end == SweepEnd::Whole;
         let joints = metrics.joints.iter().map(|joint| joint.error_steady_max_rad);
         let all = FIGURES.iter().map(|figure| (figure.of)(metrics)).chain(joints);
         // What a run would have come to that ended early is worse than any number.
@@ -165,7 +165,7 @@ impl Row {
     }
 
     /// Of a run that could not be.
-    pub(crate) fn none(at: (u64, u64, Vec<f64>), end: End, joints: usize) -> Self {
+    pub(crate) fn none(at: (u64, u64, Vec<f64>), end: SweepEnd, joints: usize) -> Self {
         let (run, seed, values) = at;
         let figures = vec![f64::NAN; FIGURES.len() + joints];
         Self { run, seed, values, end, within_spec: false, figures }
@@ -183,12 +183,12 @@ impl Row {
 
 /// The columns of a file of rows.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Columns {
+pub struct SweepColumns {
     varied: Vec<String>,
     joints: Vec<String>,
 }
 
-impl Columns {
+impl SweepColumns {
     /// Of a sweep over these numbers of an arm with these joints.
     pub fn new(varied: Vec<String>, joints: Vec<String>) -> Self {
         Self { varied, joints }
@@ -242,7 +242,7 @@ impl Columns {
     }
 
     /// A row from its bytes; `None` where they are too few or say an end that there is not.
-    pub fn row(&self, bytes: &[u8]) -> Option<Row> {
+    pub fn row(&self, bytes: &[u8]) -> Option<SweepRow> {
         let mut at = 0;
         let mut eight = || -> Option<[u8; 8]> {
             let piece = bytes.get(at..at + 8)?.try_into().ok();
@@ -258,24 +258,24 @@ impl Columns {
         let rest = bytes.get(flags + 2..self.width())?;
         let number = |piece: &[u8]| piece.try_into().ok().map(f64::from_le_bytes);
         let figures = rest.chunks_exact(8).map(number).collect::<Option<_>>()?;
-        let end = *End::ALL.get(usize::from(end))?;
-        Some(Row { run, seed, values, end, within_spec: within != 0, figures })
+        let end = *SweepEnd::ALL.get(usize::from(end))?;
+        Some(SweepRow { run, seed, values, end, within_spec: within != 0, figures })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Columns, End, FIGURES, Row};
+    use super::{FIGURES, SweepColumns, SweepEnd, SweepRow};
 
     #[test]
     fn a_row_is_read_back_to_the_same_bits_behind_a_head_of_one_length() {
         let columns =
-            Columns::new(vec!["a.b[0]".to_owned()], vec!["j'1".to_owned(), "j2".to_owned()]);
-        let row = Row {
+            SweepColumns::new(vec!["a.b[0]".to_owned()], vec!["j'1".to_owned(), "j2".to_owned()]);
+        let row = SweepRow {
             run: 7,
             seed: 1 << 52,
             values: vec![0.1],
-            end: End::Stopped,
+            end: SweepEnd::Stopped,
             within_spec: false,
             figures: (0..FIGURES.len() + 2).map(|i| i as f64 / 3.0).collect(),
         };

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::plan::Plan;
-use super::row::{Columns, FIGURES, Row};
+use super::plan::SweepPlan;
+use super::row::{FIGURES, SweepColumns, SweepRow};
 use crate::chunks::{ChunksError, RowFile};
 use crate::statistics::{CONFIDENCE, quantile_places, share_interval};
 
@@ -141,13 +141,13 @@ pub struct WorstRun {
 /// The rows of a sweep looked through: its answer, and the runs that are drawn.
 pub(crate) struct SweepResult {
     pub(crate) summary: SweepSummary,
-    pub(crate) drawn: Vec<Row>,
+    pub(crate) drawn: Vec<SweepRow>,
     /// The studies of the worst runs, by their file's name.
     pub(crate) studies: Vec<(String, String)>,
 }
 
 /// Looks through all rows, column by column: memory is one column.
-pub(crate) fn look(plan: &Plan, file: &mut RowFile) -> Result<SweepResult, ChunksError> {
+pub(crate) fn look(plan: &SweepPlan, file: &mut RowFile) -> Result<SweepResult, ChunksError> {
     let columns = plan.columns();
     let mut seen = SweepCounts::default();
     let by = by_spec(plan);
@@ -197,7 +197,7 @@ pub(crate) fn look(plan: &Plan, file: &mut RowFile) -> Result<SweepResult, Chunk
 }
 
 /// The figure by which runs are better or worse: error over the bound where the study states one.
-fn by_spec(plan: &Plan) -> usize {
+fn by_spec(plan: &SweepPlan) -> usize {
     usize::from(plan.study.spec.error_bound.is_some())
 }
 
@@ -205,17 +205,17 @@ fn by_spec(plan: &Plan) -> usize {
 struct SweepCounts {
     ends: [u64; 5],
     within: u64,
-    drawn: Vec<Row>,
+    drawn: Vec<SweepRow>,
     /// The worst so far, the worst one first.
-    worst: Vec<Row>,
+    worst: Vec<SweepRow>,
 }
 
 impl SweepCounts {
-    fn take(&mut self, row: Row, by: usize, stride: u64) {
+    fn take(&mut self, row: SweepRow, by: usize, stride: u64) {
         self.ends[row.end as usize] += 1;
         self.within += u64::from(row.within_spec);
         if row.end.ran() {
-            let worse = |other: &Row| other.figures[by].total_cmp(&row.figures[by]).is_ge();
+            let worse = |other: &SweepRow| other.figures[by].total_cmp(&row.figures[by]).is_ge();
             let place = self.worst.partition_point(worse);
             if place < WORST {
                 self.worst.insert(place, row.clone());
@@ -227,7 +227,7 @@ impl SweepCounts {
         }
     }
 
-    fn worst(&self, plan: &Plan, by: usize) -> (Vec<WorstRun>, Vec<(String, String)>) {
+    fn worst(&self, plan: &SweepPlan, by: usize) -> (Vec<WorstRun>, Vec<(String, String)>) {
         let (mut told, mut studies) = (Vec::new(), Vec::new());
         for row in &self.worst {
             let Ok((text, uncertified)) = plan.repeated(row.run) else { continue };
@@ -249,8 +249,8 @@ impl SweepCounts {
 }
 
 fn figures(
-    plan: &Plan,
-    columns: &Columns,
+    plan: &SweepPlan,
+    columns: &SweepColumns,
     file: &mut RowFile,
 ) -> Result<Vec<FigureRecord>, ChunksError> {
     let mut all = Vec::new();
@@ -300,7 +300,7 @@ fn figure((name, what, unit): (String, String, String), sorted: &[f64]) -> Figur
 
 #[cfg(test)]
 mod tests {
-    use super::super::row::End;
+    use super::super::row::SweepEnd;
     use super::figure;
 
     #[test]
@@ -314,6 +314,6 @@ mod tests {
         assert_eq!(middle, Some((500.0, Some(469.0), Some(532.0))));
         assert_eq!(of(0.999).map(|q| (q.value, q.high)), Some((999.0, None)));
         assert!((told.curve[0].0 - 1.0).abs() < 1e-12 && told.curve.len() == 201);
-        assert_eq!(End::ALL.map(|end| end as usize), [0, 1, 2, 3, 4]);
+        assert_eq!(SweepEnd::ALL.map(|end| end as usize), [0, 1, 2, 3, 4]);
     }
 }

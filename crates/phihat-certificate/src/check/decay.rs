@@ -15,7 +15,7 @@ const LEFT: f64 = 1e-17;
 /// The signals that a loop carries from sample to sample, in the order of [`crate::SampledVarying`], each in a unit of
 /// its own.
 #[derive(Debug, Clone)]
-pub(crate) struct Layout(Vec<(Slot, f64)>);
+pub(crate) struct SignalLayout(Vec<(Slot, f64)>);
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Slot {
@@ -29,7 +29,7 @@ enum Slot {
     Line(usize),
 }
 
-impl Layout {
+impl SignalLayout {
     pub(crate) fn of(of: &Loop) -> Self {
         let w = of.kp.sqrt();
         let power = |k: i8| {
@@ -154,7 +154,7 @@ fn place(x: &mut Signals, slot: Slot) -> &mut f64 {
 
 /// Outputs of the loop at one sample.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Seen {
+pub(crate) struct SampleOutputs {
     /// `e` \[rad\].
     pub(crate) e: f64,
     /// `ė` \[rad/s\].
@@ -163,7 +163,7 @@ pub(crate) struct Seen {
     pub(crate) u: f64,
 }
 
-impl Seen {
+impl SampleOutputs {
     fn each(self) -> [f64; 3] {
         [self.e, self.de, self.u]
     }
@@ -182,7 +182,7 @@ impl Seen {
 /// ```
 #[derive(Debug, Clone)]
 pub(crate) struct Decay {
-    layout: Layout,
+    layout: SignalLayout,
     block: f64,
     rho: f64,
     /// `G_0 … G_3` of each output.
@@ -194,14 +194,14 @@ impl Decay {
     ///
     /// [`Refutation`]: nothing contracts.
     pub(crate) fn of(claim: &str, of: &Loop) -> Result<Self, Refutation> {
-        let layout = Layout::of(of);
+        let layout = SignalLayout::of(of);
         let mut columns: Vec<Signals> = (0..layout.len()).map(|j| layout.unit(j)).collect();
         let mut sums = [[0.0; 4]; 3];
         for j in 0..LONGEST / layout.len() {
             let mut at = [0.0; 3];
             for column in &mut columns {
                 let (next, u) = of.step(column, &Outside::default());
-                let seen = Seen { e: column.q, de: column.v, u };
+                let seen = SampleOutputs { e: column.q, de: column.v, u };
                 for (total, value) in at.iter_mut().zip(seen.each()) {
                     *total += value.abs();
                 }
@@ -252,13 +252,13 @@ impl Decay {
     }
 
     /// Runs a loop from a state until hardly anything is left to come.
-    pub(crate) fn run(&self, of: &Loop, from: &Signals) -> Run {
+    pub(crate) fn run(&self, of: &Loop, from: &Signals) -> FreeMotion {
         let mut x = *from;
-        let mut run = Run { seen: Vec::new(), rest: [[0.0; 4]; 3] };
+        let mut run = FreeMotion { seen: Vec::new(), rest: [[0.0; 4]; 3] };
         let mut largest = [0.0_f64; 3];
         for j in 0..LONGEST {
             let (next, u) = of.step(&x, &Outside::default());
-            let seen = Seen { e: x.q, de: x.v, u };
+            let seen = SampleOutputs { e: x.q, de: x.v, u };
             for (most, value) in largest.iter_mut().zip(seen.each()) {
                 *most = most.max(value.abs());
             }
@@ -277,7 +277,7 @@ impl Decay {
     }
 }
 
-fn norm(layout: &Layout, columns: &[Signals]) -> f64 {
+fn norm(layout: &SignalLayout, columns: &[Signals]) -> f64 {
     let mut rows = vec![0.0_f64; layout.len()];
     for column in columns {
         for (row, value) in rows.iter_mut().zip(layout.read(column)) {
@@ -290,8 +290,8 @@ fn norm(layout: &Layout, columns: &[Signals]) -> f64 {
 
 /// A loop's free motion, and bounds on all that comes after.
 #[derive(Debug, Clone)]
-pub(crate) struct Run {
-    pub(crate) seen: Vec<Seen>,
+pub(crate) struct FreeMotion {
+    pub(crate) seen: Vec<SampleOutputs>,
     /// `Σ_j C(j+p, p)|y_j|` of what was cut, for `e`, `ė`, `u`.
     pub(crate) rest: [[f64; 4]; 3],
 }
@@ -304,7 +304,7 @@ pub(crate) enum Output {
     Torque = 2,
 }
 
-impl Run {
+impl FreeMotion {
     pub(crate) fn of(&self, output: Output) -> impl DoubleEndedIterator<Item = f64> {
         self.seen.iter().map(move |seen| seen.each()[output as usize])
     }
@@ -344,7 +344,7 @@ impl Run {
 
 #[cfg(test)]
 mod tests {
-    use super::{Decay, Layout, Loop, Output, Outside, Run, Seen};
+    use super::{Decay, FreeMotion, Loop, Output, Outside, SampleOutputs, SignalLayout};
     use crate::extremes::Extremes as _;
     use crate::{JointRecord, LoopModel};
     use phihat::{Form, TorqueSource, VelocitySource};
@@ -386,7 +386,7 @@ mod tests {
     fn what_is_left_is_bounded_by_blocks_that_shrink() -> Result<(), crate::Refutation> {
         for of in loops() {
             let decay = Decay::of("", &of)?;
-            let layout = Layout::of(&of);
+            let layout = SignalLayout::of(&of);
             let n = layout.len();
             // Every signal alone, sample by sample, for a block; and what the whole block makes of them.
             let block = (0..1_u32 << 21).take_while(|j| f64::from(*j) < decay.block).count();
@@ -450,8 +450,8 @@ mod tests {
 
     #[test]
     fn a_sum_of_all_that_is_to_come_counts_what_was_cut() {
-        let seen = [3.0, -1.0, 2.0, -0.5].map(|e| Seen { e, de: -2.0 * e, u: 0.0 });
-        let run = Run {
+        let seen = [3.0, -1.0, 2.0, -0.5].map(|e| SampleOutputs { e, de: -2.0 * e, u: 0.0 });
+        let run = FreeMotion {
             seen: seen.to_vec(),
             rest: [[1.0, 10.0, 100.0, 1000.0], [2.0, 0.0, 0.0, 0.0], [0.0; 4]],
         };
@@ -469,7 +469,7 @@ mod tests {
     #[test]
     fn a_fixed_point_stays() {
         for of in loops() {
-            let layout = Layout::of(&of);
+            let layout = SignalLayout::of(&of);
             let outside = Outside { phi: 0.7, ..Outside::default() };
             let at = layout.fixed_point(&of, &outside);
             let (next, _) = of.step(&at, &outside);

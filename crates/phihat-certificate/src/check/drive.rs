@@ -2,12 +2,12 @@
 
 use core::f64::consts::TAU;
 
-use phihat_kernel::Drive;
+use phihat_kernel::DriveModel;
 
 use crate::LoopModel;
 
 /// A first-order drive over one interval, `lost = 1 − e^{−ωT}`; `None`: torque acts at once.
-pub(crate) fn drive(model: &LoopModel) -> Option<Drive> {
+pub(crate) fn drive(model: &LoopModel) -> Option<DriveModel> {
     model.drive_bandwidth_hz.map(|hz| {
         let x = TAU * hz * model.period_s;
         let lost = -(-x).exp_m1();
@@ -17,7 +17,7 @@ pub(crate) fn drive(model: &LoopModel) -> Option<Drive> {
         } else {
             (x - lost) / (x * x)
         };
-        Drive { lost, mean: lost / x, double: bent * model.period_s * model.period_s }
+        DriveModel { lost, mean: lost / x, double: bent * model.period_s * model.period_s }
     })
 }
 

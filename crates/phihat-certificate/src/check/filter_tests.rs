@@ -7,13 +7,13 @@ use core::f64::consts::{PI, TAU};
 use phihat::{Form, JointGains, JointState, Measurement, Reference, TorqueSource, VelocitySource};
 use phihat_kernel::{Number, Range, frozen};
 
-use super::decay::Layout;
+use super::decay::SignalLayout;
 use super::law::LawMatrices;
 use super::linear;
-use super::response::{Response, on_circle};
+use super::response::{CheckedResponse, on_circle};
 use super::sample::Loop;
 use super::tests::plain;
-use crate::dice::Dice;
+use crate::dice::CheckDice;
 use crate::extremes::Extremes as _;
 use crate::{
     FilterSection, InertiaWindow, JointRecord, LoopModel, Matrix, PositionObserver, SampledVarying,
@@ -21,7 +21,7 @@ use crate::{
 
 const T: f64 = 1e-3;
 
-impl Dice {
+impl CheckDice {
     pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * 0.5 * (self.roll() + 1.0)
     }
@@ -74,7 +74,7 @@ fn correction(poles: &[f64]) -> Vec<f64> {
 }
 
 /// A law with so many sections.
-fn law(dice: &mut Dice, order: usize, sections: usize, delay_samples: u32) -> JointRecord {
+fn law(dice: &mut CheckDice, order: usize, sections: usize, delay_samples: u32) -> JointRecord {
     let w = dice.between(15.0, 60.0);
     let fast = w * dice.between(2.0, 5.0);
     let poles: Vec<f64> =
@@ -97,7 +97,7 @@ fn law(dice: &mut Dice, order: usize, sections: usize, delay_samples: u32) -> Jo
 
 /// Every order, number of sections and delay, several times.
 pub(super) fn laws(seed: u64, times: usize) -> Vec<JointRecord> {
-    let mut dice = Dice(seed);
+    let mut dice = CheckDice(seed);
     let mut all = Vec::new();
     for _ in 0..times {
         for order in 1..=3 {
@@ -123,7 +123,7 @@ fn own(record: &JointRecord) -> Option<&PositionObserver> {
 }
 
 /// A loop that is as the law thinks, or not quite.
-fn model(dice: &mut Dice, record: &JointRecord) -> LoopModel {
+fn model(dice: &mut CheckDice, record: &JointRecord) -> LoopModel {
     let told = own(record).map_or(0, |own| own.delay_samples);
     LoopModel {
         period_s: T,
@@ -143,7 +143,7 @@ pub(super) fn core(record: &JointRecord) -> Option<JointGains<f64>> {
 
 #[test]
 fn the_matrices_answer_as_the_core_does() {
-    let mut dice = Dice(17);
+    let mut dice = CheckDice(17);
     for (record, model) in laws(5, 1).into_iter().map(|law| (law, positions())).chain(fed_laws()) {
         let record = JointRecord { inertia_kg_m2: 1.0, ..record };
         let (law, own) = (model.core_gains(&record).unwrap(), LawMatrices::unit(&record, &model));
@@ -211,13 +211,13 @@ fn radius(mut a: Matrix) -> f64 {
 
 #[test]
 fn what_is_proved_stable_is_what_does_not_grow() {
-    let mut dice = Dice(29);
+    let mut dice = CheckDice(29);
     let (mut stable, mut grows, mut near) = (0, 0, 0);
     for record in filtered(7, 11) {
         let model = model(&mut dice, &record);
         let mu = 3.0_f64.powf(dice.roll());
         let of = Loop::new(&record, &model, mu);
-        let found = radius(Layout::of(&of).matrix(&of));
+        let found = radius(SignalLayout::of(&of).matrix(&of));
         if (found - 1.0).abs() < 1e-5 {
             near += 1;
             continue;
@@ -262,12 +262,12 @@ fn form(a: &Matrix) -> Matrix {
 
 #[test]
 fn a_quadratic_form_is_one_of_the_filters_state_too() {
-    let mut dice = Dice(61);
+    let mut dice = CheckDice(61);
     let mut seen = 0;
     for record in filtered(13, 1) {
         let model = model(&mut dice, &record);
         let of = Loop::new(&record, &model, 1.1);
-        let a = Layout::of(&of).matrix(&of);
+        let a = SignalLayout::of(&of).matrix(&of);
         let near = |own: f64, want: f64| (own - want).abs() < 1e-14;
         // Behind q, q̇ and what is expected: x, δ of each section, as angles.
         let known = own(&record).unwrap();
@@ -296,16 +296,16 @@ fn a_quadratic_form_is_one_of_the_filters_state_too() {
 
 /// A law with strong sections in the loop that it is for, and its window by the crossings on both sides of 1.
 fn windowed(
-    dice: &mut Dice,
+    dice: &mut CheckDice,
     record: JointRecord,
 ) -> Option<(JointRecord, LoopModel, InertiaWindow)> {
     let model =
         LoopModel { form: Form::Positions, delay_samples: own(&record)?.delay_samples, ..plain() };
     let of = Loop::new(&record, &model, 1.0);
-    if radius(Layout::of(&of).matrix(&of)) > 1.0 - 1e-4 {
+    if radius(SignalLayout::of(&of).matrix(&of)) > 1.0 - 1e-4 {
         return None;
     }
-    let response = Response::of(&linear::joint("", &record, &model).unwrap());
+    let response = CheckedResponse::of(&linear::joint("", &record, &model).unwrap());
     let crossing = |theta: f64| response.crossing(on_circle(theta));
     let turned = |theta: f64| crossing(theta).im;
     let mut edges = [(0.0, 0.0), (f64::INFINITY, 0.0)];
@@ -337,7 +337,7 @@ fn windowed(
 
 #[test]
 fn a_window_is_refused_for_another_filter() {
-    let mut dice = Dice(53);
+    let mut dice = CheckDice(53);
     let (mut windows, mut refused, mut passed) = (0, 0, 0);
     for record in filtered(2, 2) {
         let Some((record, model, window)) = windowed(&mut dice, record) else { continue };
@@ -361,7 +361,7 @@ fn a_window_is_refused_for_another_filter() {
             for (edge, inside) in [(window.low, 1.001), (window.high, 0.999)] {
                 let grows = |mu: f64| {
                     let of = Loop::new(&other, &model, mu);
-                    radius(Layout::of(&of).matrix(&of)) > 1.0
+                    radius(SignalLayout::of(&of).matrix(&of)) > 1.0
                 };
                 assert!(!grows(edge * inside) && grows(edge / inside), "{edge} {other:?}");
             }

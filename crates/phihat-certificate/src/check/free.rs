@@ -8,7 +8,7 @@ use crate::{PeakGain, Refutation, UnitLaw};
 const MOST: usize = phihat::ORDER_MAX + 2;
 
 /// A small matrix in the corner of a fixed one: no heap in the long loops.
-type Square = [[f64; MOST]; MOST];
+type SquareOfFree = [[f64; MOST]; MOST];
 
 /// A state of the ladder.
 type Z = [f64; MOST];
@@ -35,7 +35,7 @@ pub(crate) struct Free {
     kappa: Vec<f64>,
     /// Step of `t'`, and `e^{At'}` over it, over half of it, …
     step: f64,
-    powers: Vec<Square>,
+    powers: Vec<SquareOfFree>,
     /// `‖A‖_∞`.
     size: f64,
     /// `‖e^{AH}‖_∞ = ρ < ½`, and `∫_0^H ‖e^{At'}‖_∞` from above.
@@ -111,7 +111,7 @@ impl Free {
         let mut z = [0.0; MOST];
         z[n - 1] = 1.0;
         let grown = (self.size * self.step).exp();
-        let mut areas: Vec<Area> = rows
+        let mut areas: Vec<BoundedArea> = rows
             .iter()
             .map(|c| {
                 let mut slopes = vec![self.times_a(&self.times_a(c))];
@@ -123,10 +123,20 @@ impl Free {
                 let integral = self.integral(c);
                 let from = dot(&integral, &z);
                 let weight = c.iter().map(|v| v.abs()).sum();
-                Area { c: c.clone(), integral, slopes, rest, weight, low: 0.0, high: 0.0, from }
+                BoundedArea {
+                    c: c.clone(),
+                    integral,
+                    slopes,
+                    rest,
+                    weight,
+                    low: 0.0,
+                    high: 0.0,
+                    from,
+                }
             })
             .collect();
-        let tail = |area: &Area, z: &[f64]| area.weight * most(z) * self.norm / (1.0 - self.rho);
+        let tail =
+            |area: &BoundedArea, z: &[f64]| area.weight * most(z) * self.norm / (1.0 - self.rho);
         for k in 0..LONGEST {
             let next = apply(&self.powers[0], &z);
             for area in &mut areas {
@@ -137,7 +147,7 @@ impl Free {
                 break;
             }
         }
-        let close = |mut area: Area| {
+        let close = |mut area: BoundedArea| {
             area.close(dot(&area.integral, &z));
             let high = area.high * (1.0 + ROUNDING) + tail(&area, &z);
             let lower = area.low * (1.0 - ROUNDING) / self.sigma;
@@ -147,7 +157,7 @@ impl Free {
     }
 
     /// One step, or a half of one.
-    fn over(&self, area: &mut Area, (start, end): (&Z, &Z), halvings: usize) {
+    fn over(&self, area: &mut BoundedArea, (start, end): (&Z, &Z), halvings: usize) {
         let h = self.step / f64::from(1_u32 << halvings);
         let (a, b) = (dot(&area.c, start), dot(&area.c, end));
         let bent = if a * b > 0.0 || halvings == HALVINGS { area.bent(start, h) } else { 0.0 };
@@ -181,7 +191,7 @@ impl Free {
         for (i, unit) in units.iter_mut().enumerate().take(n) {
             *unit = self.unit(i);
         }
-        let size = |e: &Square| {
+        let size = |e: &SquareOfFree| {
             let mut sum = 0.0;
             for (row, u) in e.iter().zip(&units).take(n) {
                 for (value, w) in row.iter().zip(&units).take(n) {
@@ -192,7 +202,7 @@ impl Free {
         };
         let h = self.step;
         let growth = series(&absolute(&a), h);
-        let bounded = |e: &Square| size(&product(&growth, &absolute(e)));
+        let bounded = |e: &SquareOfFree| size(&product(&growth, &absolute(e)));
         let (mut start, mut low, mut high) = (UNIT, 0.0, 0.0);
         let mut left = size(&start);
         for _ in 0..LONGEST / (n * n) {
@@ -232,7 +242,7 @@ impl Free {
 }
 
 /// A row's areas so far, and `∫` at its last change of sign.
-struct Area {
+struct BoundedArea {
     c: Vec<f64>,
     integral: Vec<f64>,
     /// Rows of the second derivative and those above, and `‖cᵀA^k‖₁` of the next one, grown over a step.
@@ -244,7 +254,7 @@ struct Area {
     from: f64,
 }
 
-impl Area {
+impl BoundedArea {
     /// `h²/8 sup |(cᵀz)''|` over a step, by Taylor's series with its rest bounded.
     fn bent(&self, start: &Z, h: f64) -> f64 {
         let mut power = 1.0;
@@ -265,7 +275,7 @@ impl Area {
     }
 }
 
-fn companion(kappa: &[f64]) -> Square {
+fn companion(kappa: &[f64]) -> SquareOfFree {
     let n = kappa.len();
     let mut a = [[0.0; MOST]; MOST];
     for i in 1..n {
@@ -278,7 +288,7 @@ fn companion(kappa: &[f64]) -> Square {
 }
 
 /// `e^{Xh}` by its series, `‖X‖h` small.
-fn series(x: &Square, h: f64) -> Square {
+fn series(x: &SquareOfFree, h: f64) -> SquareOfFree {
     let (mut sum, mut term) = (UNIT, UNIT);
     for k in 1..=14_u8 {
         term = product(&term, x);
@@ -292,7 +302,7 @@ fn series(x: &Square, h: f64) -> Square {
     sum
 }
 
-const UNIT: Square = {
+const UNIT: SquareOfFree = {
     let mut unit = [[0.0; MOST]; MOST];
     let mut i = 0;
     while i < MOST {
@@ -302,7 +312,7 @@ const UNIT: Square = {
     unit
 };
 
-fn product(x: &Square, y: &Square) -> Square {
+fn product(x: &SquareOfFree, y: &SquareOfFree) -> SquareOfFree {
     let mut out = [[0.0; MOST]; MOST];
     for (to, row) in out.iter_mut().zip(x) {
         for (factor, from) in row.iter().zip(y) {
@@ -314,11 +324,11 @@ fn product(x: &Square, y: &Square) -> Square {
     out
 }
 
-fn absolute(x: &Square) -> Square {
+fn absolute(x: &SquareOfFree) -> SquareOfFree {
     x.map(|row| row.map(f64::abs))
 }
 
-fn apply(x: &Square, z: &[f64; MOST]) -> [f64; MOST] {
+fn apply(x: &SquareOfFree, z: &[f64; MOST]) -> [f64; MOST] {
     x.map(|row| dot(&row, z))
 }
 
@@ -331,7 +341,7 @@ fn most(z: &[f64]) -> f64 {
 }
 
 /// `‖X‖_∞` of its first `n` rows and columns.
-fn rows(x: &Square, n: usize) -> f64 {
+fn rows(x: &SquareOfFree, n: usize) -> f64 {
     let sums = x.iter().take(n).map(|row| row.iter().take(n).map(|v| v.abs()).sum::<f64>());
     let most = sums.largest();
     if most.is_nan() { f64::INFINITY } else { most }

@@ -1,7 +1,7 @@
 //! A joint's loop as the kernel's polynomials, from the core's own numbers.
 
 use phihat::{TorqueSource, VelocityFilter, VelocitySource, VelocityState};
-use phihat_kernel::{Joint, Law, Reported, Setting, Unproved, Velocity};
+use phihat_kernel::{JointLoop, Law, Reported, Setting, Unproved, VelocityModel};
 
 use super::drive::drive;
 use super::law::LawMatrices;
@@ -17,7 +17,7 @@ pub(crate) fn joint(
     claim: &str,
     record: &JointRecord,
     model: &LoopModel,
-) -> Result<Joint, Refutation> {
+) -> Result<JointLoop, Refutation> {
     let law = played(claim, record, model)?;
     let hears = law.input.iter().chain([&law.direct]).any(|[_, dq, _]| dq.abs() > 0.0);
     let setting = Setting {
@@ -31,7 +31,7 @@ pub(crate) fn joint(
             TorqueSource::Demanded => Reported::Commanded,
         },
     };
-    Joint::new(&law, &setting).map_err(|why| refuse(claim, &format!("a loop: {why}"), 0.0, 0.0))
+    JointLoop::new(&law, &setting).map_err(|why| refuse(claim, &format!("a loop: {why}"), 0.0, 0.0))
 }
 
 /// An inequality that is not proved, with the frequency at which it fails, or the reason.
@@ -43,7 +43,8 @@ pub(crate) fn failed(what: &str, why: Unproved) -> String {
 }
 
 /// The velocity of a law that does not hear it.
-const NO_VELOCITY: Velocity = Velocity { last: 0.0, velocity: 0.0, position: 0.0, before: 0.0 };
+const NO_VELOCITY: VelocityModel =
+    VelocityModel { last: 0.0, velocity: 0.0, position: 0.0, before: 0.0 };
 
 /// The law's matrices as the kernel takes them.
 fn played(claim: &str, record: &JointRecord, model: &LoopModel) -> Result<Law, Refutation> {
@@ -59,7 +60,7 @@ fn played(claim: &str, record: &JointRecord, model: &LoopModel) -> Result<Law, R
 }
 
 /// The velocity that the law gets, by playing the core's filter.
-fn velocity(claim: &str, model: &LoopModel) -> Result<Velocity, Refutation> {
+fn velocity(claim: &str, model: &LoopModel) -> Result<VelocityModel, Refutation> {
     let t = model.period_s;
     let filter = VelocityFilter::<f64>::new(model.velocity_filter_hz, t)
         .map_err(|why| refuse(claim, &format!("a velocity filter: {why}"), 0.0, 0.0))?;
@@ -70,10 +71,13 @@ fn velocity(claim: &str, model: &LoopModel) -> Result<Velocity, Refutation> {
     Ok(match model.velocity {
         // A position that moves by T in T moves at 1.
         VelocitySource::Measured => {
-            Velocity { last, velocity: of(0.0, 0.0, t), position: 0.0, before: 0.0 }
+            VelocityModel { last, velocity: of(0.0, 0.0, t), position: 0.0, before: 0.0 }
         }
-        VelocitySource::Differenced => {
-            Velocity { last, velocity: 0.0, position: of(0.0, 0.0, 1.0), before: of(1.0, 0.0, 0.0) }
-        }
+        VelocitySource::Differenced => VelocityModel {
+            last,
+            velocity: 0.0,
+            position: of(0.0, 0.0, 1.0),
+            before: of(1.0, 0.0, 0.0),
+        },
     })
 }

@@ -5,12 +5,12 @@ use phihat::{Form, TorqueSource, VelocitySource};
 use phihat_kernel::{Number, Polynomial};
 
 use super::complex::Complex;
-use super::decay::Layout;
+use super::decay::SignalLayout;
 use super::filter_tests::laws;
 use super::linear;
 use super::sample::Loop;
 use super::tests::plain;
-use crate::dice::Dice;
+use crate::dice::CheckDice;
 use crate::{JointRecord, LoopModel, Matrix};
 
 /// `det(z − A)`, by elimination with pivots.
@@ -46,7 +46,7 @@ fn value(p: &Polynomial, z: Complex) -> Complex {
 }
 
 /// A law that is fed with velocity, of every form and order, and its loop.
-fn fed(dice: &mut Dice, form: Form, order: usize) -> (JointRecord, LoopModel) {
+fn fed(dice: &mut CheckDice, form: Form, order: usize) -> (JointRecord, LoopModel) {
     let w = dice.between(20.0, 200.0);
     let a = match order {
         1 => vec![w],
@@ -66,7 +66,7 @@ fn fed(dice: &mut Dice, form: Form, order: usize) -> (JointRecord, LoopModel) {
     (record, around(dice, form))
 }
 
-fn around(dice: &mut Dice, form: Form) -> LoopModel {
+fn around(dice: &mut CheckDice, form: Form) -> LoopModel {
     let mut either = || dice.roll() > 0.0;
     let velocity = if either() { VelocitySource::Measured } else { VelocitySource::Differenced };
     let torque = if either() { TorqueSource::Applied } else { TorqueSource::Demanded };
@@ -85,7 +85,7 @@ fn around(dice: &mut Dice, form: Form) -> LoopModel {
 
 #[test]
 fn the_kernel_has_the_loop_of_the_samples() {
-    let mut dice = Dice(71);
+    let mut dice = CheckDice(71);
     let mut all = Vec::new();
     for _ in 0..6 {
         for form in [Form::Observer, Form::Literal] {
@@ -97,7 +97,7 @@ fn the_kernel_has_the_loop_of_the_samples() {
         let joint = linear::joint("", record, model).unwrap();
         for mu in [0.5, 1.0, 2.7] {
             let of = Loop::new(record, model, mu);
-            let a = Layout::of(&of).matrix(&of);
+            let a = SignalLayout::of(&of).matrix(&of);
             let p = joint.at(&Number::of(mu).unwrap());
             let scale = |z: Complex| determinant(&a, z).over(value(&p, z));
             let idle = a.len() - p.degree();

@@ -1,18 +1,18 @@
 //! A joint's loop in frequency, in doubles: the kernel's polynomials at points of the circle, for figures.
 
-use phihat_kernel::{Joint, Polynomial};
+use phihat_kernel::{JointLoop, Polynomial};
 
 use super::complex::Complex;
 
-/// `N`, `Δ` and `R` of a [`Joint`] in `w = z − 1`, rounded coefficient by coefficient: nothing is lost near `w = 0`.
-pub(crate) struct Response {
+/// `N`, `Δ` and `R` of a [`JointLoop`] in `w = z − 1`, rounded coefficient by coefficient: nothing is lost near `w = 0`.
+pub(crate) struct CheckedResponse {
     back: Vec<f64>,
     open: Vec<f64>,
     reading: Vec<f64>,
 }
 
-impl Response {
-    pub(crate) fn of(joint: &Joint) -> Self {
+impl CheckedResponse {
+    pub(crate) fn of(joint: &JointLoop) -> Self {
         let rounded = |p: &Polynomial| {
             p.about_one().coefficients().iter().map(phihat_kernel::Number::near).collect()
         };

@@ -5,7 +5,7 @@ use super::drive::{drive, filter};
 use super::law::LawMatrices;
 use crate::{JointRecord, LoopModel};
 use phihat::{Form, STATE_ENTRIES, TorqueSource, VelocitySource};
-use phihat_kernel::Drive;
+use phihat_kernel::DriveModel;
 
 /// Longest line of delayed commands: both delays.
 pub(crate) const LINE: usize = 2 * phihat::DELAY_MAX;
@@ -87,7 +87,7 @@ pub(crate) struct Loop {
     /// True if the feed-forward acts in the interval that it is for.
     pub(crate) in_time: bool,
     filter: Option<f64>,
-    drive: Option<Drive>,
+    drive: Option<DriveModel>,
     pub(crate) late: usize,
 }
 

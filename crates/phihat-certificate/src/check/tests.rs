@@ -11,7 +11,7 @@ use super::drive::drive;
 use super::integral::{of_line, of_parabola};
 use super::plausible::{at_most, enough, gains, model, ratios};
 use super::polynomial::{not_negative, product, squared, value};
-use crate::dice::Dice;
+use crate::dice::CheckDice;
 use crate::{FilterSection, JointRecord, LoopModel, PositionObserver};
 
 #[test]
@@ -66,7 +66,7 @@ fn a_polynomial_above_zero_is_told_from_one_below() {
 
 #[test]
 fn squares_of_magnitudes_are_those_of_the_response() {
-    let mut dice = Dice(5);
+    let mut dice = CheckDice(5);
     for length in 1..=7_usize {
         let p: Vec<f64> = (0..length).map(|_| dice.roll()).collect();
         for w in [0.0, 0.4, 1.0, 2.5] {
@@ -119,7 +119,7 @@ fn area(p: impl Fn(f64) -> f64) -> f64 {
 
 #[test]
 fn mean_sizes_are_areas() {
-    let mut dice = Dice(9);
+    let mut dice = CheckDice(9);
     for _ in 0..200 {
         let [a, m, b] = [0; 3].map(|_| dice.roll());
         let own = of_line(a, b);

@@ -60,11 +60,11 @@ impl ClassBound {
             ("jerk", &self.jerk_max_rad_s3),
             ("force", &self.force_nm),
             ("error of a reading", &self.reading_rad),
-            ("|e|", &self.error_rad),
-            ("|ė|", &self.velocity_error_rad_s),
+            ("|e|", &self.error_bound_rad),
+            ("|ė|", &self.velocity_error_bound_rad_s),
             ("torque step", &self.torque_step_nm),
             ("torque", &self.torque_nm),
-            ("|e| of a frozen arm", &self.frozen_error_rad),
+            ("|e| of a frozen arm", &self.frozen_error_bound_rad),
         ]
     }
 

@@ -1,7 +1,7 @@
 //! The bound for a class, derived a second time: kicks played at the witnesses and at postures that nobody knew before.
 
 use phihat_model::{Body, Model, Rotor, Workspace};
-use phihat_study::{Held, Known, MotionClass, Reference, Study};
+use phihat_study::{Held, Known, MotionClass, ReferenceRequest, Study};
 use serde::Serialize;
 
 use super::document::ClassBound;
@@ -73,9 +73,9 @@ impl ClassAgain {
 }
 
 /// Numbers that a text decides.
-struct Dice(u64);
+struct PostureDice(u64);
 
-impl Dice {
+impl PostureDice {
     fn of(text: &str) -> Self {
         let step = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
         Self(text.bytes().fold(0xcbf2_9ce4_8422_2325, step))
@@ -125,13 +125,13 @@ struct Maxima {
 type Rooms = (Workspace<f64>, Workspace<f64>, Workspace<f64>);
 
 /// The sums at a posture, and its matrix on errors by forces: `|M'' − D'|` as far as first derivatives go.
-struct Played {
+struct PlayedPosture {
     sums: PlayedSums,
     force: Matrix,
 }
 
 /// All that does not depend on a posture.
-struct Setting<'a> {
+struct ClassSetting<'a> {
     n: usize,
     period: f64,
     class: &'a MotionClass,
@@ -207,14 +207,14 @@ impl Certificate {
         study: &Study,
     ) -> Result<Option<ClassAgain>, Refutation> {
         let Some(claimed) = &self.class else { return Ok(None) };
-        let Reference::Any { class, .. } = &study.reference else {
+        let ReferenceRequest::Any { class, .. } = &study.reference else {
             return Err(refuse(CLAIM, "the study's reference is a class of motions", 0.0, 1.0));
         };
         let models: Vec<LoopModel> = self.joints.iter().map(|joint| joint.model).collect();
-        let setting = Setting::of(study, gains, class, &models)?;
+        let setting = ClassSetting::of(study, gains, class, &models)?;
         setting.is_of(claimed, study)?;
         let text = gains.to_json().map_err(|why| refuse(CLAIM, &why.to_string(), 0.0, 0.0))?;
-        let mut dice = Dice::of(&text);
+        let mut dice = PostureDice::of(&text);
         let bodies = bodies(study);
         let loops: Vec<(&JointRecord, &LoopModel)> = gains.joints.iter().zip(&models).collect();
         let mut all = Vec::new();
@@ -249,8 +249,8 @@ impl Certificate {
         setting.start.fits((&maxima, claimed), study)?;
         let [error, velocity, step] = setting.solve(&all, &maxima, claimed)?;
         let lists = [
-            ("derived |e| ≤ claimed", &error, &claimed.error_rad),
-            ("derived |ė| ≤ claimed", &velocity, &claimed.velocity_error_rad_s),
+            ("derived |e| ≤ claimed", &error, &claimed.error_bound_rad),
+            ("derived |ė| ≤ claimed", &velocity, &claimed.velocity_error_bound_rad_s),
             ("derived torque step ≤ claimed", &step, &claimed.torque_step_nm),
         ];
         for (what, derived, claimed) in lists {
@@ -258,7 +258,7 @@ impl Certificate {
                 at_most(CLAIM, what, *derived, *claimed).map_err(|why| why.on(&record.name))?;
             }
         }
-        let joints = gains.joints.iter().zip(&claimed.error_rad).zip(&error);
+        let joints = gains.joints.iter().zip(&claimed.error_bound_rad).zip(&error);
         let joints = joints.map(|((record, claimed), derived)| JointOfClass {
             name: record.name.clone(),
             claimed_rad: *claimed,
@@ -305,7 +305,7 @@ fn fed_forward(study: &Study, dry: &mut [f64]) -> Result<Option<(Model, bool)>, 
     Ok(Some((model, own.known == Known::Gravity)))
 }
 
-impl<'a> Setting<'a> {
+impl<'a> ClassSetting<'a> {
     fn of(
         study: &Study,
         gains: &Gains,
@@ -408,7 +408,7 @@ impl<'a> Setting<'a> {
         loops: &[(&JointRecord, &LoopModel)],
         model: &Model,
         q: &[f64],
-    ) -> Result<Played, Refutation> {
+    ) -> Result<PlayedPosture, Refutation> {
         let dynamics = Dynamics::at(model, self.added.as_ref(), q);
         let inverse = crate::coupled::inverse(&dynamics.mass, self.n)?;
         let sums = PlayedSums::at(loops, (&dynamics, &inverse), self.period)?;
@@ -420,7 +420,7 @@ impl<'a> Setting<'a> {
                 }
             }
         }
-        Ok(Played { sums, force })
+        Ok(PlayedPosture { sums, force })
     }
 
     /// Torque of a motion without friction, less what the robot adds, and of what is fed forward for it.
@@ -451,7 +451,7 @@ impl<'a> Setting<'a> {
     }
 
     /// Looks at points of the class, all of them corners of speed and acceleration.
-    fn maxima(&self, models: &[Model], dice: &mut Dice) -> Maxima {
+    fn maxima(&self, models: &[Model], dice: &mut PostureDice) -> Maxima {
         let n = self.n;
         let zero = || vec![0.0_f64; n];
         let mut most = Maxima {
@@ -529,13 +529,13 @@ impl<'a> Setting<'a> {
     /// The least solution over the postures: error, velocity, torque step.
     fn solve(
         &self,
-        all: &[Played],
+        all: &[PlayedPosture],
         maxima: &Maxima,
         claimed: &ClassBound,
     ) -> Result<[Vec<f64>; KINDS], Refutation> {
         let n = self.n;
         let held: Vec<f64> = maxima.fed.iter().map(|rate| self.late * self.period * rate).collect();
-        let begun = |own: &Played, o: usize, i: usize| -> f64 {
+        let begun = |own: &PlayedPosture, o: usize, i: usize| -> f64 {
             let starts = claimed.start_nm.iter().enumerate();
             let answers = starts.map(|(j, torque)| {
                 torque * (own.sums.lasting[o][i][j] + claimed.start_s * own.sums.impulse[o][i][j])
@@ -545,33 +545,34 @@ impl<'a> Setting<'a> {
         let along = |m: &Matrix, i: usize, x: &[f64]| -> f64 {
             m[i].iter().zip(x).map(|(m, x)| m * x).sum()
         };
-        let output = |own: &Played, o: usize, i: usize, error: &[f64], velocity: &[f64]| -> f64 {
-            let sums = &own.sums;
-            let mut torque = vec![0.0; n];
-            let mut ramp = vec![0.0; n];
-            for j in 0..n {
-                let (r, f) = (sums.ramp[E][j][j], sums.torque[E][j][j]);
-                let smooth = maxima.whole[j] + maxima.jerk[j];
-                let boxed = r * maxima.slow[j] + f * maxima.size[j] < r * smooth;
-                torque[j] = self.dry[j] + held[j] + self.slope[j] * velocity[j];
-                torque[j] += if boxed { maxima.size[j] } else { 0.0 };
-                ramp[j] = if boxed { maxima.slow[j] } else { smooth };
-                ramp[j] += self.slope[j] * self.class.acceleration[j];
-                if o == E {
-                    torque[j] += along(&own.force, j, error);
+        let output =
+            |own: &PlayedPosture, o: usize, i: usize, error: &[f64], velocity: &[f64]| -> f64 {
+                let sums = &own.sums;
+                let mut torque = vec![0.0; n];
+                let mut ramp = vec![0.0; n];
+                for j in 0..n {
+                    let (r, f) = (sums.ramp[E][j][j], sums.torque[E][j][j]);
+                    let smooth = maxima.whole[j] + maxima.jerk[j];
+                    let boxed = r * maxima.slow[j] + f * maxima.size[j] < r * smooth;
+                    torque[j] = self.dry[j] + held[j] + self.slope[j] * velocity[j];
+                    torque[j] += if boxed { maxima.size[j] } else { 0.0 };
+                    ramp[j] = if boxed { maxima.slow[j] } else { smooth };
+                    ramp[j] += self.slope[j] * self.class.acceleration[j];
+                    if o == E {
+                        torque[j] += along(&own.force, j, error);
+                    }
                 }
-            }
-            let mut sum = along(&sums.torque[o], i, &torque)
-                + along(&sums.ramp[o], i, &ramp)
-                + along(&sums.reading[o], i, &self.reading)
-                + along(&sums.gravity[o], i, error)
-                + begun(own, o, i);
-            for (c, speed) in self.class.speed.iter().enumerate() {
-                let moves = if o == E { error } else { velocity };
-                sum += speed * along(&sums.moving[o][c], i, moves);
-            }
-            sum
-        };
+                let mut sum = along(&sums.torque[o], i, &torque)
+                    + along(&sums.ramp[o], i, &ramp)
+                    + along(&sums.reading[o], i, &self.reading)
+                    + along(&sums.gravity[o], i, error)
+                    + begun(own, o, i);
+                for (c, speed) in self.class.speed.iter().enumerate() {
+                    let moves = if o == E { error } else { velocity };
+                    sum += speed * along(&sums.moving[o][c], i, moves);
+                }
+                sum
+            };
         let most = |o: usize, i: usize, error: &[f64], velocity: &[f64]| {
             all.iter().map(|own| output(own, o, i, error, velocity)).largest()
         };

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{FrozenPayload, PayloadSet};
+use crate::{FrozenPayload, TubePayloadSet};
 
 /// Bounds on the error of every motion of a class, for all time.
 ///
@@ -14,7 +14,8 @@ use crate::{FrozenPayload, PayloadSet};
 /// `|f_i| ≤ force_nm_i`, and reading errors of any sequence with `|n_i| ≤ reading_rad_i`, at all times
 ///
 /// ```text
-/// |e_i| ≤ error_rad_i,   |ė_i| ≤ velocity_error_rad_s_i,   |τ_i,k − τ_i,k−1| ≤ torque_step_nm_i,   |τ_i| ≤ torque_nm_i
+/// |e_i| ≤ error_bound_rad_i,            |ė_i| ≤ velocity_error_bound_rad_s_i,
+/// |τ_i,k − τ_i,k−1| ≤ torque_step_nm_i,   |τ_i| ≤ torque_nm_i
 /// ```
 ///
 /// as long as no limit acts, and none can where `torque_step_nm` and `torque_nm` are within the limits.
@@ -39,7 +40,7 @@ pub struct ClassBound {
     /// Largest `|q⃛_d|` \[rad/s³\] per joint.
     pub jerk_max_rad_s3: Vec<f64>,
     /// The payloads.
-    pub payload: PayloadSet,
+    pub payload: TubePayloadSet,
     /// Level of forces of any course in time \[N·m\] per joint: dry friction, pushes.
     pub force_nm: Vec<f64>,
     /// Torque by which a start may be out of balance \[N·m\] per joint; empty: by none, and no supervisor.
@@ -51,15 +52,15 @@ pub struct ClassBound {
     /// Largest error of a reading \[rad\] per joint.
     pub reading_rad: Vec<f64>,
     /// Bound on `|e|` \[rad\] per joint.
-    pub error_rad: Vec<f64>,
+    pub error_bound_rad: Vec<f64>,
     /// Bound on `|ė|` \[rad/s\] per joint.
-    pub velocity_error_rad_s: Vec<f64>,
+    pub velocity_error_bound_rad_s: Vec<f64>,
     /// Bound on the change of the commanded torque per sample \[N·m\], per joint.
     pub torque_step_nm: Vec<f64>,
     /// Bound on the torque \[N·m\] per joint.
     pub torque_nm: Vec<f64>,
     /// Bound on `|e|` of an arm whose posture were frozen \[rad\] per joint: informs.
-    pub frozen_error_rad: Vec<f64>,
+    pub frozen_error_bound_rad: Vec<f64>,
     /// Spectral radius of the matrix by which an error adds to itself: the class closes where it is below 1.
     pub spectral_radius: f64,
     /// Postures at which the loop was summed up.
@@ -96,7 +97,7 @@ pub struct ClassPace {
     /// Factor on the speed.
     pub factor: f64,
     /// Largest bound on `|e|` of a joint \[rad\]; `None`: the class does not close.
-    pub error_rad: Option<f64>,
+    pub error_bound_rad: Option<f64>,
     /// Largest bound on the change of torque per sample \[N·m\]; `None`: the class does not close.
     pub torque_step_nm: Option<f64>,
     /// Spectral radius of the matrix by which an error adds to itself.
@@ -132,7 +133,7 @@ impl ClassBound {
 
     /// The largest bound on `|e|` of a joint \[rad\], and the joint's index.
     pub fn worst(&self) -> Option<(usize, f64)> {
-        let all = self.error_rad.iter().copied().enumerate();
+        let all = self.error_bound_rad.iter().copied().enumerate();
         all.max_by(|a, b| a.1.total_cmp(&b.1))
     }
 }

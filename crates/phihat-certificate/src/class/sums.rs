@@ -1,7 +1,7 @@
 //! Sums over kicks that are played at one posture.
 
 use super::dynamics::Dynamics;
-use crate::coupled::played::{OUTPUTS, Played};
+use crate::coupled::played::{OUTPUTS, PlayedRuns};
 use crate::extremes::{Extremes as _, larger};
 use crate::{JointRecord, LoopModel, Matrix, Refutation};
 
@@ -19,18 +19,18 @@ pub(super) const STEP: usize = 2;
 pub(super) const KINDS: usize = 3;
 
 /// One matrix for each output.
-pub(super) type Each = [Matrix; KINDS];
+pub(super) type OutputMatrices = [Matrix; KINDS];
 
 /// The sums at a posture; what comes after the run is left out, so none is too large.
 pub(super) struct PlayedSums {
-    pub(super) torque: Each,
-    pub(super) ramp: Each,
-    pub(super) reading: Each,
+    pub(super) torque: OutputMatrices,
+    pub(super) ramp: OutputMatrices,
+    pub(super) reading: OutputMatrices,
     /// Largest answer to a torque that goes on from the start, and to an impulse there.
-    pub(super) lasting: Each,
-    pub(super) impulse: Each,
+    pub(super) lasting: OutputMatrices,
+    pub(super) impulse: OutputMatrices,
     /// `Σ ∫|g ∂g/∂q|`.
-    pub(super) gravity: Each,
+    pub(super) gravity: OutputMatrices,
     /// Twice integrated of `e`, once integrated of the others, per unit of each joint's speed.
     pub(super) moving: [Vec<Matrix>; KINDS],
 }
@@ -39,16 +39,16 @@ pub(super) struct PlayedSums {
 #[derive(Clone)]
 struct Answers {
     /// After an impulse at the sample, after one a sample before it, after a misreading.
-    end: Each,
-    start: Each,
-    read: Each,
+    end: OutputMatrices,
+    start: OutputMatrices,
+    read: OutputMatrices,
 }
 
 fn zero(n: usize) -> Matrix {
     vec![vec![0.0; n]; n]
 }
 
-fn each(n: usize) -> Each {
+fn each(n: usize) -> OutputMatrices {
     core::array::from_fn(|_| zero(n))
 }
 
@@ -68,7 +68,7 @@ impl PlayedSums {
         period: f64,
     ) -> Result<Self, Refutation> {
         let n = loops.len();
-        let mut played = Played::new(loops, inverse, 3 * n);
+        let mut played = PlayedRuns::new(loops, inverse, 3 * n);
         for j in 0..n {
             played.kick(j, j, 0.0);
             played.kick(n + j, j, period);
@@ -133,7 +133,7 @@ impl PlayedSums {
         (now, last): (&Answers, Option<&Answers>),
         (dynamics, turned): (&Dynamics, &[Vec<Matrix>; 2]),
         t: f64,
-        whole: &mut Each,
+        whole: &mut OutputMatrices,
     ) {
         let n = dynamics.n;
         let age = sample as f64 * t;

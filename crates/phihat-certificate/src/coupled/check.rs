@@ -3,7 +3,7 @@
 use core::f64::consts::TAU;
 
 use super::document::{CoupledGains, FrozenPosture};
-use super::played::{OUTPUTS, Played};
+use super::played::{OUTPUTS, PlayedRuns};
 use crate::extremes::Extremes as _;
 use crate::{JointRecord, LoopModel, Matrix, Refutation};
 
@@ -22,7 +22,7 @@ const CUT: f64 = 1e-5;
 const REACHED: f64 = 0.97;
 
 /// `[output][i][j]` from torque, then from the encoder.
-type Sums = [[Matrix; OUTPUTS]; 2];
+type GainSums = [[Matrix; OUTPUTS]; 2];
 
 impl CoupledGains {
     /// Plays every witness posture: no entry may be smaller than the played one, and the largest of each row
@@ -130,13 +130,13 @@ fn sums(
     loops: &[(&JointRecord, &LoopModel)],
     inverse: &[Vec<f64>],
     period: f64,
-) -> Result<Sums, Refutation> {
+) -> Result<GainSums, Refutation> {
     let n = loops.len();
     let (after, left) = forgets(loops, inverse)?;
     let zero = || vec![vec![0.0; n]; n];
-    let mut sums: Sums = core::array::from_fn(|_| core::array::from_fn(|_| zero()));
+    let mut sums: GainSums = core::array::from_fn(|_| core::array::from_fn(|_| zero()));
     // Runs: kicks at the end of an interval, at its start, encoders.
-    let mut played = Played::new(loops, inverse, 3 * n);
+    let mut played = PlayedRuns::new(loops, inverse, 3 * n);
     for j in 0..n {
         played.misread(2 * n + j, j);
     }
@@ -184,7 +184,7 @@ fn sums(
 }
 
 /// Adds what is left, where it is small enough for all entries.
-fn add_cut(sums: &mut Sums, after: &[[f64; OUTPUTS]], sizes: &[Vec<f64>; 2]) -> bool {
+fn add_cut(sums: &mut GainSums, after: &[[f64; OUTPUTS]], sizes: &[Vec<f64>; 2]) -> bool {
     let n = after.len();
     let left = |input: usize, o: usize, i: usize, j: usize| {
         let twice = if o < 3 { 1.0 } else { 2.0 };
@@ -217,8 +217,8 @@ fn forgets(
     loops: &[(&JointRecord, &LoopModel)],
     inverse: &[Vec<f64>],
 ) -> Result<(Vec<[f64; OUTPUTS]>, f64), Refutation> {
-    let length = Played::new(loops, inverse, 0).length();
-    let mut played = Played::new(loops, inverse, length);
+    let length = PlayedRuns::new(loops, inverse, 0).length();
+    let mut played = PlayedRuns::new(loops, inverse, length);
     played.start_everywhere();
     let mut sums = vec![[0.0; OUTPUTS]; loops.len()];
     for sample in 1..=LONGEST {

@@ -73,7 +73,7 @@ impl<'a> PlayedJoint<'a> {
     }
 
     /// One sample of one run: torques are in units of the joint's inertia. Gives what acts, and what is commanded.
-    fn step(&self, x: &mut [f64], reading: f64) -> Told {
+    fn step(&self, x: &mut [f64], reading: f64) -> LoopTorques {
         let t = self.model.period_s;
         let (position, x_mean) = (x[Q] + reading, x[MEAN]);
         let raw = match self.model.velocity {
@@ -98,12 +98,12 @@ impl<'a> PlayedJoint<'a> {
             TorqueSource::Applied => mean,
             TorqueSource::Demanded => demand,
         };
-        Told { commanded, acting, push: t * mean, lever }
+        LoopTorques { commanded, acting, push: t * mean, lever }
     }
 }
 
 /// Torques of a joint's loop in one sample, per unit of its inertia.
-struct Told {
+struct LoopTorques {
     commanded: f64,
     acting: f64,
     /// Integral of the torque that acts over the interval, and its double integral.
@@ -112,7 +112,7 @@ struct Told {
 }
 
 /// Runs of one arm side by side.
-pub(crate) struct Played<'a> {
+pub(crate) struct PlayedRuns<'a> {
     laws: Vec<PlayedJoint<'a>>,
     /// `M^{-1}`.
     inverse: &'a [Vec<f64>],
@@ -122,7 +122,7 @@ pub(crate) struct Played<'a> {
     readings: Vec<Vec<f64>>,
 }
 
-impl<'a> Played<'a> {
+impl<'a> PlayedRuns<'a> {
     /// So many runs from rest.
     pub(crate) fn new(
         loops: &[(&JointRecord, &'a LoopModel)],
@@ -225,7 +225,7 @@ impl<'a> Played<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::Played;
+    use super::PlayedRuns;
     use crate::check::sample::{Loop, Outside, Signals};
     use crate::check::tests::plain;
     use crate::{FilterSection, JointRecord, LoopModel, PositionObserver};
@@ -253,7 +253,7 @@ mod tests {
             let mu = 1.2;
             let inverse = [vec![1.0 / (mu * record.inertia_kg_m2)]];
             let of = Loop::new(&record, &model, mu);
-            let mut played = Played::new(&[(&record, &model)], &inverse, 1);
+            let mut played = PlayedRuns::new(&[(&record, &model)], &inverse, 1);
             assert_eq!(
                 played.length(),
                 6 + 4 + 2 * count + 1.max(delay_samples as usize) + delay_samples as usize

@@ -1,10 +1,10 @@
 //! Checking stability while moving: the joints' gains and loops, nothing else.
 
-use phihat_kernel::{Joint, Motion, Range, Unproved, moving};
+use phihat_kernel::{JointLoop, MovingInertia, Range, Unproved, moving};
 
 use super::document::{Moving, Unstable};
 use crate::check::complex::Complex;
-use crate::check::response::{Response, on_circle};
+use crate::check::response::{CheckedResponse, on_circle};
 use crate::check::{linear, plausible};
 use crate::{JointRecord, LoopModel, Refutation};
 
@@ -48,7 +48,7 @@ impl Moving {
         self.plausible()?;
         let nonsense =
             |_| Unstable::new("0 < low ≤ high < ∞".to_owned(), 0.0, (self.low, self.high));
-        let motion = Motion {
+        let motion = MovingInertia {
             range: Range::new(self.low, self.high).map_err(nonsense)?,
             rate: self.rate_per_s,
             period: model.period_s,
@@ -81,7 +81,7 @@ pub(super) fn joint(
     claim: &str,
     gains: &JointRecord,
     model: &LoopModel,
-) -> Result<Joint, Unstable> {
+) -> Result<JointLoop, Unstable> {
     let refused = |why: Refutation| Unstable::new(why.inequality, 0.0, (why.left, why.right));
     plausible::gains(claim, gains).map_err(refused)?;
     plausible::model(claim, gains, model).map_err(refused)?;
@@ -94,14 +94,14 @@ pub(super) fn joint(
 
 /// The inequality that fails, with `|L + c|` and `r` at the frequency, between which motion has no room.
 pub(super) fn unproved(
-    joint: &Joint,
+    joint: &JointLoop,
     (low, high): (f64, f64),
     what: &str,
     why: Unproved,
 ) -> Unstable {
     let theta = if let Unproved::At { theta, .. } = why { theta } else { 0.0 };
     let middle = Complex::new(0.5 * (low + high), 0.0);
-    let left = (middle - Response::of(joint).crossing(on_circle(theta))).size();
+    let left = (middle - CheckedResponse::of(joint).crossing(on_circle(theta))).size();
     Unstable::new(linear::failed(what, why), theta, (left, 0.5 * (high - low)))
 }
 

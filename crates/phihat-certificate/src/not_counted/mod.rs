@@ -8,7 +8,7 @@ mod list;
 mod world;
 
 use phihat_model::{Robot, Rotor};
-use phihat_study::{Control, Fault, Reference, Sensor, Study};
+use phihat_study::{Control, Fault, ReferenceRequest, Sensor, Study};
 
 pub use list::{LeftOut, NotCounted};
 use list::{List, text};
@@ -52,7 +52,7 @@ impl NotCounted {
         list.world(world);
         list.interface(interface);
         if let Some(request) = supervisor {
-            list.supervisor(request, matches!(reference, Reference::Any { .. }));
+            list.supervisor(request, matches!(reference, ReferenceRequest::Any { .. }));
         }
         for fault in faults {
             list.fault(fault);

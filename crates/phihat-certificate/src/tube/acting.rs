@@ -3,13 +3,18 @@
 use super::adjoint::Boxes;
 use super::dense::{apply_sizes, transpose};
 use super::frame::{Distance, Frame, arc};
-use super::round::Guess;
-use super::scope::Dry;
-use super::setting::Setting;
+use super::round::RoundGuess;
+use super::scope::DryLevels;
+use super::setting::TubeSetting;
 
-impl Setting<'_> {
+impl TubeSetting<'_> {
     /// Boxes that are the same for all samples of a window.
-    pub(super) fn smooth_boxes(&self, distance: &Distance, guess: &Guess, sizes: &[f64]) -> Boxes {
+    pub(super) fn smooth_boxes(
+        &self,
+        distance: &Distance,
+        guess: &RoundGuess,
+        sizes: &[f64],
+    ) -> Boxes {
         let n = self.n;
         let mut out = Boxes::none(n, self.hand);
         let s = apply_sizes(&distance.s, sizes);
@@ -66,7 +71,7 @@ impl Setting<'_> {
         let jump: Vec<f64> = (0..n)
             .map(|i| {
                 let (low, high) = ends(i);
-                self.dry.high[i] * (Dry::sign(high) - Dry::sign(low)).abs()
+                self.dry.high[i] * (DryLevels::sign(high) - DryLevels::sign(low)).abs()
             })
             .collect();
         let kick = apply_sizes(&frame.m_inverse, &jump);
@@ -82,7 +87,7 @@ impl Setting<'_> {
             let (mut low, mut high) = ends(i);
             let slip = step * kick[i];
             (low, high) = (low - slip, high + slip);
-            let (a, b) = (Dry::sign(low), Dry::sign(high));
+            let (a, b) = (DryLevels::sign(low), DryLevels::sign(high));
             middles[i] = 0.5 * (a + b);
             let (v_low, v_high) = ends(i);
             let v = inside.0[i].abs().max(inside.1[i].abs());
@@ -133,7 +138,7 @@ impl Setting<'_> {
             let size = low[i].abs().max(high[i].abs());
             let (from, to) = (v + low[i].min(0.0), v + high[i].max(0.0));
             let bend = 0.5 * friction[i].bend(from, to) * size * size;
-            let (a, b) = (Dry::sign(v + low[i]), Dry::sign(v + high[i]));
+            let (a, b) = (DryLevels::sign(v + low[i]), DryLevels::sign(v + high[i]));
             boxes.u[i] +=
                 distance.added.damping[i] * size + bend + adds.dry[i].abs() * 0.5 * (b - a);
             adds.dry[i] * (0.5 * (a + b) - self.dry.wide(v))

@@ -66,7 +66,7 @@ impl Boxes {
 type Hands<'a> = Option<(&'a [f64], &'a [f64])>;
 
 /// The loop, as the rows see it.
-pub(super) struct Rows<'a> {
+pub(super) struct AdjointRows<'a> {
     pub(super) n: usize,
     pub(super) period: f64,
     /// The loop of every joint.
@@ -155,7 +155,7 @@ impl Back {
     }
 }
 
-impl Rows<'_> {
+impl AdjointRows<'_> {
     /// States of plant and loops together.
     pub(super) fn states(&self) -> usize {
         2 * self.n + self.joints.iter().map(|j| j.size).sum::<usize>()

@@ -36,13 +36,13 @@ pub struct JointBeside {
     /// Joint name.
     pub name: String,
     /// Largest |e| \[rad\] that is claimed.
-    pub error_max_rad: f64,
+    pub error_bound_rad: f64,
     /// Largest |e| \[rad\] that is derived here.
-    pub derived_error_max_rad: f64,
+    pub derived_error_bound_rad: f64,
     /// Largest |ė| \[rad/s\] that is claimed.
-    pub velocity_error_max_rad_s: f64,
+    pub velocity_error_bound_rad_s: f64,
     /// Largest |ė| \[rad/s\] that is derived here.
-    pub derived_velocity_error_max_rad_s: f64,
+    pub derived_velocity_error_bound_rad_s: f64,
     /// Factor by which the claim is tighter than the derivation: the largest of both ratios above and of the
     /// ratios of mean widths over the run, of `e` and `ė`.
     pub tighter: f64,
@@ -87,10 +87,10 @@ fn joint(claim: &TubeJoint, own: &TubeJoint, tube: &Tube) -> Result<JointBeside,
     errors.meet(tube)?;
     velocities.meet(tube)?;
     let ratios = [
-        ("largest |e|", ratio(own.error_max_rad, claim.error_max_rad, UNREAD)),
+        ("largest |e|", ratio(own.error_bound_rad, claim.error_bound_rad, UNREAD)),
         (
             "largest |ė|",
-            ratio(own.velocity_error_max_rad_s, claim.velocity_error_max_rad_s, UNREAD),
+            ratio(own.velocity_error_bound_rad_s, claim.velocity_error_bound_rad_s, UNREAD),
         ),
         ("mean width of e", errors.tighter()),
         ("mean width of ė", velocities.tighter()),
@@ -108,10 +108,10 @@ fn joint(claim: &TubeJoint, own: &TubeJoint, tube: &Tube) -> Result<JointBeside,
     }
     Ok(JointBeside {
         name: claim.name.clone(),
-        error_max_rad: claim.error_max_rad,
-        derived_error_max_rad: own.error_max_rad,
-        velocity_error_max_rad_s: claim.velocity_error_max_rad_s,
-        derived_velocity_error_max_rad_s: own.velocity_error_max_rad_s,
+        error_bound_rad: claim.error_bound_rad,
+        derived_error_bound_rad: own.error_bound_rad,
+        velocity_error_bound_rad_s: claim.velocity_error_bound_rad_s,
+        derived_velocity_error_bound_rad_s: own.velocity_error_bound_rad_s,
         tighter: ratios.iter().map(|(_, ratio)| *ratio).largest(),
     })
 }

@@ -13,7 +13,7 @@
 
 use super::chain::Placed;
 use super::matter::Matter;
-use super::number::{Ball, Number, Screw};
+use super::number::{Ball, Screw, TubeNumber};
 use super::scope::PayloadSlice;
 
 /// Largest entries of what a payload of the slice adds to `K`, `∂M`, and of the wrench that a twist `ν` besides
@@ -22,7 +22,7 @@ use super::scope::PayloadSlice;
 /// ```text
 /// S ε' = Jᵀ (δI J̇ ε' + G ν) − J̇ᵀ δI ν,   G ν = δI (V × ν) + ν ×* δI V + V ×* δI ν                (CA4)
 /// ```
-pub(super) struct Carried {
+pub(super) struct CarriedLoad {
     /// `|G|`, 6×6, twists and wrenches as `v, w`.
     pub(super) wrench: Vec<f64>,
     /// `J̇` along the nominal velocity, `6×n`, rows `v, w`.
@@ -31,12 +31,12 @@ pub(super) struct Carried {
     pub(super) slopes: Vec<f64>,
 }
 
-impl Carried {
+impl CarriedLoad {
     #[allow(
         clippy::too_many_lines,
         reason = "(CA1) to (CA4), one after the other, on what they share"
     )]
-    pub(super) fn new<S: Number>(
+    pub(super) fn new<S: TubeNumber>(
         slice: &PayloadSlice,
         placed: &Placed<S>,
         v: &[S],
@@ -117,7 +117,7 @@ impl Carried {
 }
 
 /// A body with one of the ten moments 1, the others 0.
-fn unit<S: Number>(c: usize) -> Matter<S> {
+fn unit<S: TubeNumber>(c: usize) -> Matter<S> {
     let one = |at: usize| S::exact(if at == c { 1.0 } else { 0.0 });
     Matter::of_moments(one(0), [one(1), one(2), one(3)], core::array::from_fn(|i| one(4 + i)))
 }

@@ -13,11 +13,11 @@
 use phihat_model::{JointKind, Model, Robot, Workspace};
 
 use super::matter::Matter;
-use super::number::{Number, Screw, Shift, cross, exact, minus, plus, scale};
+use super::number::{Screw, Shift, TubeNumber, cross, exact, minus, plus, scale};
 
 /// A serial arm at its zero position, and where it carries a payload.
 #[derive(Debug, Clone)]
-pub(super) struct Chain {
+pub(super) struct TubeChain {
     pub(super) n: usize,
     axes: Vec<Screw<f64>>,
     turns: Vec<bool>,
@@ -39,7 +39,7 @@ pub(super) enum NotAChain {
     Frame,
 }
 
-impl Chain {
+impl TubeChain {
     /// `hand`: the payload's frame and the middle of its box \[m\].
     pub(super) fn new(
         robot: &Robot,
@@ -119,8 +119,8 @@ pub(super) struct Placed<S> {
     carrier: usize,
 }
 
-impl Chain {
-    pub(super) fn place<S: Number>(&self, q: &[S], load: Option<&Load<S>>) -> Placed<S> {
+impl TubeChain {
+    pub(super) fn place<S: TubeNumber>(&self, q: &[S], load: Option<&Load<S>>) -> Placed<S> {
         let mut gone: Shift<S> = Shift::none();
         let (mut axes, mut bodies) = (Vec::with_capacity(self.n), Vec::with_capacity(self.n));
         let mut hand = Shift::none();
@@ -148,7 +148,7 @@ impl Chain {
     }
 
     /// `e^{S_i q}` of the axis at home.
-    fn step<S: Number>(&self, i: usize, q: S) -> Shift<S> {
+    fn step<S: TubeNumber>(&self, i: usize, q: S) -> Shift<S> {
         let Screw { w, v } = self.axes[i];
         if !self.turns[i] {
             return Shift { p: scale(exact(v), q), ..Shift::none() };
@@ -168,7 +168,7 @@ impl Chain {
     }
 }
 
-impl<S: Number> Placed<S> {
+impl<S: TubeNumber> Placed<S> {
     pub(super) fn mass_matrix(&self) -> Vec<S> {
         let n = self.axes.len();
         let mut m = vec![S::default(); n * n];
@@ -348,14 +348,15 @@ mod tests {
         }
     }
 
-    fn load<S: Number>(m: f64) -> Matter<S> {
+    fn load<S: TubeNumber>(m: f64) -> Matter<S> {
         Matter::exact(m, [0.0; 3], [[0.0; 3]; 3])
     }
 
     #[test]
     fn screws_agree_with_the_recursions_and_slopes_with_differences() {
         let robot = Robot::named("panda").unwrap();
-        let chain = Chain::new(&robot, phihat_model::GRAVITY, Some(("panda_link8", COM))).unwrap();
+        let chain =
+            TubeChain::new(&robot, phihat_model::GRAVITY, Some(("panda_link8", COM))).unwrap();
         let load = Matter::exact(0.8, [0.0; 3], [[0.0; 3]; 3]);
         let body = Body { mass: 0.8, com: COM, inertia: [0.0; 6] };
         let model = robot.plant_model().with_payload_on("panda_link8", &body).unwrap();
@@ -388,7 +389,8 @@ mod tests {
     #[test]
     fn a_payload_s_share_is_the_difference_of_two_arms() {
         let robot = Robot::named("panda").unwrap();
-        let chain = Chain::new(&robot, phihat_model::GRAVITY, Some(("panda_link8", COM))).unwrap();
+        let chain =
+            TubeChain::new(&robot, phihat_model::GRAVITY, Some(("panda_link8", COM))).unwrap();
         let slice = crate::tube::scope::PayloadSlice {
             frame: "panda_link8".to_owned(),
             mass: (0.5, 1.1),
@@ -398,7 +400,8 @@ mod tests {
         };
         let exact = |x: &[f64]| -> Vec<Ball> { x.iter().map(|x| Ball::exact(*x)).collect() };
         let placed = chain.place(&exact(&Q), Some(&load(0.8)));
-        let carried = crate::tube::carried::Carried::new(&slice, &placed, &exact(&V), &exact(&A));
+        let carried =
+            crate::tube::carried::CarriedLoad::new(&slice, &placed, &exact(&V), &exact(&A));
         let (low, high) =
             (chain.place::<f64>(&Q, Some(&load(0.5))), chain.place::<f64>(&Q, Some(&load(1.1))));
         let half = |a: &[f64], b: &[f64]| -> Vec<f64> {

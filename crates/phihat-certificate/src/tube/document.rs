@@ -3,18 +3,18 @@
 use phihat::Form;
 use std::sync::Mutex;
 
-use super::chain::{Chain, NotAChain};
+use super::chain::{NotAChain, TubeChain};
 use super::dense::{count, inverse};
-use super::inputs::Inputs;
-use super::law::Loop;
-use super::nominal::Nominal;
-use super::scope::{Adds, Dry, FINE, PayloadSlice, Refusal, counted, smooth};
-use super::setting::Setting;
-use super::sweep::{Sweep, Swept};
+use super::inputs::TubeInputs;
+use super::law::LawLoop;
+use super::nominal::CheckedNominal;
+use super::scope::{AddedTorques, DryLevels, FINE, PayloadSlice, ScopeRefusal, counted, smooth};
+use super::setting::TubeSetting;
+use super::sweep::{CheckedSweep, Swept};
 use crate::JointRecord;
 use crate::check::plausible;
 use crate::extremes::{Extremes as _, hull};
-use crate::{PayloadSet, Tube, TubeJoint};
+use crate::{Tube, TubeJoint, TubePayloadSet};
 
 /// Most joints of an arm whose tube is derived.
 const JOINTS_MAX: usize = 32;
@@ -33,7 +33,10 @@ const FEW: u32 = 2;
 /// # Errors
 ///
 /// [`TubeRefusal`](super::TubeRefusal): what stands in the way; never a number that is not proved.
-pub fn derive(inputs: &Inputs<'_>, progress: &(dyn Fn(f64) + Sync)) -> Result<Tube, Refusal> {
+pub fn derive(
+    inputs: &TubeInputs<'_>,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Tube, ScopeRefusal> {
     counted(inputs.study)?;
     fits(inputs)?;
     let study = inputs.study;
@@ -41,27 +44,28 @@ pub fn derive(inputs: &Inputs<'_>, progress: &(dyn Fn(f64) + Sync)) -> Result<Tu
     let set = inputs.payload.filter(|set| set.mass.1 > 0.0);
     let chain = |slice: Option<&PayloadSlice>| {
         let hand = slice.map(|slice| (slice.frame.as_str(), slice.centre));
-        Chain::new(&study.robot, study.world.gravity, hand).map_err(|e| match e {
-            NotAChain::Tree => Refusal::Branches,
-            NotAChain::Frame => Refusal::PayloadFrame,
+        TubeChain::new(&study.robot, study.world.gravity, hand).map_err(|e| match e {
+            NotAChain::Tree => ScopeRefusal::Branches,
+            NotAChain::Frame => ScopeRefusal::PayloadFrame,
         })
     };
     let filter = inputs.velocity_filter_hz;
     let laws = inputs.joints.iter().enumerate();
-    let loops: Vec<Loop> =
-        laws.map(|(i, law)| Loop::new(study, i, law, filter)).collect::<Result<_, _>>()?;
-    let drives: Vec<f64> = loops.iter().filter_map(Loop::drive_rate).collect();
-    let adds = Adds::of(study);
+    let loops: Vec<LawLoop> =
+        laws.map(|(i, law)| LawLoop::new(study, i, law, filter)).collect::<Result<_, _>>()?;
+    let drives: Vec<f64> = loops.iter().filter_map(LawLoop::drive_rate).collect();
+    let adds = AddedTorques::of(study);
     let dry = dry(inputs, &chain(None)?, period);
-    let one = |slice: Option<&PayloadSlice>, progress: &dyn Fn(f64)| -> Result<Half, Refusal> {
-        let run = Nominal::run(inputs, &loops, slice, (&dry, &adds))?;
-        let smooth = smooth(study);
-        let of_loops = (&loops[..], &drives[..]);
-        let chain = chain(slice)?;
-        let arm = (&chain, slice, &smooth[..]);
-        let setting = Setting::new(inputs, arm, (&run, &dry, &adds), of_loops);
-        Ok(Half::new(inputs, &run, &Sweep::new(setting).run(progress)?))
-    };
+    let one =
+        |slice: Option<&PayloadSlice>, progress: &dyn Fn(f64)| -> Result<Half, ScopeRefusal> {
+            let run = CheckedNominal::run(inputs, &loops, slice, (&dry, &adds))?;
+            let smooth = smooth(study);
+            let of_loops = (&loops[..], &drives[..]);
+            let chain = chain(slice)?;
+            let arm = (&chain, slice, &smooth[..]);
+            let setting = TubeSetting::new(inputs, arm, (&run, &dry, &adds), of_loops);
+            Ok(Half::new(inputs, &run, &CheckedSweep::new(setting).run(progress)?))
+        };
     let Some(set) = set else {
         return Ok(tube(inputs, &[one(None, &progress)?]));
     };
@@ -71,7 +75,7 @@ pub fn derive(inputs: &Inputs<'_>, progress: &(dyn Fn(f64) + Sync)) -> Result<Tu
         let slices = PayloadSlice::all(set, parts);
         match together(&slices, &one, progress) {
             Ok(halves) => return Ok(tube(inputs, &halves)),
-            Err(Refusal::Open { .. } | Refusal::LimitCanAct { .. })
+            Err(ScopeRefusal::Open { .. } | ScopeRefusal::LimitCanAct { .. })
                 if parts < SLICES_MAX && set.mass.1 > set.mass.0 =>
             {
                 parts *= 2;
@@ -82,14 +86,15 @@ pub fn derive(inputs: &Inputs<'_>, progress: &(dyn Fn(f64) + Sync)) -> Result<Tu
 }
 
 /// Derives one slice, telling how far it is.
-type One<'a> = dyn Fn(Option<&PayloadSlice>, &dyn Fn(f64)) -> Result<Half, Refusal> + Sync + 'a;
+type One<'a> =
+    dyn Fn(Option<&PayloadSlice>, &dyn Fn(f64)) -> Result<Half, ScopeRefusal> + Sync + 'a;
 
 /// All slices at once, one thread each; the first refusal of them in their order.
 fn together(
     slices: &[PayloadSlice],
     one: &One<'_>,
     progress: &(dyn Fn(f64) + Sync),
-) -> Result<Vec<Half>, Refusal> {
+) -> Result<Vec<Half>, ScopeRefusal> {
     let done = Mutex::new(vec![0.0; slices.len()]);
     let told = |i: usize, share: f64| {
         let Ok(mut done) = done.lock() else { return };
@@ -110,7 +115,7 @@ fn together(
     })
 }
 
-fn fits(inputs: &Inputs<'_>) -> Result<(), Refusal> {
+fn fits(inputs: &TubeInputs<'_>) -> Result<(), ScopeRefusal> {
     let study = inputs.study;
     let n = study.robot.joints.len();
     let reference = inputs.reference;
@@ -123,7 +128,7 @@ fn fits(inputs: &Inputs<'_>) -> Result<(), Refusal> {
             && l.form_or(study.control.form) == study.control.form
             && (l.observer.is_some() == (study.control.form == Form::Positions))
     };
-    let mismatch = |what| Err(Refusal::Mismatch { what });
+    let mismatch = |what| Err(ScopeRefusal::Mismatch { what });
     if inputs.joints.len() != n || !inputs.joints.iter().all(sound) || n == 0 {
         return mismatch("one law per joint");
     }
@@ -151,32 +156,37 @@ fn fits(inputs: &Inputs<'_>) -> Result<(), Refusal> {
 }
 
 /// The nominal friction turns slowly enough to be held over a sample.
-fn dry(inputs: &Inputs<'_>, chain: &Chain, period: f64) -> Dry {
+fn dry(inputs: &TubeInputs<'_>, chain: &TubeChain, period: f64) -> DryLevels {
     let (low, high) = inputs.coulomb;
     let middle: Vec<f64> = low.iter().zip(high).map(|(a, b)| 0.5 * (a + b)).collect();
     let m = chain.place::<f64>(&inputs.reference.q[0], None).mass_matrix();
     let n = middle.len();
     let inverse = inverse(&m, n).unwrap_or_else(|| vec![1.0; n * n]);
     let fastest = (0..n).map(|i| middle[i] * inverse[i * n + i]).largest();
-    Dry { low: low.to_vec(), high: high.to_vec(), middle, turn: (3.0 * period * fastest).max(4e-3) }
+    DryLevels {
+        low: low.to_vec(),
+        high: high.to_vec(),
+        middle,
+        turn: (3.0 * period * fastest).max(4e-3),
+    }
 }
 
 /// Low and high of every joint.
-type Span = (Vec<f64>, Vec<f64>);
+type BinSpan = (Vec<f64>, Vec<f64>);
 
 /// One slice's envelope relative to the reference, by sample.
 struct Half {
-    e: Vec<Span>,
-    de: Vec<Span>,
+    e: Vec<BinSpan>,
+    de: Vec<BinSpan>,
     torque: Vec<f64>,
     /// By sample.
     step: Vec<Vec<f64>>,
 }
 
 impl Half {
-    fn new(inputs: &Inputs<'_>, run: &Nominal, swept: &Swept) -> Self {
-        let shift = |at: &[Vec<f64>], wanted: &[Vec<f64>], off: &[Span]| {
-            let of = |((at, wanted), (low, high)): ((&Vec<f64>, &Vec<f64>), &Span)| {
+    fn new(inputs: &TubeInputs<'_>, run: &CheckedNominal, swept: &Swept) -> Self {
+        let shift = |at: &[Vec<f64>], wanted: &[Vec<f64>], off: &[BinSpan]| {
+            let of = |((at, wanted), (low, high)): ((&Vec<f64>, &Vec<f64>), &BinSpan)| {
                 let e: Vec<f64> = at.iter().zip(wanted).map(|(q, d)| q - d).collect();
                 let pad = |low: f64, high: f64| ROUNDING * (high - low).abs() + 1e-13;
                 let pads: Vec<f64> = low.iter().zip(high).map(|(l, h)| pad(*l, *h)).collect();
@@ -198,7 +208,7 @@ impl Half {
     }
 }
 
-fn tube(inputs: &Inputs<'_>, halves: &[Half]) -> Tube {
+fn tube(inputs: &TubeInputs<'_>, halves: &[Half]) -> Tube {
     let study = inputs.study;
     let period_ns = study.control.period_ns;
     let period = period_ns as f64 * 1e-9;
@@ -206,7 +216,7 @@ fn tube(inputs: &Inputs<'_>, halves: &[Half]) -> Tube {
     let bin_s = per_bin as f64 * period;
     let samples = inputs.reference.q.len() - 1;
     let joint = |i: usize| {
-        let bins = |of: &dyn Fn(&Half) -> &[Span]| -> (Vec<f64>, Vec<f64>) {
+        let bins = |of: &dyn Fn(&Half) -> &[BinSpan]| -> (Vec<f64>, Vec<f64>) {
             let span = |first: usize| {
                 let last = (first + per_bin).min(samples);
                 let all = halves.iter().flat_map(|h| &of(h)[first..last]);
@@ -225,8 +235,8 @@ fn tube(inputs: &Inputs<'_>, halves: &[Half]) -> Tube {
         let most = |of: &dyn Fn(&Half) -> f64| halves.iter().map(of).largest();
         TubeJoint {
             name: inputs.joints[i].name.clone(),
-            error_max_rad: f64::INFINITY,
-            velocity_error_max_rad_s: f64::INFINITY,
+            error_bound_rad: f64::INFINITY,
+            velocity_error_bound_rad_s: f64::INFINITY,
             error_low_rad,
             error_high_rad,
             velocity_low_rad_s,
@@ -237,7 +247,7 @@ fn tube(inputs: &Inputs<'_>, halves: &[Half]) -> Tube {
             torque_step_steady_max_nm: f64::INFINITY,
         }
     };
-    let nothing = || PayloadSet {
+    let nothing = || TubePayloadSet {
         frame: study.robot.tip.clone(),
         mass_kg: (0.0, 0.0),
         com_m: [(0.0, 0.0); 3],
@@ -248,7 +258,7 @@ fn tube(inputs: &Inputs<'_>, halves: &[Half]) -> Tube {
         duration_s: study.duration,
         settle_s: study.spec.settle,
         slices: u32::try_from(halves.len()).unwrap_or(u32::MAX),
-        payload: inputs.payload.map_or_else(nothing, PayloadSet::from),
+        payload: inputs.payload.map_or_else(nothing, TubePayloadSet::from),
         coulomb_nm: (inputs.coulomb.0.to_vec(), inputs.coulomb.1.to_vec()),
         quantum_rad: inputs.half_steps().iter().map(|h| 2.0 * h).collect(),
         joints: (0..inputs.joints.len()).map(joint).collect(),

@@ -1,10 +1,10 @@
 //! The linear reference system of one window of samples, and how far the arm may be from it.
 
-use super::chain::{Chain, Load};
+use super::chain::{Load, TubeChain};
 use super::dense::{apply_sizes, exponential, inverse, product, transpose};
 use super::matter::Matter;
-use super::number::{Ball, Number, Screw};
-use super::scope::{Adds, PayloadSlice, Smooth};
+use super::number::{Ball, Screw, TubeNumber};
+use super::scope::{AddedTorques, PayloadSlice, Smooth};
 
 /// `ε' = M⁻¹ (P − x)`, `P' = τ̃ − S ε' − K ε − …` with constant `M, S, K`, over samples `first … first+len−1`.
 #[derive(Debug, Clone)]
@@ -65,17 +65,17 @@ pub(super) struct Distance {
 
 /// Terms of the arm for the whole run.
 pub(super) struct ArmTerms<'a> {
-    pub(super) chain: &'a Chain,
+    pub(super) chain: &'a TubeChain,
     pub(super) slice: Option<&'a PayloadSlice>,
     pub(super) smooth: &'a [Smooth],
-    pub(super) adds: &'a Adds,
+    pub(super) adds: &'a AddedTorques,
     /// `ω` of every joint's drive \[rad/s\]; empty: torque acts at once.
     pub(super) drives: &'a [f64],
     pub(super) period: f64,
 }
 
 impl ArmTerms<'_> {
-    pub(super) fn point<S: Number>(&self) -> Option<Load<S>> {
+    pub(super) fn point<S: TubeNumber>(&self) -> Option<Load<S>> {
         self.slice.map(|slice| Matter::exact(slice.middle(), [0.0; 3], [[0.0; 3]; 3]))
     }
 

@@ -7,7 +7,7 @@ use crate::JointRecord;
 
 /// The motion that is wanted, at every sample and one more: `q`, `q̇`, `q̈` of all joints.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Reference {
+pub struct TubeReference {
     /// Position \[rad\].
     pub q: Vec<Vec<f64>>,
     /// Velocity \[rad/s\].
@@ -16,7 +16,7 @@ pub struct Reference {
     pub ddq: Vec<Vec<f64>>,
 }
 
-impl Reference {
+impl TubeReference {
     /// The same with what is fed forward beside `q̈_d`, sample by sample \[rad/s²\].
     #[must_use]
     pub fn feeding(mut self, rows: &[Vec<f64>]) -> Self {
@@ -44,7 +44,7 @@ impl Reference {
 
 /// All that a tube is derived from.
 #[derive(Debug, Clone, Copy)]
-pub struct Inputs<'a> {
+pub struct TubeInputs<'a> {
     /// The study.
     pub study: &'a Study,
     /// One law per joint, in the robot's order.
@@ -52,7 +52,7 @@ pub struct Inputs<'a> {
     /// The velocity filter in force \[Hz\].
     pub velocity_filter_hz: Option<f64>,
     /// The motion.
-    pub reference: &'a Reference,
+    pub reference: &'a TubeReference,
     /// Payloads that the arm may carry.
     pub payload: Option<&'a PayloadSet>,
     /// Into how many slices a claim divided it, for a hint of how finely to begin.
@@ -63,7 +63,7 @@ pub struct Inputs<'a> {
     pub bin_s: f64,
 }
 
-impl Inputs<'_> {
+impl TubeInputs<'_> {
     /// Position \[rad\] and velocity \[rad/s\] at which the run begins.
     pub(super) fn start(&self) -> (Vec<f64>, Vec<f64>) {
         match &self.study.world.start {

@@ -4,7 +4,7 @@
 pub(super) const WIDE: usize = 8;
 
 /// Sums of one output, and where its terms are: factor and row.
-pub(super) type Column<'a> = &'a [(usize, f64)];
+pub(super) type LaneColumn<'a> = &'a [(usize, f64)];
 
 /// `out_s = Σ_t flow_ts from_t`, each entry a row; `flow` has as many columns as `out` has rows.
 pub(super) fn combine(flow: &[f64], from: &[f64], rows: usize, out: &mut [f64]) {
@@ -45,7 +45,7 @@ fn sums<const S: usize>(
 
 /// Sparse sums: a row per column, the last two into `read`.
 pub(super) fn gather<'a>(
-    columns: impl Iterator<Item = Column<'a>>,
+    columns: impl Iterator<Item = LaneColumn<'a>>,
     from: &[f64],
     rows: usize,
     (out, read): (&mut [f64], &mut [f64]),

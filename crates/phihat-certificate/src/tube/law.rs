@@ -5,7 +5,7 @@ use phihat::{JointGains, JointState, Measurement, Reference, TorqueSource, Veloc
 
 use phihat_study::Study;
 
-use super::scope::Refusal;
+use super::scope::ScopeRefusal;
 use crate::check::law::LawMatrices;
 use crate::{JointRecord, LoopModel};
 
@@ -20,7 +20,7 @@ use crate::{JointRecord, LoopModel};
 /// τ(t) = told + gap e^{−ωt},   mean = told + gap (1 − e^{−ωT})/(ωT),   gap ← gap e^{−ωT} + told_before − told
 /// ```
 #[derive(Debug, Clone)]
-pub(super) struct Loop {
+pub(super) struct LawLoop {
     period: f64,
     law: JointGains<f64>,
     matrices: LawMatrices,
@@ -28,14 +28,14 @@ pub(super) struct Loop {
     filter: f64,
     late: usize,
     delay: usize,
-    begin: Begin,
-    drive: Option<Drive>,
+    begin: LawBegin,
+    drive: Option<LagOfDrive>,
     pub(super) size: usize,
 }
 
 /// Source of the first command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Begin {
+enum LawBegin {
     /// The law's.
     AtOnce,
     /// None: the law is first asked at the second sample.
@@ -46,7 +46,7 @@ enum Begin {
 
 /// A drive's first-order lag.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Drive {
+pub(super) struct LagOfDrive {
     /// `ω` \[rad/s\].
     pub(super) rate: f64,
     /// `e^{−ωT}`.
@@ -57,7 +57,7 @@ pub(super) struct Drive {
 
 /// Reference of the joint at a sample.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Wanted {
+pub(super) struct JointReference {
     pub(super) q: f64,
     pub(super) dq: f64,
     /// Acceleration that is fed forward.
@@ -66,18 +66,19 @@ pub(super) struct Wanted {
     pub(super) held: f64,
 }
 
-impl Loop {
+impl LawLoop {
     /// # Errors
     ///
-    /// [`Refusal`]: the core does not run these gains.
+    /// [`ScopeRefusal`]: the core does not run these gains.
     pub(super) fn new(
         study: &Study,
         joint: usize,
         record: &JointRecord,
         filter_hz: Option<f64>,
-    ) -> Result<Self, Refusal> {
+    ) -> Result<Self, ScopeRefusal> {
         let period = study.control.period_ns as f64 * 1e-9;
-        let refused = || Refusal::NotCounted { what: "gains that the core refuses".to_owned() };
+        let refused =
+            || ScopeRefusal::NotCounted { what: "gains that the core refuses".to_owned() };
         let law = LoopModel::from_study(study, joint).core_gains(record).map_err(|_| refused())?;
         let matrices = LawMatrices::of(&law).ok_or_else(refused)?;
         let late = study.sensor.delay_samples as usize;
@@ -87,7 +88,7 @@ impl Loop {
             let lost = -libm::expm1(-rate * period);
             let applied = study.sensor.torque == TorqueSource::Applied;
             let told = if applied { lost / (rate * period) } else { 0.0 };
-            Drive { rate, left: libm::exp(-rate * period), told }
+            LagOfDrive { rate, left: libm::exp(-rate * period), told }
         });
         let interface = &study.interface;
         let measured = study.sensor.velocity == VelocitySource::Measured;
@@ -100,11 +101,11 @@ impl Loop {
             late,
             delay,
             begin: match &study.world.held {
-                Some(_) => Begin::Held,
+                Some(_) => LawBegin::Held,
                 None if interface.kept && interface.profile.first_torque_max.is_some() => {
-                    Begin::OneLater
+                    LawBegin::OneLater
                 }
-                None => Begin::AtOnce,
+                None => LawBegin::AtOnce,
             },
             size: 2 + 3 * late + matrices.len() + delay.max(1) + 1 + usize::from(drive.is_some()),
             drive,
@@ -114,7 +115,7 @@ impl Loop {
 
     /// At which sample the law is first asked.
     pub(super) fn begins(&self) -> usize {
-        usize::from(self.begin == Begin::OneLater)
+        usize::from(self.begin == LawBegin::OneLater)
     }
 
     /// Its state where a torque was commanded for long.
@@ -154,7 +155,7 @@ impl Loop {
         k: usize,
         (s, core): (&mut [f64], Option<&mut JointState<f64>>),
         (y, dq): (f64, f64),
-        wanted: Wanted,
+        wanted: JointReference,
     ) {
         let (entries, newest, acting) = (self.entries(), self.newest(), self.acting());
         let first = k == 0;
@@ -194,7 +195,7 @@ impl Loop {
         first: bool,
         (entries, core): (&mut [f64], Option<&mut JointState<f64>>),
         [q, dq, tau_applied]: [f64; 3],
-        wanted: Wanted,
+        wanted: JointReference,
     ) -> f64 {
         let m = Measurement { q, dq, tau_applied };
         let reference = Reference { q: wanted.q, dq: wanted.dq, ddq: wanted.ddq };
@@ -221,7 +222,7 @@ impl Loop {
         (m, reference): (&Measurement<f64>, &Reference<f64>),
         held: f64,
     ) -> f64 {
-        if first && self.begin == Begin::Held {
+        if first && self.begin == LawBegin::Held {
             return if self.law.resume(state, m, reference, held) { held } else { f64::NAN };
         }
         let command = self.law.update(state, m, reference);
@@ -229,7 +230,7 @@ impl Loop {
     }
 
     /// Sample `k` without a reference, as `state ← A state + b y + c q̇`.
-    fn linear(&self, k: usize) -> Linear {
+    fn linear(&self, k: usize) -> LinearCheckedLaw {
         let column = |at: usize| {
             let mut s = vec![0.0; self.size];
             let mut input = (0.0, 0.0);
@@ -238,10 +239,10 @@ impl Loop {
                 Some(0) => input.0 = 1.0,
                 Some(_) => input.1 = 1.0,
             }
-            self.sample(k, (&mut s, None), input, Wanted::default());
+            self.sample(k, (&mut s, None), input, JointReference::default());
             s
         };
-        let mut linear = Linear { entries: Vec::new(), ends: Vec::new() };
+        let mut linear = LinearCheckedLaw { entries: Vec::new(), ends: Vec::new() };
         for j in 0..self.size + 2 {
             let all = column(j).into_iter().enumerate();
             linear.entries.extend(all.filter(|(_, value)| value.abs() > 0.0));
@@ -264,7 +265,7 @@ impl Loop {
 #[derive(Debug, Clone)]
 pub(super) struct LinearLoop {
     /// The first, the second, and every other.
-    samples: [Linear; 3],
+    samples: [LinearCheckedLaw; 3],
     pub(super) size: usize,
     /// Place of the torque that acts until the next sample.
     pub(super) acting: usize,
@@ -272,20 +273,20 @@ pub(super) struct LinearLoop {
 }
 
 impl LinearLoop {
-    pub(super) fn at(&self, sample: usize) -> &Linear {
+    pub(super) fn at(&self, sample: usize) -> &LinearCheckedLaw {
         &self.samples[sample.min(2)]
     }
 }
 
 /// A linear sample of one joint, column by column: of the state, of the reading, of the velocity.
 #[derive(Debug, Clone)]
-pub(super) struct Linear {
+pub(super) struct LinearCheckedLaw {
     /// Row and value.
     entries: Vec<(usize, f64)>,
     ends: Vec<usize>,
 }
 
-impl Linear {
+impl LinearCheckedLaw {
     pub(super) fn columns(&self) -> impl Iterator<Item = &[(usize, f64)]> {
         let start = |at: usize| if at == 0 { 0 } else { self.ends[at - 1] };
         (0..self.ends.len()).map(move |at| &self.entries[start(at)..self.ends[at]])

@@ -1,6 +1,6 @@
 //! Mass moments of a body about the origin.
 
-use super::number::{Number, Screw, Shift, Three, cross, dot, plus, scale};
+use super::number::{Screw, Shift, Three, TubeNumber, cross, dot, plus, scale};
 
 /// `m`, `∫ r dm`, and the inertia about the origin.
 #[derive(Debug, Clone, Copy)]
@@ -10,7 +10,7 @@ pub(super) struct Matter<S> {
     pub(super) i: [Three<S>; 3],
 }
 
-impl<S: Number> Matter<S> {
+impl<S: TubeNumber> Matter<S> {
     /// From mass, first and second moment `Σ = ∫ r rᵀ dm`, given as `xx yy zz xy xz yz`.
     pub(super) fn of_moments(m: S, h: Three<S>, sigma: [S; 6]) -> Self {
         let [xx, yy, zz, xy, xz, yz] = sigma;

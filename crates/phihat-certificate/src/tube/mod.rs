@@ -45,5 +45,5 @@ mod window;
 
 pub use beside::{CONFIRMED, JointBeside, TIGHTER, beside};
 pub use document::derive;
-pub use inputs::{Inputs, Reference};
-pub use scope::Refusal as TubeRefusal;
+pub use inputs::{TubeInputs, TubeReference};
+pub use scope::ScopeRefusal as TubeRefusal;

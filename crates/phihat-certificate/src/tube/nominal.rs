@@ -5,16 +5,16 @@ use phihat_model::{Body, Model, Workspace};
 use phihat_study::Study;
 
 use super::dense::{count, reaches};
-use super::inputs::Inputs;
-use super::law::{Loop, Wanted};
-use super::scope::{Adds, Dry, PayloadSlice, Refusal, Smooth, smooth};
+use super::inputs::TubeInputs;
+use super::law::{JointReference, LawLoop};
+use super::scope::{AddedTorques, DryLevels, PayloadSlice, ScopeRefusal, Smooth, smooth};
 
 /// Largest step of the fine integration \[s\].
 const STEP: f64 = 2.5e-4;
 
 /// The run, sample by sample.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Nominal {
+pub(super) struct CheckedNominal {
     /// At the samples, one more than there are.
     pub(super) q: Vec<Vec<f64>>,
     pub(super) v: Vec<Vec<f64>>,
@@ -32,7 +32,7 @@ pub(super) struct Nominal {
 }
 
 /// The smooth plant of one sample.
-struct Plant<'a> {
+struct NominalPlant<'a> {
     model: &'a Model,
     ws: Workspace<f64>,
     smooth: &'a [Smooth],
@@ -43,7 +43,7 @@ struct Plant<'a> {
     tau: Vec<f64>,
 }
 
-impl Plant<'_> {
+impl NominalPlant<'_> {
     /// `t`: time since the sample \[s\].
     fn acceleration(&mut self, t: f64, (q, v): (&[f64], &[f64]), a: &mut [f64]) {
         for (i, smooth) in self.smooth.iter().enumerate() {
@@ -111,14 +111,14 @@ impl Plant<'_> {
 }
 
 /// The laws of all joints, and what the robot adds to what they command.
-struct Command<'a> {
-    inputs: &'a Inputs<'a>,
-    loops: &'a [Loop],
+struct NominalCommand<'a> {
+    inputs: &'a TubeInputs<'a>,
+    loops: &'a [LawLoop],
     states: Vec<(Vec<f64>, JointState<f64>)>,
     /// Torque that held the arm before the first sample \[N·m\].
     held: Vec<f64>,
-    dry: &'a Dry,
-    adds: &'a Adds,
+    dry: &'a DryLevels,
+    adds: &'a AddedTorques,
     /// The arm with nothing in its hand, as the robot knows it.
     bare: Model,
     ws: Workspace<f64>,
@@ -126,8 +126,13 @@ struct Command<'a> {
     weight: Vec<f64>,
 }
 
-impl<'a> Command<'a> {
-    fn new(inputs: &'a Inputs<'a>, loops: &'a [Loop], dry: &'a Dry, adds: &'a Adds) -> Self {
+impl<'a> NominalCommand<'a> {
+    fn new(
+        inputs: &'a TubeInputs<'a>,
+        loops: &'a [LawLoop],
+        dry: &'a DryLevels,
+        adds: &'a AddedTorques,
+    ) -> Self {
         let study = inputs.study;
         let n = loops.len();
         let bare = study.robot.plant_model().with_gravity(study.world.gravity);
@@ -155,7 +160,7 @@ impl<'a> Command<'a> {
         &mut self,
         (k, t): (usize, f64),
         (q, v): (&[f64], &[f64]),
-        plant: &mut Plant<'_>,
+        plant: &mut NominalPlant<'_>,
     ) -> (Vec<f64>, Vec<f64>) {
         let n = q.len();
         let mut held = vec![0.0; n];
@@ -166,7 +171,7 @@ impl<'a> Command<'a> {
         plant.gap.clear();
         for (i, (own, (state, law))) in self.loops.iter().zip(&mut self.states).enumerate() {
             let reference = self.inputs.reference;
-            let wanted = Wanted {
+            let wanted = JointReference {
                 q: reference.q[k][i],
                 dq: reference.dq[k][i],
                 ddq: reference.ddq[k][i],
@@ -189,19 +194,19 @@ impl<'a> Command<'a> {
     }
 }
 
-impl Nominal {
+impl CheckedNominal {
     pub(super) fn run(
-        inputs: &Inputs<'_>,
-        loops: &[Loop],
+        inputs: &TubeInputs<'_>,
+        loops: &[LawLoop],
         slice: Option<&PayloadSlice>,
-        (dry, adds): (&Dry, &Adds),
-    ) -> Result<Self, Refusal> {
+        (dry, adds): (&DryLevels, &AddedTorques),
+    ) -> Result<Self, ScopeRefusal> {
         let study = inputs.study;
         let period = study.control.period_ns as f64 * 1e-9;
         let samples = inputs.reference.q.len() - 1;
         let model = loaded(study, slice)?;
         let smooth = smooth(study);
-        let mut plant = Plant {
+        let mut plant = NominalPlant {
             ws: Workspace::new(&model),
             model: &model,
             smooth: &smooth,
@@ -209,7 +214,7 @@ impl Nominal {
             gap: Vec::new(),
             tau: vec![0.0; loops.len()],
         };
-        let mut laws = Command::new(inputs, loops, dry, adds);
+        let mut laws = NominalCommand::new(inputs, loops, dry, adds);
         let (mut q, mut v) = inputs.start();
         let mut run = Self { q: vec![q.clone()], v: vec![v.clone()], ..Self::default() };
         let fine = 2 * count((period / (2.0 * STEP)).ceil().max(1.0));
@@ -222,7 +227,7 @@ impl Nominal {
             let defect = plant.defect(&start, (&q, &v), (period, [fine / 2, theirs]));
             let beyond = |x: &f64| reaches(x.abs(), 1e3);
             if q.iter().chain(&v).any(beyond) {
-                return Err(Refusal::NominalDiverges { t });
+                return Err(ScopeRefusal::NominalDiverges { t });
             }
             run.q.push(q.clone());
             run.v.push(v.clone());
@@ -236,7 +241,7 @@ impl Nominal {
     /// Takes the plant through a sample in so many fine steps, and records its middle and its accelerations.
     fn pass(
         &mut self,
-        plant: &mut Plant<'_>,
+        plant: &mut NominalPlant<'_>,
         (q, v): (&mut [f64], &mut [f64]),
         (period, fine): (f64, usize),
     ) {
@@ -255,9 +260,9 @@ impl Nominal {
 }
 
 /// The arm with the middle of a slice in its hand: a point.
-fn loaded(study: &Study, slice: Option<&PayloadSlice>) -> Result<Model, Refusal> {
+fn loaded(study: &Study, slice: Option<&PayloadSlice>) -> Result<Model, ScopeRefusal> {
     let model = study.robot.plant_model().with_gravity(study.world.gravity);
     let Some(slice) = slice else { return Ok(model) };
     let body = Body { mass: slice.middle(), com: slice.centre, inertia: [0.0; 6] };
-    model.with_payload_on(&slice.frame, &body).map_err(|_| Refusal::PayloadFrame)
+    model.with_payload_on(&slice.frame, &body).map_err(|_| ScopeRefusal::PayloadFrame)
 }

@@ -3,7 +3,7 @@
 use core::ops::{Add, Mul, Neg, Sub};
 
 /// Number with which the geometry computes.
-pub(super) trait Number:
+pub(super) trait TubeNumber:
     Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
     fn exact(value: f64) -> Self;
@@ -12,7 +12,7 @@ pub(super) trait Number:
     fn ball(self) -> Ball;
 }
 
-impl Number for f64 {
+impl TubeNumber for f64 {
     fn ball(self) -> Ball {
         Ball::exact(self)
     }
@@ -75,7 +75,7 @@ impl Mul for Ball {
     }
 }
 
-impl Number for Ball {
+impl TubeNumber for Ball {
     fn ball(self) -> Ball {
         self
     }
@@ -161,7 +161,7 @@ impl<const N: usize> Mul for Tangent<N> {
     }
 }
 
-impl<const N: usize> Number for Tangent<N> {
+impl<const N: usize> TubeNumber for Tangent<N> {
     fn exact(value: f64) -> Self {
         Self { m: value, ..Self::default() }
     }
@@ -184,27 +184,27 @@ impl<const N: usize> Number for Tangent<N> {
 
 pub(super) type Three<S> = [S; 3];
 
-pub(super) fn dot<S: Number>(a: Three<S>, b: Three<S>) -> S {
+pub(super) fn dot<S: TubeNumber>(a: Three<S>, b: Three<S>) -> S {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(super) fn cross<S: Number>(a: Three<S>, b: Three<S>) -> Three<S> {
+pub(super) fn cross<S: TubeNumber>(a: Three<S>, b: Three<S>) -> Three<S> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-pub(super) fn plus<S: Number>(a: Three<S>, b: Three<S>) -> Three<S> {
+pub(super) fn plus<S: TubeNumber>(a: Three<S>, b: Three<S>) -> Three<S> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-pub(super) fn minus<S: Number>(a: Three<S>, b: Three<S>) -> Three<S> {
+pub(super) fn minus<S: TubeNumber>(a: Three<S>, b: Three<S>) -> Three<S> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-pub(super) fn scale<S: Number>(a: Three<S>, s: S) -> Three<S> {
+pub(super) fn scale<S: TubeNumber>(a: Three<S>, s: S) -> Three<S> {
     [a[0] * s, a[1] * s, a[2] * s]
 }
 
-pub(super) fn exact<S: Number>(a: Three<f64>) -> Three<S> {
+pub(super) fn exact<S: TubeNumber>(a: Three<f64>) -> Three<S> {
     a.map(S::exact)
 }
 
@@ -215,7 +215,7 @@ pub(super) struct Shift<S> {
     pub(super) p: Three<S>,
 }
 
-impl<S: Number> Shift<S> {
+impl<S: TubeNumber> Shift<S> {
     pub(super) fn none() -> Self {
         let (o, i) = (S::exact(0.0), S::exact(1.0));
         Self { r: [[i, o, o], [o, i, o], [o, o, i]], p: [o, o, o] }
@@ -246,7 +246,7 @@ pub(super) struct Screw<S> {
     pub(super) v: Three<S>,
 }
 
-impl<S: Number> Screw<S> {
+impl<S: TubeNumber> Screw<S> {
     pub(super) fn zero() -> Self {
         let o = [S::exact(0.0); 3];
         Self { w: o, v: o }

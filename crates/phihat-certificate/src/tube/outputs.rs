@@ -4,11 +4,11 @@ use super::adjoint::{Back, Boxes};
 use super::dense::{apply_sizes, product, transpose};
 use super::frame::{Distance, Frame};
 use super::round::{Past, Round};
-use super::setting::Setting;
-use super::shapes::{Shapes, Spread};
+use super::setting::TubeSetting;
+use super::shapes::{RunSpread, Shapes};
 use crate::extremes::Extremes as _;
 
-impl Setting<'_> {
+impl TubeSetting<'_> {
     /// Outputs: `ε`, `M⁻¹P`, commands, their changes, twist of the hand, what drives are off.
     fn outputs(&self) -> usize {
         4 * self.n + 2 * self.hand + self.arm.drives.len()
@@ -52,7 +52,7 @@ impl Setting<'_> {
         &self,
         before: Option<&Past>,
         (frame, distance): (&Frame, &Distance),
-        (boxes, shapes, spread, radii, sizes): (Vec<Boxes>, Shapes, Spread, Vec<f64>, Vec<f64>),
+        (boxes, shapes, spread, radii, sizes): (Vec<Boxes>, Shapes, RunSpread, Vec<f64>, Vec<f64>),
     ) -> Round {
         let n = self.n;
         let most = self.most((frame, distance), &boxes);
@@ -109,7 +109,7 @@ impl Setting<'_> {
         &self,
         frame: &Frame,
         u: &[f64],
-        (spread, radii, sizes): (&Spread, &[f64], &[f64]),
+        (spread, radii, sizes): (&RunSpread, &[f64], &[f64]),
     ) -> Vec<f64> {
         let n = self.n;
         let mut arc = apply_sizes(&frame.s, sizes);
@@ -126,7 +126,7 @@ impl Setting<'_> {
         &self,
         (frame, distance): (&Frame, &Distance),
         (most, out): (&Most, &[f64]),
-        (spread, radii): (&Spread, &[f64]),
+        (spread, radii): (&RunSpread, &[f64]),
         (sizes, arc): (&[f64], &[f64]),
     ) -> Vec<f64> {
         let n = self.n;
@@ -159,7 +159,7 @@ impl Setting<'_> {
     fn inside(
         &self,
         samples: usize,
-        (spread, radii): (&Spread, &[f64]),
+        (spread, radii): (&RunSpread, &[f64]),
         entering: &[f64],
         (direct, arc): (&[f64], &[f64]),
     ) -> Vec<(Vec<f64>, Vec<f64>)> {

@@ -2,7 +2,7 @@
 
 use super::adjoint::Boxes;
 use super::frame::Frame;
-use super::shapes::{Shapes, Spread};
+use super::shapes::{RunSpread, Shapes};
 
 /// Stored bounds of one finished window.
 pub(super) struct Past {
@@ -15,7 +15,7 @@ pub(super) struct Past {
 pub(super) struct Round {
     pub(super) boxes: Vec<Boxes>,
     pub(super) shapes: Shapes,
-    pub(super) spread: Spread,
+    pub(super) spread: RunSpread,
     /// Per sample: deviation of the velocity inside it.
     pub(super) inside: Vec<(Vec<f64>, Vec<f64>)>,
     pub(super) reach: Vec<f64>,
@@ -27,7 +27,7 @@ pub(super) struct Round {
 
 /// Bounds that a round takes for granted.
 #[derive(Clone)]
-pub(super) struct Guess {
+pub(super) struct RoundGuess {
     pub(super) inside: Vec<(Vec<f64>, Vec<f64>)>,
     pub(super) reach: Vec<f64>,
     pub(super) twist: Vec<f64>,
@@ -36,7 +36,7 @@ pub(super) struct Guess {
 
 impl Round {
     /// Returns true if every result is strictly inside the bounds that were taken for granted.
-    pub(super) fn within(&self, guess: &Guess) -> bool {
+    pub(super) fn within(&self, guess: &RoundGuess) -> bool {
         let less = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a < b);
         let all =
             [&self.spread.position, &self.spread.velocity, &self.spread.torque, &self.spread.step];
@@ -54,7 +54,7 @@ impl Round {
     }
 }
 
-impl Guess {
+impl RoundGuess {
     /// A little more than what came out; after some rounds never less than before.
     pub(super) fn next(&self, round: &Round, tries: usize) -> Self {
         let slack = if tries < 8 { 1e-3 } else { 2e-2 };

@@ -10,7 +10,7 @@ use crate::NotCounted;
 
 /// Why there is no tube: one variant per reason.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Refusal {
+pub enum ScopeRefusal {
     /// Something in the study acts that the derivation does not know.
     #[error("the tube does not count {what}")]
     NotCounted {
@@ -126,7 +126,7 @@ pub(super) fn smooth(study: &Study) -> Vec<Smooth> {
 
 /// Torque that the robot adds to a command by itself: at a sample, constant over it.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Adds {
+pub(super) struct AddedTorques {
     /// Gravity of the bare arm.
     pub(super) gravity: bool,
     /// A share of the robot's own smooth friction, joint by joint.
@@ -135,7 +135,7 @@ pub(super) struct Adds {
     pub(super) dry: Vec<f64>,
 }
 
-impl Adds {
+impl AddedTorques {
     pub(super) fn of(study: &Study) -> Self {
         let profile = &study.interface.profile;
         let share = profile.adds_friction;
@@ -158,7 +158,7 @@ impl Adds {
     }
 
     /// Torque at a velocity, dry friction as the nominal run has it.
-    pub(super) fn friction(&self, i: usize, v: f64, dry: &Dry) -> f64 {
+    pub(super) fn friction(&self, i: usize, v: f64, dry: &DryLevels) -> f64 {
         let smooth = self.friction.as_ref().map_or(0.0, |own| own[i].torque(v));
         smooth + self.dry.get(i).map_or(0.0, |level| level * dry.wide(v))
     }
@@ -169,7 +169,7 @@ const TURN: f64 = 1e-3;
 
 /// Dry friction: levels of each joint, and how the nominal run has it.
 #[derive(Debug, Clone)]
-pub(super) struct Dry {
+pub(super) struct DryLevels {
     pub(super) low: Vec<f64>,
     pub(super) high: Vec<f64>,
     pub(super) middle: Vec<f64>,
@@ -178,7 +178,7 @@ pub(super) struct Dry {
 }
 
 #[allow(clippy::imprecise_flops, reason = "as the simulator has it")]
-impl Dry {
+impl DryLevels {
     pub(super) fn sign(v: f64) -> f64 {
         v / (v * v + TURN * TURN).sqrt()
     }
@@ -306,7 +306,7 @@ impl PayloadSlice {
 }
 
 /// Refuses a study with effects that are outside of the derivation.
-pub(super) fn counted(study: &Study) -> Result<(), Refusal> {
+pub(super) fn counted(study: &Study) -> Result<(), ScopeRefusal> {
     let world = &study.world;
     let sensor = &study.sensor;
     let profile = &study.interface.profile;
@@ -335,11 +335,11 @@ pub(super) fn counted(study: &Study) -> Result<(), Refusal> {
         (adds && world.drive_bandwidth_hz.is_some(), "the lag of drives in what the robot adds"),
     ];
     if let Some((_, what)) = listed.into_iter().find(|(acts, _)| *acts) {
-        return Err(Refusal::NotCounted { what: what.to_owned() });
+        return Err(ScopeRefusal::NotCounted { what: what.to_owned() });
     }
     // What is decided on field by field, for the certificate.
     match NotCounted::of(study).into_iter().find(|one| !one.in_tube()) {
-        Some(one) => Err(Refusal::NotCounted { what: format!("`{}`", one.key) }),
+        Some(one) => Err(ScopeRefusal::NotCounted { what: format!("`{}`", one.key) }),
         None => Ok(()),
     }
 }

@@ -1,22 +1,22 @@
 //! Setting of a sweep: the arm with one slice of the payloads, its nominal run, and the loops around its
 //! joints.
 
-use super::adjoint::Rows;
-use super::chain::Chain;
+use super::adjoint::AdjointRows;
+use super::chain::TubeChain;
 use super::dense::count;
 use super::frame::ArmTerms;
-use super::inputs::Inputs;
-use super::law::{LinearLoop, Loop};
-use super::nominal::Nominal;
-use super::scope::{Adds, Dry, PayloadSlice, Smooth};
+use super::inputs::TubeInputs;
+use super::law::{LawLoop, LinearLoop};
+use super::nominal::CheckedNominal;
+use super::scope::{AddedTorques, DryLevels, PayloadSlice, Smooth};
 
 /// Data that stay the same from the first sample to the last.
-pub(super) struct Setting<'a> {
-    pub(super) inputs: &'a Inputs<'a>,
+pub(super) struct TubeSetting<'a> {
+    pub(super) inputs: &'a TubeInputs<'a>,
     pub(super) arm: ArmTerms<'a>,
-    pub(super) run: &'a Nominal,
-    pub(super) dry: &'a Dry,
-    pub(super) loops: &'a [Loop],
+    pub(super) run: &'a CheckedNominal,
+    pub(super) dry: &'a DryLevels,
+    pub(super) loops: &'a [LawLoop],
     pub(super) n: usize,
     /// Entries of the hand's twist; 0 without a payload.
     pub(super) hand: usize,
@@ -33,16 +33,16 @@ pub(super) struct Setting<'a> {
     pub(super) pushes: Vec<(usize, usize, f64)>,
 }
 
-impl<'a> Setting<'a> {
+impl<'a> TubeSetting<'a> {
     pub(super) fn new(
-        inputs: &'a Inputs<'a>,
-        (chain, slice, smooth): (&'a Chain, Option<&'a PayloadSlice>, &'a [Smooth]),
-        (run, dry, adds): (&'a Nominal, &'a Dry, &'a Adds),
-        (loops, drives): (&'a [Loop], &'a [f64]),
+        inputs: &'a TubeInputs<'a>,
+        (chain, slice, smooth): (&'a TubeChain, Option<&'a PayloadSlice>, &'a [Smooth]),
+        (run, dry, adds): (&'a CheckedNominal, &'a DryLevels, &'a AddedTorques),
+        (loops, drives): (&'a [LawLoop], &'a [f64]),
     ) -> Self {
         let period = inputs.study.control.period_ns as f64 * 1e-9;
         let n = loops.len();
-        let joints = loops.iter().map(Loop::linear_loop).collect();
+        let joints = loops.iter().map(LawLoop::linear_loop).collect();
         let measured = loops.iter().any(|own| own.measured);
         let samples = run.command.len();
         let load = match slice {
@@ -67,8 +67,8 @@ impl<'a> Setting<'a> {
     }
 
     /// The loop, as the rows see it.
-    pub(super) fn rows(&self) -> Rows<'_> {
-        Rows {
+    pub(super) fn rows(&self) -> AdjointRows<'_> {
+        AdjointRows {
             n: self.n,
             period: self.period,
             joints: &self.joints,
@@ -79,7 +79,7 @@ impl<'a> Setting<'a> {
 }
 
 /// Pushes that begin or end within one of so many samples.
-fn pushes(inputs: &Inputs<'_>, period: f64, samples: usize) -> Vec<(usize, usize, f64)> {
+fn pushes(inputs: &TubeInputs<'_>, period: f64, samples: usize) -> Vec<(usize, usize, f64)> {
     let mut pushes = Vec::new();
     for push in &inputs.study.world.pushes {
         for edge in [push.start, push.start + push.duration] {
@@ -92,7 +92,7 @@ fn pushes(inputs: &Inputs<'_>, period: f64, samples: usize) -> Vec<(usize, usize
     pushes
 }
 
-fn load_torques(chain: &Chain, run: &Nominal, k: usize) -> [Vec<f64>; 3] {
+fn load_torques(chain: &TubeChain, run: &CheckedNominal, k: usize) -> [Vec<f64>; 3] {
     let of = |q: &[f64], v: &[f64], a: &[f64]| chain.place::<f64>(q, None).load_torques(v, a);
     [
         of(&run.q[k], &run.v[k], &run.a[k][0]),

@@ -2,12 +2,12 @@
 
 use super::dense::apply;
 use super::frame::Frame;
-use super::law::Loop;
-use super::setting::Setting;
+use super::law::LawLoop;
+use super::setting::TubeSetting;
 
 /// One forward run.
 #[derive(Debug, Clone)]
-struct Shape {
+struct ForwardRun {
     /// `ε, P`.
     plant: Vec<f64>,
     loops: Vec<Vec<f64>>,
@@ -17,12 +17,12 @@ struct Shape {
 #[derive(Debug, Clone)]
 pub(super) struct Shapes {
     load: usize,
-    runs: Vec<Shape>,
+    runs: Vec<ForwardRun>,
 }
 
 /// Lowest and highest sum of the runs, at the instants of a window, the first being the one before it.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Spread {
+pub(super) struct RunSpread {
     pub(super) position: Vec<(Vec<f64>, Vec<f64>)>,
     pub(super) velocity: Vec<(Vec<f64>, Vec<f64>)>,
     /// Command and change of command, by sample.
@@ -35,8 +35,8 @@ pub(super) struct Spread {
 }
 
 impl Shapes {
-    pub(super) fn new(n: usize, loops: &[Loop], payload: bool) -> Self {
-        let rest = Shape {
+    pub(super) fn new(n: usize, loops: &[LawLoop], payload: bool) -> Self {
+        let rest = ForwardRun {
             plant: vec![0.0; 2 * n],
             loops: loops.iter().map(|l| vec![0.0; l.size]).collect(),
         };
@@ -48,16 +48,16 @@ impl Shapes {
     /// than in the nominal run.
     pub(super) fn advance(
         &self,
-        setting: &Setting<'_>,
+        setting: &TubeSetting<'_>,
         frame: &Frame,
         (signs, added): (&[Vec<f64>], &[Vec<f64>]),
-    ) -> (Self, Spread) {
+    ) -> (Self, RunSpread) {
         let n = frame.bend.len();
         let mut after = self.clone();
-        let mut spread = Spread {
+        let mut spread = RunSpread {
             twist: vec![0.0; if self.load > 0 { 12 } else { 0 }],
             gap: vec![0.0; setting.arm.drives.len()],
-            ..Spread::default()
+            ..RunSpread::default()
         };
         after.look(setting, frame, &mut spread, true);
         for (at, signs) in signs.iter().enumerate() {
@@ -83,10 +83,16 @@ impl Shapes {
         (after, spread)
     }
 
-    fn look(&self, setting: &Setting<'_>, frame: &Frame, spread: &mut Spread, entering: bool) {
+    fn look(
+        &self,
+        setting: &TubeSetting<'_>,
+        frame: &Frame,
+        spread: &mut RunSpread,
+        entering: bool,
+    ) {
         let n = frame.bend.len();
-        let span = |values: &dyn Fn(&Shape) -> f64| self.span(setting, values);
-        let all = |of: &dyn Fn(&Shape, usize) -> f64| -> (Vec<f64>, Vec<f64>) {
+        let span = |values: &dyn Fn(&ForwardRun) -> f64| self.span(setting, values);
+        let all = |of: &dyn Fn(&ForwardRun, usize) -> f64| -> (Vec<f64>, Vec<f64>) {
             (0..n).map(|i| span(&|shape| of(shape, i))).unzip()
         };
         spread.position.push(all(&|shape, i| shape.plant[i]));
@@ -114,12 +120,12 @@ impl Shapes {
             .push(all(&|shape, i| shape.loops[i][newest(i)] - shape.loops[i][newest(i) + 1]));
     }
 
-    fn span(&self, setting: &Setting<'_>, value: &dyn Fn(&Shape) -> f64) -> (f64, f64) {
+    fn span(&self, setting: &TubeSetting<'_>, value: &dyn Fn(&ForwardRun) -> f64) -> (f64, f64) {
         self.span_of(setting, &|c| value(&self.runs[c]))
     }
 
     /// Over all payloads of the slice and all levels of friction.
-    fn span_of(&self, setting: &Setting<'_>, value: &dyn Fn(usize) -> f64) -> (f64, f64) {
+    fn span_of(&self, setting: &TubeSetting<'_>, value: &dyn Fn(usize) -> f64) -> (f64, f64) {
         let n = self.runs.len() - self.load - 1;
         let rest = value(self.load + n);
         let (mut low, mut high) = (rest, rest);
@@ -139,7 +145,7 @@ impl Shapes {
     }
 }
 
-impl Setting<'_> {
+impl TubeSetting<'_> {
     /// Torques of the payload's moments in the middle of a sample.
     fn load_torque(&self, k: usize) -> &[f64] {
         &self.load[k][1]

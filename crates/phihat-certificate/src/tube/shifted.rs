@@ -3,10 +3,10 @@
 use super::adjoint::Boxes;
 use super::dense::{apply_sizes, transpose};
 use super::frame::Frame;
-use super::setting::Setting;
+use super::setting::TubeSetting;
 use crate::extremes::Extremes as _;
 
-impl Setting<'_> {
+impl TubeSetting<'_> {
     /// Boxes of the difference between two frames, where rows of one stand for those of the other.
     pub(super) fn shifted(
         &self,

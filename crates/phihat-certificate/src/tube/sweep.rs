@@ -3,9 +3,9 @@
 use super::adjoint::{Back, Boxes, Weights};
 use super::dense::{count, reaches};
 use super::frame::{Distance, Frame};
-use super::round::{Guess, Past, Round};
-use super::scope::Refusal;
-use super::setting::Setting;
+use super::round::{Past, Round, RoundGuess};
+use super::scope::ScopeRefusal;
+use super::setting::TubeSetting;
 use super::shapes::Shapes;
 use crate::extremes::Extremes as _;
 
@@ -40,8 +40,8 @@ struct Anchor {
 }
 
 /// Bounds that grow, window by window.
-pub(super) struct Sweep<'a> {
-    setting: Setting<'a>,
+pub(super) struct CheckedSweep<'a> {
+    setting: TubeSetting<'a>,
     /// Longest shared window, samples between anchors, shortest memory: all in samples.
     shared: usize,
     spacing: usize,
@@ -55,8 +55,8 @@ pub(super) struct Sweep<'a> {
     anchors: Vec<Anchor>,
 }
 
-impl<'a> Sweep<'a> {
-    pub(super) fn new(setting: Setting<'a>) -> Self {
+impl<'a> CheckedSweep<'a> {
+    pub(super) fn new(setting: TubeSetting<'a>) -> Self {
         let whole = |x: f64| count((x / setting.period).round().max(1.0));
         Self {
             shared: whole(WINDOW),
@@ -73,7 +73,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// The whole sweep.
-    pub(super) fn run(mut self, progress: &dyn Fn(f64)) -> Result<Swept, Refusal> {
+    pub(super) fn run(mut self, progress: &dyn Fn(f64)) -> Result<Swept, ScopeRefusal> {
         let samples = self.setting.run.command.len();
         let n = self.setting.n;
         let zero = vec![0.0; n];
@@ -100,17 +100,17 @@ impl<'a> Sweep<'a> {
         Ok(swept)
     }
 
-    fn too_fast(&self, first: usize) -> Refusal {
-        Refusal::TooFast { t: first as f64 * self.setting.period }
+    fn too_fast(&self, first: usize) -> ScopeRefusal {
+        ScopeRefusal::TooFast { t: first as f64 * self.setting.period }
     }
 
     fn window(
         &mut self,
         (first, len): (usize, usize),
         shapes: &Shapes,
-        before: Option<Guess>,
+        before: Option<RoundGuess>,
         swept: &mut Swept,
-    ) -> Result<(Shapes, Guess), Refusal> {
+    ) -> Result<(Shapes, RoundGuess), ScopeRefusal> {
         let n = self.setting.n;
         let mut reach: Vec<f64> = match &before {
             Some(guess) => guess.reach.iter().map(|e| 1.3 * e + 1e-6).collect(),
@@ -130,7 +130,7 @@ impl<'a> Sweep<'a> {
                 g.inside = vec![last; len];
                 g
             }
-            None => Guess {
+            None => RoundGuess {
                 inside: vec![(vec![-1e-6; n], vec![1e-6; n]); len],
                 reach: reach.clone(),
                 twist: vec![1e-6; 2 * self.setting.hand],
@@ -149,7 +149,7 @@ impl<'a> Sweep<'a> {
             }
             let round = self.round(&frame, &distance, &guess, (shapes, &history, &near));
             if let Some(widest) = (0..n).find(|i| reaches(round.reach[*i], WIDEST)) {
-                return Err(Refusal::Open {
+                return Err(ScopeRefusal::Open {
                     t: first as f64 * self.setting.period,
                     joint: self.setting.inputs.joints[widest].name.clone(),
                     width: round.reach[widest],
@@ -162,7 +162,7 @@ impl<'a> Sweep<'a> {
             guess = guess.next(&round, tries);
         }
         let widest = (0..n).max_by(|a, b| guess.reach[*a].total_cmp(&guess.reach[*b])).unwrap_or(0);
-        Err(Refusal::Open {
+        Err(ScopeRefusal::Open {
             t: first as f64 * self.setting.period,
             joint: self.setting.inputs.joints[widest].name.clone(),
             width: guess.reach[widest],
@@ -221,7 +221,7 @@ impl<'a> Sweep<'a> {
         &self,
         frame: &Frame,
         distance: &Distance,
-        guess: &Guess,
+        guess: &RoundGuess,
         (shapes, history, near): (&Shapes, &[f64], &[(Weights, usize)]),
     ) -> Round {
         let n = self.setting.n;
@@ -275,7 +275,7 @@ impl<'a> Sweep<'a> {
         frame: &Frame,
         (history, near): (&[f64], &[(Weights, usize)]),
         boxes: &[Boxes],
-        guess: &Guess,
+        guess: &RoundGuess,
     ) -> Vec<f64> {
         let mut sums = history.to_vec();
         let shared = frame.len > 1;
@@ -308,9 +308,9 @@ impl<'a> Sweep<'a> {
         &mut self,
         frame: Frame,
         round: &Round,
-        guess: &Guess,
+        guess: &RoundGuess,
         swept: &mut Swept,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), ScopeRefusal> {
         let n = self.setting.n;
         let own = &round.boxes[0];
         let shift = self.shift_boxes(&frame, (&guess.rest.0, &guess.rest.1), own);
@@ -364,13 +364,18 @@ impl<'a> Sweep<'a> {
         Ok(())
     }
 
-    fn check_limits(&self, k: usize, i: usize, (torque, step): (f64, f64)) -> Result<(), Refusal> {
+    fn check_limits(
+        &self,
+        k: usize,
+        i: usize,
+        (torque, step): (f64, f64),
+    ) -> Result<(), ScopeRefusal> {
         let (most, rate) = self.setting.inputs.study.limits(i);
         let beyond = most.is_some_and(|most| reaches(torque, most))
             || rate.is_some_and(|rate| reaches(step, rate * self.setting.period));
         if beyond {
             let joint = self.setting.inputs.joints[i].name.clone();
-            return Err(Refusal::LimitCanAct { t: k as f64 * self.setting.period, joint });
+            return Err(ScopeRefusal::LimitCanAct { t: k as f64 * self.setting.period, joint });
         }
         Ok(())
     }

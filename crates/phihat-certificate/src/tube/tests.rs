@@ -4,12 +4,12 @@
 use phihat_model::Sigmoid;
 use phihat_study::{PayloadSet, Study, StudyError};
 
-use crate::dice::Dice;
+use crate::dice::CheckDice;
 
-use super::number::{Ball, Number, Tangent};
-use super::scope::{Dry, FINE, PayloadSlice, Refusal, Smooth, counted, smooth};
+use super::number::{Ball, Tangent, TubeNumber};
+use super::scope::{DryLevels, FINE, PayloadSlice, ScopeRefusal, Smooth, counted, smooth};
 
-impl Dice {
+impl CheckDice {
     fn ball(&mut self) -> Ball {
         Ball { m: 2.0 * self.roll(), r: 0.3 * self.roll().abs() }
     }
@@ -24,7 +24,7 @@ fn holds(ball: Ball, x: f64) -> bool {
 
 #[test]
 fn balls_hold_what_their_members_make_and_hardly_more() {
-    let mut dice = Dice(3);
+    let mut dice = CheckDice(3);
     for _ in 0..2000 {
         let (a, b) = (dice.ball(), dice.ball());
         let (x, y) = (a.m + a.r * dice.roll().signum(), b.m + b.r * dice.roll().signum());
@@ -48,7 +48,7 @@ fn balls_hold_what_their_members_make_and_hardly_more() {
 
 #[test]
 fn tangents_hold_functions_of_several_variables() {
-    let mut dice = Dice(8);
+    let mut dice = CheckDice(8);
     for _ in 0..1000 {
         let (a, b, c) = (dice.ball(), dice.ball(), dice.ball());
         let (x, y) = (Tangent::<2>::variable(0, a), Tangent::<2>::variable(1, b));
@@ -103,9 +103,12 @@ fn smooth_friction_bends_at_most_as_said() -> Result<(), StudyError> {
     assert!(own.bend(-1.0, 1.0).abs() < 1e-300);
     // Turned half way at a thousandth, on either side.
     let half = 0.5_f64.sqrt();
-    assert!((Dry::sign(1e-3) - half).abs() < 1e-15 && (Dry::sign(-1e-3) + half).abs() < 1e-15);
-    let dry = Dry { low: vec![], high: vec![], middle: vec![], turn: 0.2 };
-    assert!((dry.wide(0.2) - half).abs() < 1e-15 && (Dry::sign(5.0) - 1.0).abs() < 1e-6);
+    assert!(
+        (DryLevels::sign(1e-3) - half).abs() < 1e-15
+            && (DryLevels::sign(-1e-3) + half).abs() < 1e-15
+    );
+    let dry = DryLevels { low: vec![], high: vec![], middle: vec![], turn: 0.2 };
+    assert!((dry.wide(0.2) - half).abs() < 1e-15 && (DryLevels::sign(5.0) - 1.0).abs() < 1e-6);
     Ok(())
 }
 
@@ -178,7 +181,7 @@ fn a_payload_is_in_its_slices_and_its_moments_in_their_range() {
 fn a_function_of_a_payload_s_moments_is_in_its_range_and_reaches_it() {
     let (whole, near) = (&PayloadSlice::all(&payloads(), 1)[0], close);
     // A linear function is largest at an end of every moment by itself, at an end of the mass.
-    let mut dice = Dice(4);
+    let mut dice = CheckDice(4);
     for _ in 0..500 {
         let slopes: [f64; 10] = core::array::from_fn(|_| dice.roll());
         let end = |m: f64, sign: f64| {
@@ -245,10 +248,10 @@ fn what_the_derivation_does_not_know_is_named() -> Result<(), StudyError> {
         if what.is_empty() {
             // A drive alone is in the loop. A payload that is dropped at the very end is told by the list.
             assert!(
-                matches!(&told, Err(Refusal::NotCounted { what }) if what == "`world.payload`")
+                matches!(&told, Err(ScopeRefusal::NotCounted { what }) if what == "`world.payload`")
             );
         } else {
-            assert_eq!(told, Err(Refusal::NotCounted { what: what.to_owned() }));
+            assert_eq!(told, Err(ScopeRefusal::NotCounted { what: what.to_owned() }));
         }
     }
     Ok(())

@@ -1,9 +1,9 @@
 //! The frame of a window of the nominal run, and its distance while the arm is near that run.
 
-use super::carried::Carried;
+use super::carried::CarriedLoad;
 use super::frame::{Added, ArmTerms, Distance, Frame, arc};
-use super::nominal::Nominal;
-use super::number::{Ball, Number, Screw, Tangent};
+use super::nominal::CheckedNominal;
+use super::number::{Ball, Screw, Tangent, TubeNumber};
 use crate::extremes::Extremes as _;
 
 /// The arm's geometry over balls.
@@ -12,7 +12,7 @@ struct Around {
     k: Vec<Ball>,
     damped: Vec<Ball>,
     twists: Vec<Screw<Ball>>,
-    carried: Option<Carried>,
+    carried: Option<CarriedLoad>,
     gravity: Vec<Ball>,
 }
 
@@ -20,7 +20,7 @@ impl ArmTerms<'_> {
     /// The frame of a window, and its distance for a reach `E`.
     pub(super) fn window(
         &self,
-        run: &Nominal,
+        run: &CheckedNominal,
         (first, len): (usize, usize),
         reach: &[f64],
     ) -> Option<(Frame, Distance)> {
@@ -82,8 +82,8 @@ impl ArmTerms<'_> {
     /// Adds the effect of the slice's payload to frame and distance.
     fn add_carried(
         &self,
-        carried: Carried,
-        run: &Nominal,
+        carried: CarriedLoad,
+        run: &CheckedNominal,
         (frame, distance): (&mut Frame, &mut Distance),
     ) {
         let more = [(&mut distance.k, &carried.k), (&mut distance.slopes, &carried.slopes)];
@@ -126,13 +126,15 @@ impl ArmTerms<'_> {
         } else {
             Vec::new()
         };
-        let screw =
-            |x: &Screw<Tangent<N>>| Screw { w: x.w.map(Number::ball), v: x.v.map(Number::ball) };
+        let screw = |x: &Screw<Tangent<N>>| Screw {
+            w: x.w.map(TubeNumber::ball),
+            v: x.v.map(TubeNumber::ball),
+        };
         Around {
             k: balls(&placed.inverse_dynamics_slopes(&v, &a)),
             damped,
             twists: placed.hand_twists().iter().map(screw).collect(),
-            carried: self.slice.map(|slice| Carried::new(slice, &placed, &v, &a)),
+            carried: self.slice.map(|slice| CarriedLoad::new(slice, &placed, &v, &a)),
             slopes: balls(&slopes),
             gravity,
         }
@@ -141,7 +143,7 @@ impl ArmTerms<'_> {
 
 /// Balls of position, velocity and acceleration over a window, each joint by itself.
 fn balls(
-    run: &Nominal,
+    run: &CheckedNominal,
     (first, len): (usize, usize),
     reach: &[f64],
 ) -> (Vec<Ball>, Vec<Ball>, Vec<Ball>) {

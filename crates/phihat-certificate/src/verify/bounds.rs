@@ -62,9 +62,9 @@ impl JointCertificate {
             0.0
         };
         let least = from_phi(1) + error;
-        enough(CLAIM, "gains × φ ≤ claimed |e|", least, bounds.error_rad)?;
+        enough(CLAIM, "gains × φ ≤ claimed |e|", least, bounds.error_bound_rad)?;
         let found = from_phi(2) + velocity;
-        enough(CLAIM, "gains × φ ≤ claimed |ė|", found, bounds.velocity_error_rad_s)?;
+        enough(CLAIM, "gains × φ ≤ claimed |ė|", found, bounds.velocity_error_bound_rad_s)?;
         let Some(claimed) = bounds.integral_rad_s else { return Ok(()) };
         let found = from_phi(0) + whole.duration_s * (error + within) + model.period_s * least;
         enough(CLAIM, "gains × φ ≤ claimed |∫e|", found, claimed)
@@ -73,7 +73,7 @@ impl JointCertificate {
 
 #[cfg(test)]
 mod tests {
-    use crate::{ArmBasis, Bounds, Gains, Motion, Phi, PhiBasis};
+    use crate::{ArmBasis, Bounds, Gains, Phi, PhiBasis, ReferenceBounds};
     use phihat::{Form, VelocitySource};
 
     /// Inputs of a bound; the cases set some of them to more than nothing.
@@ -81,7 +81,7 @@ mod tests {
         size: Option<f64>,
         rate: f64,
         jump: f64,
-        motion: Option<Motion>,
+        motion: Option<ReferenceBounds>,
         late: u32,
         velocity: VelocitySource,
         form: Form,
@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn a_bound_is_the_sum_of_what_causes_the_error() {
         let motion = |v: f64, a: f64, j: f64| {
-            Some(Motion { velocity_rad_s: v, acceleration_rad_s2: a, jerk_rad_s3: j })
+            Some(ReferenceBounds { velocity_rad_s: v, acceleration_rad_s2: a, jerk_rad_s3: j })
         };
         let measured = VelocitySource::Measured;
         // M̄ = 2, T = 2 ms, 3 s long: e, ė and what ∫e gets besides T e and 3 s of what lasts.
@@ -175,20 +175,20 @@ mod tests {
         for (k, (case, error, velocity, integral)) in cases.iter().enumerate() {
             let integral = integral + 0.002 * error;
             let exact = Bounds {
-                error_rad: error * (1.0 + 1e-7),
-                velocity_error_rad_s: velocity * (1.0 + 1e-7),
+                error_bound_rad: error * (1.0 + 1e-7),
+                velocity_error_bound_rad_s: velocity * (1.0 + 1e-7),
                 integral_rad_s: Some(integral * (1.0 + 1e-7)),
             };
             assert_eq!(checked(case, exact), Some(true), "{k}");
             assert_eq!(checked(case, Bounds { integral_rad_s: None, ..exact }), Some(true), "{k}");
             assert_eq!(
-                checked(case, Bounds { error_rad: error * (1.0 - 1e-6), ..exact }),
+                checked(case, Bounds { error_bound_rad: error * (1.0 - 1e-6), ..exact }),
                 Some(false),
                 "{k}"
             );
             let slower = velocity * (1.0 - 1e-6);
             assert_eq!(
-                checked(case, Bounds { velocity_error_rad_s: slower, ..exact }),
+                checked(case, Bounds { velocity_error_bound_rad_s: slower, ..exact }),
                 Some(false),
                 "{k}"
             );
@@ -202,15 +202,20 @@ mod tests {
         let mut gains = Gains::from_json(include_str!("../../tests/forged/two_joints.json"))?;
         let Some(mut certificate) = gains.certificate.take() else { return Ok(()) };
         let mut coupled = certificate.joints[0].clone();
-        coupled.bounds =
-            Some(Bounds { error_rad: 1e9, velocity_error_rad_s: 1e9, integral_rad_s: None });
+        coupled.bounds = Some(Bounds {
+            error_bound_rad: 1e9,
+            velocity_error_bound_rad_s: 1e9,
+            integral_rad_s: None,
+        });
         let why = coupled.verify_bounds(&gains.joints[0], &certificate);
         assert!(why.is_err_and(|why| why.inequality.contains("only a tube")));
         certificate.arm.basis = ArmBasis::Typed;
         let whole = &certificate;
         let record = &gains.joints[0];
-        let large = Bounds { error_rad: 1e9, velocity_error_rad_s: 1e9, integral_rad_s: None };
-        let motion = Motion { velocity_rad_s: 0.0, acceleration_rad_s2: 1.0, jerk_rad_s3: 1.0 };
+        let large =
+            Bounds { error_bound_rad: 1e9, velocity_error_bound_rad_s: 1e9, integral_rad_s: None };
+        let motion =
+            ReferenceBounds { velocity_rad_s: 0.0, acceleration_rad_s2: 1.0, jerk_rad_s3: 1.0 };
         let phi = Phi {
             basis: PhiBasis::Typed,
             source: "typed".into(),

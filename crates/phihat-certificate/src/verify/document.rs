@@ -30,7 +30,7 @@ impl Certificate {
     /// #     name = "planar3r"
     /// #     [spec]
     /// #     settle_s = 1.0
-    /// #     error_max_rad = 0.02
+    /// #     error_bound_rad = 0.02
     /// #     [design]
     /// #     orders = [1]
     /// #     payload_max_kg = 0.2

@@ -36,7 +36,7 @@ impl TubeTip {
             (off, turned) = (off.max(sums.0), turned.max(sums.1));
         }
         let what = "largest error of the tip from the settling time on";
-        agrees(CLAIM, what, (self.error_max_m, off), SAME)?;
+        agrees(CLAIM, what, (self.error_bound_m, off), SAME)?;
         agrees(CLAIM, "largest angle of the tip likewise", (self.angle_max_rad, turned), SAME)
     }
 }

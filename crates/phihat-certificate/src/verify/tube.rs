@@ -92,8 +92,8 @@ impl TubeJoint {
             )?;
         }
         for ((low, high), claimed, what) in [
-            (e, self.error_max_rad, "largest |e| from the settling time on"),
-            (v, self.velocity_error_max_rad_s, "largest |ė| from the settling time on"),
+            (e, self.error_bound_rad, "largest |e| from the settling time on"),
+            (v, self.velocity_error_bound_rad_s, "largest |ė| from the settling time on"),
         ] {
             let mut most = 0.0_f64;
             for (bin, (low, high)) in low.iter().zip(high).enumerate() {

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use phihat::{JointDesign, JointGains};
-use phihat_certificate::tube::{Inputs, Reference, TubeRefusal, derive};
+use phihat_certificate::tube::{TubeInputs, TubeReference, TubeRefusal, derive};
 use phihat_certificate::{JointRecord, Tube};
 use phihat_sim::{Motion, Simulation, Trace};
 use phihat_study::PayloadSet;
@@ -16,7 +16,7 @@ pub(crate) struct Case {
     pub(crate) study: Study,
     pub(crate) laws: Vec<JointRecord>,
     pub(crate) filter: Option<f64>,
-    pub(crate) reference: Reference,
+    pub(crate) reference: TubeReference,
     pub(crate) payload: Option<PayloadSet>,
     pub(crate) coulomb: (Vec<f64>, Vec<f64>),
 }
@@ -27,7 +27,7 @@ pub(crate) fn read(text: &str) -> Study {
 }
 
 /// Samples of the motion.
-pub(crate) fn reference(study: &Study) -> Reference {
+pub(crate) fn reference(study: &Study) -> TubeReference {
     let motion = Motion::of(study).unwrap();
     let n = study.robot.joints.len();
     let period_ns = study.control.period_ns;
@@ -37,7 +37,7 @@ pub(crate) fn reference(study: &Study) -> Reference {
         reason = "a moderate positive number"
     )]
     let samples = (study.duration * 1e9 / period_ns as f64).round() as u64;
-    let mut out = Reference::default();
+    let mut out = TubeReference::default();
     for k in 0..=samples {
         let t = (k * period_ns) as f64 * 1e-9;
         let jets: Vec<_> = (0..n).map(|i| motion.told(i, t)).collect();
@@ -90,8 +90,8 @@ impl Case {
         self.inputs(|inputs| derive(inputs, &|_| ()))
     }
 
-    pub(crate) fn inputs<R>(&self, of: impl FnOnce(&Inputs<'_>) -> R) -> R {
-        of(&Inputs {
+    pub(crate) fn inputs<R>(&self, of: impl FnOnce(&TubeInputs<'_>) -> R) -> R {
+        of(&TubeInputs {
             study: &self.study,
             joints: &self.laws,
             velocity_filter_hz: self.filter,

@@ -9,8 +9,8 @@ use phihat_session::TraceKind;
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::shown::Shown;
-use crate::terminal::Page;
+use crate::shown::TerminalWatch;
+use crate::terminal::PageOptions;
 
 mod list;
 mod table;
@@ -69,7 +69,7 @@ pub(crate) struct Compare {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    page: Page,
+    page: PageOptions,
 }
 
 const BAR: &str = "{wide_bar} {percent} % · {msg} · {elapsed} · {eta} left";
@@ -95,7 +95,7 @@ impl Compare {
             threads: self.threads,
             out: self.out.clone(),
         };
-        let mut shown = Shown::resumable(BAR, self.fresh);
+        let mut shown = TerminalWatch::resumable(BAR, self.fresh);
         if let Some(name) = &self.trace {
             let run = options.repeat(name, TraceKind::csv(self.csv), &mut shown)?;
             self.tell_run(&run);

@@ -2,7 +2,7 @@
 
 use crate::table::Fitted;
 use comfy_table::{CellAlignment, ColumnConstraint};
-use phihat_compare::{Comparison, GainsKind, Row};
+use phihat_compare::{Comparison, GainsKind, LawRow};
 use serde_json::json;
 
 /// A table per arm, in the world that gains are tuned in, and where another row is better than the proposed law.
@@ -30,7 +30,7 @@ pub(super) fn overview(comparison: &Comparison) -> String {
 }
 
 /// Tuned scalars of a row that are at an end of their range.
-fn at_end(row: &Row) -> Option<String> {
+fn at_end(row: &LawRow) -> Option<String> {
     let ends = &row.tuning.as_ref()?.at_end;
     let each = ends.iter().map(|end| {
         format!("{} at its {} end", end.scalar, if end.upper { "upper" } else { "lower" })
@@ -59,7 +59,7 @@ fn table(lines: &[Vec<String>]) -> String {
 const WIDTH: u16 = 150;
 
 /// A row in few words, for programs; compare.json has all of it.
-pub(super) fn row(row: &Row) -> serde_json::Value {
+pub(super) fn row(row: &LawRow) -> serde_json::Value {
     let tuned = || row.cells.iter().filter(|cell| cell.gains == GainsKind::Tuned);
     let cells = tuned()
         .map(|cell| json!({ "world": cell.world, "fate": cell.outcome, "worst": cell.worst }));

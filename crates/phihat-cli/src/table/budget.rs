@@ -53,8 +53,11 @@ fn joints(joints: &[JointBudget]) -> String {
         let cell = |value: Option<f64>| {
             value.map_or_else(|| "–".to_owned(), |value| figure(value * MILLI))
         };
-        let first =
-            [format!("{} [{unit}]", joint.name), cell(joint.allowed_rad), cell(joint.total_rad)];
+        let first = [
+            format!("{} [{unit}]", joint.name),
+            cell(joint.error_bound_rad),
+            cell(joint.total_rad),
+        ];
         let parts = causes.iter().map(|cause| cell(joint.part(*cause)));
         table.add_row(first.into_iter().chain(parts));
     }

@@ -18,7 +18,7 @@ pub(crate) fn class(gains: &Gains) -> Option<String> {
         "bound |τ|\nN·m",
     ]);
     let joints = gains.joints.iter().enumerate();
-    for (i, joint) in joints.filter(|(i, _)| *i < class.error_rad.len()) {
+    for (i, joint) in joints.filter(|(i, _)| *i < class.error_bound_rad.len()) {
         let (low, high) = &class.box_rad;
         table.add_row([
             joint.name.clone(),
@@ -29,9 +29,9 @@ pub(crate) fn class(gains: &Gains) -> Option<String> {
                 class.acceleration_max_rad_s2[i],
                 class.jerk_max_rad_s3[i]
             ),
-            figure(class.error_rad[i] * MILLI, 3),
-            figure(class.frozen_error_rad[i] * MILLI, 3),
-            figure(class.velocity_error_rad_s[i] * MILLI, 1),
+            figure(class.error_bound_rad[i] * MILLI, 3),
+            figure(class.frozen_error_bound_rad[i] * MILLI, 3),
+            figure(class.velocity_error_bound_rad_s[i] * MILLI, 1),
             figure(class.torque_step_nm[i], 3),
             figure(class.torque_nm[i], 1),
         ]);
@@ -81,7 +81,7 @@ fn paces(class: &ClassBound, gains: &Gains) -> Option<String> {
     ]);
     let own = phihat_design::ClassPace {
         factor: 1.0,
-        error_rad: class.worst().map(|(_, error)| error),
+        error_bound_rad: class.worst().map(|(_, error)| error),
         torque_step_nm: class.torque_step_nm.iter().copied().reduce(f64::max),
         spectral_radius: class.spectral_radius,
     };
@@ -93,7 +93,7 @@ fn paces(class: &ClassBound, gains: &Gains) -> Option<String> {
         };
         table.add_row([
             format!("f = {}", pace.factor),
-            shown(pace.error_rad, MILLI, 3),
+            shown(pace.error_bound_rad, MILLI, 3),
             shown(pace.torque_step_nm, 1.0, 3),
             figure(pace.spectral_radius, 3),
         ]);

@@ -18,7 +18,7 @@ pub(crate) fn coarser(gains: &Gains) -> Option<String> {
     ]);
     let of = |figure: fn(&TubeJoint) -> f64| tube.joints.iter().map(figure).collect();
     let (errors, steps): (Vec<f64>, Vec<f64>) =
-        (of(|j| j.error_max_rad), of(|j| j.torque_step_max_nm));
+        (of(|j| j.error_bound_rad), of(|j| j.torque_step_max_nm));
     let joints = (gains, &tube.joints[..]);
     table.add_row(row("as declared".to_owned(), (&errors, &steps), joints, true));
     for one in &gains.coarser {
@@ -26,7 +26,7 @@ pub(crate) fn coarser(gains: &Gains) -> Option<String> {
         table.add_row(if let Some(why) = &one.refused {
             [bits, "no tube".to_owned(), String::new(), why.clone()]
         } else {
-            let list = (&one.error_max_rad[..], &one.torque_step_max_nm[..]);
+            let list = (&one.error_bound_rad[..], &one.torque_step_max_nm[..]);
             row(bits, list, joints, one.within_rate_limits)
         });
     }

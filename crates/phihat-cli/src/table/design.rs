@@ -107,7 +107,7 @@ pub(crate) fn certificate(certificate: &Certificate, gains: &Gains) -> String {
     lines.extend(coupled(certificate, gains));
     lines.extend(not_counted(&certificate.not_counted));
     if let Some(tip) = certificate.tube.as_ref().and_then(|tube| tube.tip.as_ref()) {
-        let (most, turned) = (tip.error_max_m * MILLI, tip.angle_max_rad.to_degrees());
+        let (most, turned) = (tip.error_bound_m * MILLI, tip.angle_max_rad.to_degrees());
         lines.push(format!("bound of the tip ({}): {most:.3} mm, {turned:.4}°", tip.frame));
     }
     lines.push(proved(certificate));
@@ -158,8 +158,8 @@ fn row(
     let noise = joint.noise.as_ref();
     vec![
         joint.name.clone(),
-        own(bound.map(|b| b.error_rad), 3, "mrad"),
-        own(bound.map(|b| b.velocity_error_rad_s), 1, "mrad/s"),
+        own(bound.map(|b| b.error_bound_rad), 3, "mrad"),
+        own(bound.map(|b| b.velocity_error_bound_rad_s), 1, "mrad/s"),
         own(integral, 2, "mrad·s"),
         joint.window.map_or_else(none, |w| format!("{:.3} … {:.2}", w.low, w.high)),
         margins.map_or_else(none, |m| format!("{:.2} … {:.2}", m.gain_down, m.gain_up)),

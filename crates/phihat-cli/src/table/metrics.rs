@@ -9,7 +9,7 @@ use super::{Fitted, MILLI, align, figure, in_unit, plain_table};
 const ROUNDING: f64 = 1e-9;
 
 /// One measured figure of every joint, and the bound it must keep, both in the unit of the heading.
-struct Column {
+struct MetricsColumn {
     heading: &'static str,
     unit: &'static str,
     decimals: usize,
@@ -19,33 +19,33 @@ struct Column {
     steady: bool,
 }
 
-const COLUMNS: [Column; 9] = [
-    Column::free(("rms e", "mrad", 4), true, |j| j.error_rms_rad * MILLI),
-    Column {
+const COLUMNS: [MetricsColumn; 9] = [
+    MetricsColumn::free(("rms e", "mrad", 4), true, |j| j.error_rms_rad * MILLI),
+    MetricsColumn {
         heading: "max |e|",
         unit: "mrad",
         decimals: 3,
         value: |j| j.error_steady_max_rad * MILLI,
-        bound: |j| j.error_spec_rad.map(|b| b * MILLI),
+        bound: |j| j.error_bound_rad.map(|b| b * MILLI),
         steady: true,
     },
-    Column {
+    MetricsColumn {
         heading: "max |∫e|",
         unit: "mrad·s",
         decimals: 3,
         value: |j| j.error_integral_steady_max_rad_s * MILLI,
-        bound: |j| j.error_integral_spec_rad_s.map(|b| b * MILLI),
+        bound: |j| j.error_integral_bound_rad_s.map(|b| b * MILLI),
         steady: true,
     },
-    Column {
+    MetricsColumn {
         heading: "max |ė|",
         unit: "mrad/s",
         decimals: 1,
         value: |j| j.velocity_error_steady_max_rad_s * MILLI,
-        bound: |j| j.velocity_error_spec_rad_s.map(|b| b * MILLI),
+        bound: |j| j.velocity_error_bound_rad_s.map(|b| b * MILLI),
         steady: true,
     },
-    Column {
+    MetricsColumn {
         heading: "peak |τ|",
         unit: "N·m",
         decimals: 1,
@@ -53,7 +53,7 @@ const COLUMNS: [Column; 9] = [
         bound: |j| j.tau_limit_nm,
         steady: false,
     },
-    Column {
+    MetricsColumn {
         heading: "max |Δτ|",
         unit: "N·m/sample",
         decimals: 2,
@@ -61,12 +61,12 @@ const COLUMNS: [Column; 9] = [
         bound: |j| j.tau_step_limit_nm,
         steady: false,
     },
-    Column::free(("limited", "% steady", 2), true, |j| 1e2 * j.limited_steady_share),
-    Column::free(("max |φ|", "N·m", 2), false, |j| j.phi_max_nm),
-    Column::free(("max |φ−φ̂|", "N·m", 2), true, |j| j.phi_error_steady_max_nm),
+    MetricsColumn::free(("limited", "% steady", 2), true, |j| 1e2 * j.limited_steady_share),
+    MetricsColumn::free(("max |φ|", "N·m", 2), false, |j| j.phi_max_nm),
+    MetricsColumn::free(("max |φ−φ̂|", "N·m", 2), true, |j| j.phi_error_steady_max_nm),
 ];
 
-impl Column {
+impl MetricsColumn {
     const fn free(
         (heading, unit, decimals): (&'static str, &'static str, usize),
         steady: bool,
@@ -136,7 +136,7 @@ pub(crate) fn metrics(metrics: &Metrics) -> Fitted {
 pub(crate) fn tip(metrics: &Metrics) -> Option<String> {
     let tip = metrics.tip.as_ref()?;
     let (most, turned) = (tip.error_steady_max_m * MILLI, tip.angle_steady_max_rad.to_degrees());
-    let bound = tip.error_spec_m.map(|bound| {
+    let bound = tip.error_bound_m.map(|bound| {
         let over = if tip.within_spec() { "" } else { " !" };
         format!(", {} allowed{over}", short(bound * MILLI))
     });
@@ -160,11 +160,11 @@ pub(crate) fn verdict(metrics: &Metrics, divergence: Option<&Divergence>) -> Str
         );
     }
     let stated = metrics.joints.iter().any(|j| {
-        j.error_spec_rad.is_some()
-            || j.error_integral_spec_rad_s.is_some()
-            || j.velocity_error_spec_rad_s.is_some()
+        j.error_bound_rad.is_some()
+            || j.error_integral_bound_rad_s.is_some()
+            || j.velocity_error_bound_rad_s.is_some()
     });
-    let tip = metrics.tip.as_ref().filter(|tip| tip.error_spec_m.is_some());
+    let tip = metrics.tip.as_ref().filter(|tip| tip.error_bound_m.is_some());
     let stated = stated || tip.is_some();
     let steady = format!("after the first {} s", metrics.settle_s);
     if !stated {
@@ -206,11 +206,11 @@ pub(crate) fn tube(run: &TubeRun, metrics: &Metrics) -> String {
         let velocity = |rad_s: f64| in_unit(figure(rad_s * MILLI, 1), "mrad/s", slides);
         table.add_row([
             joint.name.clone(),
-            error(joint.error_max_rad),
-            error(joint.error_tube_rad),
-            format!("{:.2}", joint.error_tube_rad / joint.error_max_rad),
-            velocity(joint.velocity_error_max_rad_s),
-            velocity(joint.velocity_error_tube_rad_s),
+            error(joint.error_peak_rad),
+            error(joint.error_bound_rad),
+            format!("{:.2}", joint.error_bound_rad / joint.error_peak_rad),
+            velocity(joint.velocity_error_peak_rad_s),
+            velocity(joint.velocity_error_bound_rad_s),
             format!("{}{edge}", error(joint.room_rad)),
         ]);
     }

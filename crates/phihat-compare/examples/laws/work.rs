@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use phihat_campaign::{Ended, Journal, run_all};
+use phihat_campaign::{Journal, RunEnded, run_all};
 use phihat_design::{Gains, Outcome};
 use phihat_session::{designed, short_hash};
 use phihat_sim::{Metrics, Simulation, Trace};
@@ -39,7 +39,7 @@ impl Design {
     /// Largest error that the tube allows after settling \[rad\], per joint.
     pub(crate) fn errors(&self) -> Option<Vec<f64>> {
         let tube = self.gains.as_ref().ok()?.certificate.as_ref()?.tube.as_ref()?;
-        Some(tube.joints.iter().map(|joint| joint.error_max_rad).collect())
+        Some(tube.joints.iter().map(|joint| joint.error_bound_rad).collect())
     }
 
     /// Largest change of torque per sample that the tube allows after settling \[N·m\], per joint.
@@ -91,7 +91,7 @@ pub(crate) fn design(
     asked: f64,
 ) -> Result<Design, Box<dyn Error>> {
     let mut all = edits.to_vec();
-    all.push((&["spec", "error_max_rad"], asked.into()));
+    all.push((&["spec", "error_bound_rad"], asked.into()));
     let study = study(text, kind, &all)?;
     eprint!("  {}, {:.3} mrad asked for: ", kind.name, 1e3 * asked);
     let id = short_hash(&["design", &study.text]);
@@ -105,8 +105,10 @@ pub(crate) fn design(
     };
     let kept = run_all(&[id], journal, 1, &work, |_| {})?.pop();
     let gains = match kept {
-        Some(Ended::With(Kept { gains: Some(text), .. })) => Ok(Box::new(Gains::from_json(&text)?)),
-        Some(Ended::With(Kept { why, .. }) | Ended::Panicked(why)) => Err(why),
+        Some(RunEnded::With(Kept { gains: Some(text), .. })) => {
+            Ok(Box::new(Gains::from_json(&text)?))
+        }
+        Some(RunEnded::With(Kept { why, .. }) | RunEnded::Panicked(why)) => Err(why),
         None => Err("the journal does not hold it".to_owned()),
     };
     let joints = study.robot.joints.len();

@@ -1,6 +1,6 @@
 //! From searches to fronts, ratios and ranks.
 
-use phihat_campaign::Ended;
+use phihat_campaign::RunEnded;
 use phihat_campaign::statistics::{
     Bootstrap, ErrorTable, FrontPoint, Placebo, Ratio, Spread, Standing, critical_difference, holm,
     hypervolume, placebo, quantile, ranks, ratio, standing,
@@ -8,13 +8,13 @@ use phihat_campaign::statistics::{
 use phihat_session::Dice;
 
 use super::extent::FrontsExtent;
-use super::job::{Done, Job, Law, Searched};
+use super::job::{Job, JobRecord, NamedLaw, SearchedLaw};
 use super::record::{
-    AtCap, Chosen, FRONTS_FORMAT, Fronts, LawRecord, Ordered, Restart, Versus, Volume,
+    AtCap, ChosenGains, FRONTS_FORMAT, Fronts, LawRecord, Ordered, Restart, Versus, Volume,
 };
 use super::tier::Tier;
 use crate::arm_case::ArmCase;
-use crate::protocol::{Tried, better};
+use crate::protocol::{AssessedRun, better};
 
 /// Error of a run that did not follow, where laws are compared \[rad\]: larger than that of any run that did.
 pub(super) const FAILED_RAD: f64 = 1.0;
@@ -31,9 +31,9 @@ const DRAWS: usize = 1000;
 /// All that follows from the searches, in the order of the plan's jobs.
 pub(super) fn fronts(
     arm: &ArmCase,
-    (tried, extent): (&[Law], &FrontsExtent),
+    (tried, extent): (&[NamedLaw], &FrontsExtent),
     jobs: &[Job],
-    done: Vec<Ended<Done>>,
+    done: Vec<RunEnded<JobRecord>>,
 ) -> Fronts {
     let caps = &extent.caps;
     let mut points: Vec<AtCap> = Vec::new();
@@ -74,7 +74,7 @@ pub(super) fn fronts(
     }
 }
 
-fn record(arm: &ArmCase, law: &Law) -> LawRecord {
+fn record(arm: &ArmCase, law: &NamedLaw) -> LawRecord {
     let (id, card) = (law.entry.card.id, law.entry.card);
     LawRecord {
         id: law.id(),
@@ -89,7 +89,7 @@ fn record(arm: &ArmCase, law: &Law) -> LawRecord {
 }
 
 /// Results of a search, one per cap.
-fn restarts(restart: u64, ended: Ended<Done>, caps: usize) -> Vec<Restart> {
+fn restarts(restart: u64, ended: RunEnded<JobRecord>, caps: usize) -> Vec<Restart> {
     let none = |failed: &str| Restart {
         restart,
         failed: Some(failed.to_owned()),
@@ -102,7 +102,7 @@ fn restarts(restart: u64, ended: Ended<Done>, caps: usize) -> Vec<Restart> {
         at_end: Vec::new(),
         test: Vec::new(),
     };
-    let of = |found: Searched| Restart {
+    let of = |found: SearchedLaw| Restart {
         restart,
         failed: None,
         values: found.values,
@@ -115,16 +115,16 @@ fn restarts(restart: u64, ended: Ended<Done>, caps: usize) -> Vec<Restart> {
         test: found.test,
     };
     match ended {
-        Ended::With(Done::Searched(found)) => found.into_iter().map(of).collect(),
-        Ended::With(Done::Refused(why)) => vec![none(&why); caps],
-        Ended::Panicked(why) => {
+        RunEnded::With(JobRecord::Searched(found)) => found.into_iter().map(of).collect(),
+        RunEnded::With(JobRecord::Refused(why)) => vec![none(&why); caps],
+        RunEnded::Panicked(why) => {
             vec![none(&format!("the program panicked, which is a bug: {why}")); caps]
         }
     }
 }
 
 /// The best in the validation worlds, of the tunings that satisfy every constraint in the training worlds.
-fn chosen(point: &AtCap) -> Option<Chosen> {
+fn chosen(point: &AtCap) -> Option<ChosenGains> {
     let mut best: Option<&Restart> = None;
     for restart in point.restarts.iter().filter(|restart| restart.feasible()) {
         let (Some(mine), Some(most)) =
@@ -137,13 +137,13 @@ fn chosen(point: &AtCap) -> Option<Chosen> {
             best = Some(restart);
         }
     }
-    best.map(|restart| Chosen::of(restart.restart, &restart.test, point.cap))
+    best.map(|restart| ChosenGains::of(restart.restart, &restart.test, point.cap))
 }
 
-impl Chosen {
+impl ChosenGains {
     /// Figures of gains in the test worlds.
-    pub(super) fn of(restart: u64, test: &[Option<Tried>], cap: f64) -> Self {
-        let followed: Vec<Tried> = test.iter().flatten().copied().collect();
+    pub(super) fn of(restart: u64, test: &[Option<AssessedRun>], cap: f64) -> Self {
+        let followed: Vec<AssessedRun> = test.iter().flatten().copied().collect();
         let noise: Vec<f64> = followed.iter().map(|tried| tried.noise).collect();
         let count = test.len().max(1) as f64;
         let loud = noise.iter().filter(|noise| **noise > cap).count() as f64;
@@ -172,7 +172,7 @@ fn errors(restart: &Restart) -> Vec<f64> {
     restart.test.iter().copied().map(error).collect()
 }
 
-fn error(tried: Option<Tried>) -> f64 {
+fn error(tried: Option<AssessedRun>) -> f64 {
     tried.map_or(FAILED_RAD, |tried| tried.error_rms_rad)
 }
 
@@ -278,7 +278,7 @@ fn volumes(laws: &[LawRecord], points: &[AtCap], caps: &[f64]) -> Vec<Volume> {
 /// Noise and error of a tuning over some of its worlds, in logarithms: medians. A run that failed has the
 /// largest of both.
 fn middle(restart: &Restart, worlds: &[usize]) -> Option<FrontPoint> {
-    let of = |failed: f64, of: fn(&Tried) -> f64| {
+    let of = |failed: f64, of: fn(&AssessedRun) -> f64| {
         let tried = worlds.iter().filter_map(|world| restart.test.get(*world));
         let values: Vec<f64> = tried.map(|t| t.as_ref().map_or(failed, of)).collect();
         quantile(&values, 0.5)
@@ -304,12 +304,12 @@ fn redrawn(dice: &mut Dice, own: &[&AtCap], worlds: usize, reference: FrontPoint
 #[cfg(test)]
 mod tests {
     use super::{AtCap, Restart, chosen, middle};
-    use crate::protocol::{Assessed, Tried};
+    use crate::protocol::{Assessed, AssessedRun};
     use crate::sure::Sure as _;
 
     fn of(restart: u64, train: f64, validation: f64, test: &[Option<(f64, f64)>]) -> Restart {
         let assessed = |error: f64| Assessed { error: error.abs(), violation: (-error).max(0.0) };
-        let tried = |(error_rms_rad, noise): (f64, f64)| Tried { error_rms_rad, noise };
+        let tried = |(error_rms_rad, noise): (f64, f64)| AssessedRun { error_rms_rad, noise };
         Restart {
             restart,
             failed: None,

@@ -7,18 +7,18 @@ use super::begin::{contained, from_contained, start};
 use super::extent::FrontsExtent;
 use crate::arm_case::ArmCase;
 use crate::error::CompareError;
-use crate::protocol::{Assessed, Assessor, Best, Split, Tried, draw};
+use crate::protocol::{Assessed, AssessedRun, Assessor, BestOfCap, Split, draw};
 use crate::tune::AtEnd;
 
 /// A law under one of its names.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Law {
+pub(super) struct NamedLaw {
     pub(super) entry: &'static Entry,
     /// 1, or 2 for the second name of a law that is compared with itself.
     pub(super) stream: u64,
 }
 
-impl Law {
+impl NamedLaw {
     pub(super) fn id(&self) -> String {
         let id = self.entry.card.id;
         if self.stream == 1 { id.to_owned() } else { format!("{id} again") }
@@ -35,7 +35,7 @@ pub(super) struct Job {
 
 /// Result of a search under one cap.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Searched {
+pub(super) struct SearchedLaw {
     /// Values of the law's scalars and of the free choices in its inputs.
     pub(super) values: Vec<f64>,
     /// Over the training worlds, with the margin's trials.
@@ -51,15 +51,15 @@ pub(super) struct Searched {
     /// Ends of ranges that values are at all the same.
     pub(super) at_end: Vec<AtEnd>,
     /// In the worlds to be judged in.
-    pub(super) test: Vec<Option<Tried>>,
+    pub(super) test: Vec<Option<AssessedRun>>,
 }
 
 /// Record of a search in the journal.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Done {
+pub(super) enum JobRecord {
     /// One per cap, in their order.
-    Searched(Vec<Searched>),
+    Searched(Vec<SearchedLaw>),
     Refused(String),
 }
 
@@ -71,9 +71,9 @@ impl FrontsExtent {
     pub(super) fn search(
         &self,
         arm: &ArmCase,
-        law: Law,
+        law: NamedLaw,
         restart: u64,
-    ) -> Result<Vec<Searched>, CompareError> {
+    ) -> Result<Vec<SearchedLaw>, CompareError> {
         let loosest = self.caps.iter().copied().reduce(f64::max);
         let assessor = |split: Split, place: usize, margin: Option<f64>| {
             Assessor::new(arm, &draw(self.seed, split, self.worlds[place]), self.span, margin)
@@ -94,7 +94,7 @@ impl FrontsExtent {
             None => vec![start(&arm.free(entry).0, restart, law.stream, self.seed)],
         };
         let found = train.search(entry, &starts, &self.caps, effort, seed);
-        let searched = |(best, cap): (Best, &f64)| Searched {
+        let searched = |(best, cap): (BestOfCap, &f64)| SearchedLaw {
             train: best.assessed,
             validation: validation.assay(entry, &best.values).at(*cap),
             test: test.measured(entry, &best.values),

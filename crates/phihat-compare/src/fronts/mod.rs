@@ -28,6 +28,6 @@ pub use options::{FrontsAnswer, FrontsOptions};
 pub use page::fronts_page;
 pub use plan::FrontsPlan;
 pub use record::{
-    AtCap, Chosen, FRONTS_FORMAT, Fronts, HeldOut, LawRecord, Ordered, Restart, Versus, Volume,
+    AtCap, ChosenGains, FRONTS_FORMAT, Fronts, HeldOut, LawRecord, Ordered, Restart, Versus, Volume,
 };
 pub use tier::Tier;

@@ -7,7 +7,7 @@ use phihat_report::kit::text::line;
 use phihat_report::kit::{MILLI, Page};
 
 use super::picture::{curve, mean_ranks, picture};
-use super::record::{AtCap, Chosen, Fronts, LawRecord, Restart};
+use super::record::{AtCap, ChosenGains, Fronts, LawRecord, Restart};
 use super::tier::Tier;
 use crate::protocol::hardest;
 use phihat_campaign::statistics::{Placebo, Spread, Standing};
@@ -67,7 +67,7 @@ fn percent(share: f64) -> String {
 }
 
 /// The chosen gains of a law at a cap, where they follow.
-fn found<'a>(fronts: &'a Fronts, law: &str, cap: f64) -> Option<(&'a Chosen, Spread, Spread)> {
+fn found<'a>(fronts: &'a Fronts, law: &str, cap: f64) -> Option<(&'a ChosenGains, Spread, Spread)> {
     let point = points(fronts, cap).find(|point| point.law == law)?;
     let chosen = point.chosen.as_ref()?;
     Some((chosen, chosen.error_rad?, chosen.noise?))

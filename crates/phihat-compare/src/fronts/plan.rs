@@ -2,19 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
-use phihat_campaign::{Ended, Journal, Progress, Shard, run_all};
+use phihat_campaign::{Journal, Progress, RunEnded, Shard, run_all};
 use phihat_rivals::{Entry, RIVALS};
 use phihat_session::short_hash;
 
 use super::extent::FrontsExtent;
 use super::gather;
-use super::job::{Done, Job, Law};
-use super::record::{Chosen, Fronts, HeldOut};
+use super::job::{Job, JobRecord, NamedLaw};
+use super::record::{ChosenGains, Fronts, HeldOut};
 use super::tier::Tier;
 use crate::arm_case::ArmCase;
 use crate::error::CompareError;
 use crate::plan::with_edition;
-use crate::protocol::{Assessor, Split, Tried, draw, hardest};
+use crate::protocol::{AssessedRun, Assessor, Split, draw, hardest};
 
 /// Raised when the same search would come out otherwise: journals of before are then done again.
 const EDITION: &str = "fronts 3";
@@ -28,7 +28,7 @@ const TWICE: [&str; 4] = ["industrial-pid", "time-delay", "proposed-1", "compute
 pub struct FrontsPlan {
     /// The one that laws are tuned on, and one that they are not.
     arms: Vec<ArmCase>,
-    laws: Vec<Law>,
+    laws: Vec<NamedLaw>,
     /// Extent of the comparison.
     pub extent: FrontsExtent,
 }
@@ -106,10 +106,10 @@ impl FrontsPlan {
         Ok(Some(fronts))
     }
 
-    fn search(&self, job: &Job) -> Done {
+    fn search(&self, job: &Job) -> JobRecord {
         match self.extent.search(&self.arms[0], self.laws[job.law], job.restart) {
-            Ok(searched) => Done::Searched(searched),
-            Err(why) => Done::Refused(why.to_string()),
+            Ok(searched) => JobRecord::Searched(searched),
+            Err(why) => JobRecord::Refused(why.to_string()),
         }
     }
 
@@ -169,11 +169,12 @@ impl FrontsPlan {
             let (entry, _, values) = &tried[place];
             assessor.measured(entry, values)
         };
-        let found = run_all::<Vec<Option<Tried>>>(&ids, journal, threads, &measure, progress)?;
+        let found =
+            run_all::<Vec<Option<AssessedRun>>>(&ids, journal, threads, &measure, progress)?;
         let mut points = Vec::new();
         for ((entry, cap, _), ended) in tried.iter().zip(found) {
-            if let Ended::With(test) = ended {
-                points.push((entry.card.id.to_owned(), *cap, Chosen::of(0, &test, *cap)));
+            if let RunEnded::With(test) = ended {
+                points.push((entry.card.id.to_owned(), *cap, ChosenGains::of(0, &test, *cap)));
             }
         }
         Ok(Some(HeldOut { arm: arm.record(), points }))
@@ -182,20 +183,21 @@ impl FrontsPlan {
 
 /// The laws in the order of the list, then those that are compared with themselves, one of each tier where
 /// there is one.
-fn laws(only: &[String]) -> Result<Vec<Law>, CompareError> {
+fn laws(only: &[String]) -> Result<Vec<NamedLaw>, CompareError> {
     if let Some(id) = only.iter().find(|id| RIVALS.iter().all(|r| r.card.id != **id)) {
         return Err(CompareError::Rival(id.clone()));
     }
     let asked = |entry: &&Entry| only.is_empty() || only.iter().any(|id| id == entry.card.id);
-    let mut laws: Vec<Law> =
-        RIVALS.iter().filter(asked).map(|entry| Law { entry, stream: 1 }).collect();
+    let mut laws: Vec<NamedLaw> =
+        RIVALS.iter().filter(asked).map(|entry| NamedLaw { entry, stream: 1 }).collect();
     for tier in Tier::ALL {
-        let of = |law: &&Law| Tier::of(&law.entry.needs) == tier && !law.entry.scalars.is_empty();
-        let rank = |law: &&Law| {
+        let of =
+            |law: &&NamedLaw| Tier::of(&law.entry.needs) == tier && !law.entry.scalars.is_empty();
+        let rank = |law: &&NamedLaw| {
             TWICE.iter().position(|id| *id == law.entry.card.id).unwrap_or(TWICE.len())
         };
         if let Some(law) = laws.iter().filter(of).min_by_key(rank) {
-            laws.push(Law { stream: 2, ..*law });
+            laws.push(NamedLaw { stream: 2, ..*law });
         }
     }
     Ok(laws)

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::extent::FrontsExtent;
 use super::tier::Tier;
-use crate::protocol::{Assessed, Tried};
+use crate::protocol::{Assessed, AssessedRun};
 use crate::record::ArmRecord;
 use crate::tune::AtEnd;
 use phihat_campaign::statistics::{Placebo, Ratio, Spread, Standing};
@@ -71,7 +71,7 @@ pub struct AtCap {
     pub restarts: Vec<Restart>,
     /// The tuning that is best in the validation worlds, in the test worlds; `None` where no search found
     /// gains that satisfy every constraint.
-    pub chosen: Option<Chosen>,
+    pub chosen: Option<ChosenGains>,
 }
 
 /// A search.
@@ -96,7 +96,7 @@ pub struct Restart {
     /// Ends of ranges that values are at all the same.
     pub at_end: Vec<AtEnd>,
     /// In the test worlds; `None`: it did not follow there.
-    pub test: Vec<Option<Tried>>,
+    pub test: Vec<Option<AssessedRun>>,
 }
 
 impl Restart {
@@ -108,7 +108,7 @@ impl Restart {
 
 /// Gains in the test worlds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Chosen {
+pub struct ChosenGains {
     /// Number of the restart.
     pub restart: u64,
     /// Errors \[rad\]; where it did not follow 1 rad.
@@ -173,5 +173,5 @@ pub struct HeldOut {
     /// The arm.
     pub arm: ArmRecord,
     /// Each law at each cap that has chosen gains: law, cap, what it measures.
-    pub points: Vec<(String, f64, Chosen)>,
+    pub points: Vec<(String, f64, ChosenGains)>,
 }

@@ -1,6 +1,6 @@
 //! A card per law: what it is, where it is from, what it needs, which gains it ran with, why each mark is as it is.
 
-use crate::{Comparison, RivalRecord, Row, ScalarRecord, TuningRecord};
+use crate::{Comparison, LawRow, RivalRecord, ScalarRecord, TuningRecord};
 use maud::{Markup, html};
 
 use super::names::title;
@@ -46,7 +46,7 @@ fn card(comparison: &Comparison, rival: &RivalRecord) -> Markup {
     } }
 }
 
-fn gains(rival: &RivalRecord, rows: &[&Row]) -> Markup {
+fn gains(rival: &RivalRecord, rows: &[&LawRow]) -> Markup {
     if rival.scalars.is_empty() {
         return html! { p.hint { "Gains: " (NOT_TUNED) "." } };
     }
@@ -115,7 +115,7 @@ fn widened(tuning: &TuningRecord, rival: &RivalRecord) -> String {
     )
 }
 
-fn marks(row: &Row) -> Markup {
+fn marks(row: &LawRow) -> Markup {
     let Some(columns) = &row.columns else { return html! {} };
     html! {
         p { strong { (line(&row.arm)) } }

@@ -1,11 +1,11 @@
 //! The sortable table of every arm: one row per law, the best of each column marked for whoever has it.
 
-use crate::{ArmRecord, Comparison, GainsKind, Row, WorldRecord};
+use crate::{ArmRecord, Comparison, GainsKind, LawRow, WorldRecord};
 use maud::{Markup, html};
 
 use super::names::{main_world, named};
 use super::outcome::{outcome_in_full, symbol_and_word, unrest};
-use super::quantity::{QUANTITIES, Quantity, QuantitySource};
+use super::quantity::{PageQuantity, QUANTITIES, QuantitySource};
 use super::words;
 use phihat_report::kit::anchor;
 use phihat_report::kit::number::stated;
@@ -46,20 +46,20 @@ fn of_a_world(
     comparison: &Comparison,
     arm: &ArmRecord,
     world: &WorldRecord,
-) -> Vec<&'static Quantity> {
-    let known = |quantity: &&Quantity| {
-        let cell = |row: &Row| quantity.of_cell(row, row.cell(&world.name, GainsKind::Tuned));
+) -> Vec<&'static PageQuantity> {
+    let known = |quantity: &&PageQuantity| {
+        let cell = |row: &LawRow| quantity.of_cell(row, row.cell(&world.name, GainsKind::Tuned));
         matches!(quantity.of, QuantitySource::World(_))
             && comparison.rows_of(&arm.name).any(|row| cell(row).is_some())
     };
     QUANTITIES.iter().filter(known).collect()
 }
 
-fn of_a_row() -> impl Iterator<Item = &'static Quantity> {
+fn of_a_row() -> impl Iterator<Item = &'static PageQuantity> {
     QUANTITIES.iter().filter(|quantity| matches!(quantity.of, QuantitySource::Row(_)))
 }
 
-fn headings(quantities: impl Iterator<Item = &'static Quantity>) -> Markup {
+fn headings(quantities: impl Iterator<Item = &'static PageQuantity>) -> Markup {
     html! { @for quantity in quantities { th scope="col" {
         (quantity.name)
         @if !quantity.unit.is_empty() { " " span.unit { "[" (quantity.unit) "]" } }
@@ -83,7 +83,7 @@ fn costs(comparison: &Comparison, arm: &ArmRecord) -> Markup {
 
 fn table(comparison: &Comparison, arm: &ArmRecord, world: &WorldRecord) -> Markup {
     let columns = of_a_world(comparison, arm, world);
-    let best = |q: &'static Quantity| (q, q.best(comparison, &arm.name, &world.name));
+    let best = |q: &'static PageQuantity| (q, q.best(comparison, &arm.name, &world.name));
     let best: Vec<_> = columns.iter().map(|q| best(q)).collect();
     let label = format!("Table: figures on {} in {}", line(&arm.name), line(&world.name));
     html! {
@@ -107,9 +107,9 @@ fn table(comparison: &Comparison, arm: &ArmRecord, world: &WorldRecord) -> Marku
 
 fn line_of(
     comparison: &Comparison,
-    row: &Row,
+    row: &LawRow,
     world: &WorldRecord,
-    best: &[(&Quantity, Option<f64>)],
+    best: &[(&PageQuantity, Option<f64>)],
     place: usize,
 ) -> Markup {
     let rival = comparison.rival(&row.rival);
@@ -143,7 +143,7 @@ fn free_key(model_free: &str) -> u8 {
 }
 
 /// Table cell with the outcome of a row's runs in this world.
-fn here(comparison: &Comparison, row: &Row, world: &WorldRecord) -> Markup {
+fn here(comparison: &Comparison, row: &LawRow, world: &WorldRecord) -> Markup {
     if let Some(why) = &row.refused {
         return html! { td.refused data-v="9" { "– does not apply" span.note { (line(why)) } } };
     }
@@ -158,12 +158,12 @@ fn here(comparison: &Comparison, row: &Row, world: &WorldRecord) -> Markup {
 }
 
 /// Returns true if the tuned gains violate the law's own stability condition: that it ran is luck.
-fn breaks_its_condition(row: &Row) -> bool {
+fn breaks_its_condition(row: &LawRow) -> bool {
     let columns = row.columns.as_ref();
     columns.and_then(|columns| columns.condition.as_ref()).is_some_and(|condition| !condition.holds)
 }
 
-fn value(quantity: &Quantity, row: &Row, world: &str, best: Option<f64>) -> Markup {
+fn value(quantity: &PageQuantity, row: &LawRow, world: &str, best: Option<f64>) -> Markup {
     let cell = row.cell(world, GainsKind::Tuned);
     let shown = quantity.of_cell(row, cell).filter(|_| row.refused.is_none());
     let Some(shown) = shown else { return html! { td { "–" } } };
@@ -206,7 +206,7 @@ pub fn comparison_table(comparison: &Comparison, arm: &str, world: &str) -> Vec<
     lines
 }
 
-fn as_text(comparison: &Comparison, quantity: &Quantity, row: &Row, world: &str) -> String {
+fn as_text(comparison: &Comparison, quantity: &PageQuantity, row: &LawRow, world: &str) -> String {
     let shown = quantity.of_cell(row, row.cell(world, GainsKind::Tuned));
     let Some(shown) = shown.filter(|_| row.refused.is_none()) else { return "–".to_owned() };
     let best = quantity.best(comparison, &row.arm, world);

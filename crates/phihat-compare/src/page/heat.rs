@@ -1,6 +1,6 @@
 //! The robustness map of an arm: law by world, a symbol and a number in every cell.
 
-use crate::{ArmRecord, Cell, Comparison, GainsKind, Row};
+use crate::{ArmRecord, Comparison, GainsKind, LawCell, LawRow};
 use maud::{Markup, html};
 
 use super::names::named;
@@ -48,7 +48,7 @@ pub(super) fn map(comparison: &Comparison, arm: &ArmRecord) -> Markup {
     }
 }
 
-fn place(comparison: &Comparison, row: &Row, world: &str) -> Markup {
+fn place(comparison: &Comparison, row: &LawRow, world: &str) -> Markup {
     let tuned = row.cell(world, GainsKind::Tuned);
     let designed = is_designed(comparison.rival(&row.rival));
     let default = row.cell(world, GainsKind::Default).filter(|_| !designed);
@@ -65,11 +65,11 @@ fn place(comparison: &Comparison, row: &Row, world: &str) -> Markup {
 }
 
 /// Error over specification.
-fn ratio(cell: &Cell) -> Option<f64> {
+fn ratio(cell: &LawCell) -> Option<f64> {
     cell.worst.as_ref().map(|figures| figures.error_over_spec).filter(|ratio| ratio.is_finite())
 }
 
-fn shade(cell: &Cell) -> Shade {
+fn shade(cell: &LawCell) -> Shade {
     if !cell.outcome.followed() {
         return if cell.outcome.badness() == 1 { Shade::Beyond } else { Shade::Broken };
     }
@@ -77,7 +77,7 @@ fn shade(cell: &Cell) -> Shade {
 }
 
 /// Symbol and number, or symbol and word.
-fn mark(cell: &Cell) -> String {
+fn mark(cell: &LawCell) -> String {
     let symbol = symbol_and_word(&cell.outcome).0;
     match ratio(cell) {
         Some(ratio) if cell.outcome.followed() => {

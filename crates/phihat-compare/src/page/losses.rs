@@ -1,16 +1,16 @@
 //! Columns in which the proposed law is not the best choice: found in the data, not written by hand.
 
-use crate::{Comparison, GainsKind, Row};
+use crate::{Comparison, GainsKind, LawRow};
 use serde::Serialize;
 
-use super::quantity::{QUANTITIES, Quantity, QuantitySource};
+use super::quantity::{PageQuantity, QUANTITIES, QuantitySource};
 
 /// Differences below this part of the larger value count as equal.
 const EQUAL: f64 = 0.02;
 
 /// A column in which other rows are better than a row of the proposed law.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Loss {
+pub struct LossOfLaw {
     /// Id of the proposed law's row.
     pub ours: String,
     /// The column.
@@ -67,12 +67,12 @@ pub(super) fn proposed(comparison: &Comparison) -> impl Iterator<Item = &str> {
 ///
 /// Rows are compared under their tuned gains, arm by arm and world by world. A row that did not follow its
 /// reference cannot be better, and loses to those that did. Values within 2 % are equal.
-pub fn losses(comparison: &Comparison) -> Vec<Loss> {
+pub fn losses(comparison: &Comparison) -> Vec<LossOfLaw> {
     let of = |id| QUANTITIES.iter().filter_map(move |column| loss(comparison, column, id));
     proposed(comparison).flat_map(of).collect()
 }
 
-fn loss(comparison: &Comparison, column: &Quantity, id: &str) -> Option<Loss> {
+fn loss(comparison: &Comparison, column: &PageQuantity, id: &str) -> Option<LossOfLaw> {
     let (mut cases, mut compared) = (0, 0);
     let (mut most, mut model_free): (Option<Beaten>, Option<Beaten>) = (None, None);
     for row in comparison.rows.iter().filter(|row| row.rival == id && row.refused.is_none()) {
@@ -93,11 +93,20 @@ fn loss(comparison: &Comparison, column: &Quantity, id: &str) -> Option<Loss> {
     }
     let (name, unit, counts) = (column.name, column.unit, column.counts);
     let ours = id.to_owned();
-    most.map(|most| Loss { ours, column: name, unit, counts, cases, compared, most, model_free })
+    most.map(|most| LossOfLaw {
+        ours,
+        column: name,
+        unit,
+        counts,
+        cases,
+        compared,
+        most,
+        model_free,
+    })
 }
 
 /// The worlds that a column is compared in; one nameless one for the row as a whole.
-fn worlds<'a>(comparison: &'a Comparison, column: &Quantity) -> Vec<Option<&'a str>> {
+fn worlds<'a>(comparison: &'a Comparison, column: &PageQuantity) -> Vec<Option<&'a str>> {
     match column.of {
         QuantitySource::World(_) => {
             comparison.worlds.iter().map(|world| Some(world.name.as_str())).collect()
@@ -109,8 +118,8 @@ fn worlds<'a>(comparison: &'a Comparison, column: &Quantity) -> Vec<Option<&'a s
 /// Returns true if the row was run here and some row has a value.
 fn can_be_compared(
     comparison: &Comparison,
-    column: &Quantity,
-    row: &Row,
+    column: &PageQuantity,
+    row: &LawRow,
     world: Option<&str>,
 ) -> bool {
     let ran = match world {
@@ -123,8 +132,8 @@ fn can_be_compared(
 /// The rows of others that are better than `row`.
 fn better<'a>(
     comparison: &'a Comparison,
-    column: &'a Quantity,
-    row: &'a Row,
+    column: &'a PageQuantity,
+    row: &'a LawRow,
     world: Option<&'a str>,
 ) -> impl Iterator<Item = Beaten> + 'a {
     let mine = column.eligible(row, world);
@@ -145,7 +154,7 @@ fn needs_no_model(comparison: &Comparison, id: &str) -> bool {
 }
 
 /// Of two cases the one with the larger factor; of equal ones the better value, then the first.
-fn keep_larger(kept: &mut Option<Beaten>, new: &Beaten, column: &Quantity) {
+fn keep_larger(kept: &mut Option<Beaten>, new: &Beaten, column: &PageQuantity) {
     let larger = kept.as_ref().is_none_or(|old| {
         new.factor() > old.factor()
             || (new.factor() >= old.factor() && column.prefers(new.theirs, old.theirs))

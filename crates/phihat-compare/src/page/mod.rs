@@ -23,9 +23,9 @@ mod trial;
 mod words;
 
 pub use figures::comparison_table;
-pub use losses::{Beaten, Loss, losses};
+pub use losses::{Beaten, LossOfLaw, losses};
 pub use names::main_world;
-pub use trial::{Trial, trial_page};
+pub use trial::{PageTrial, trial_page};
 pub use words::{DEFAULTS, NOT_TUNED, UNITS, model_free, model_free_in_full};
 
 const STYLE: &str = include_str!("comparison.css");

@@ -5,7 +5,7 @@ use phihat_report::kit::anchor;
 use phihat_report::kit::text::line;
 
 use crate::record::Comparison;
-use crate::row::Row;
+use crate::row::LawRow;
 
 /// A rival's name for people, else its id.
 pub(super) fn title(comparison: &Comparison, id: &str) -> String {
@@ -13,7 +13,7 @@ pub(super) fn title(comparison: &Comparison, id: &str) -> String {
 }
 
 /// A rival's name with a link to its card, and its grade.
-pub(super) fn named(comparison: &Comparison, row: &Row) -> Markup {
+pub(super) fn named(comparison: &Comparison, row: &LawRow) -> Markup {
     let rival = comparison.rival(&row.rival);
     html! {
         a href=(format!("#{}", anchor("rival", &row.rival))) { (title(comparison, &row.rival)) }

@@ -5,7 +5,7 @@ use phihat_report::kit::text::line;
 
 use crate::cost::LIMITED;
 use crate::record::Comparison;
-use crate::row::Cell;
+use crate::row::LawCell;
 use crate::run_outcome::RunOutcome;
 use crate::world::SATURATION;
 
@@ -23,7 +23,7 @@ pub(super) fn symbol_and_word(outcome: &RunOutcome) -> (&'static str, &'static s
 
 /// Defect of an arm that followed, in short and in full: its torque is noisier than tuned gains may be in
 /// training, or it stays at limits that leave room for the motion, as in a limit cycle.
-pub(super) fn unrest(comparison: &Comparison, cell: &Cell) -> Option<(&'static str, String)> {
+pub(super) fn unrest(comparison: &Comparison, cell: &LawCell) -> Option<(&'static str, String)> {
     let figures = cell.worst.as_ref().filter(|_| cell.outcome.followed())?;
     // There the limits are drawn in on purpose.
     let limited = figures.saturated > LIMITED && cell.world != SATURATION;

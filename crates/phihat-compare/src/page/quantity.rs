@@ -1,6 +1,6 @@
 //! Columns by which rows are compared: one list for the tables, the marks of the best, and the losses.
 
-use crate::{Cell, Columns, Comparison, Figures, GainsKind, Row};
+use crate::{Comparison, Figures, GainsKind, LawCell, LawRow, MarkColumns};
 
 use phihat_report::kit::MILLI;
 
@@ -18,7 +18,7 @@ const NEAR: f64 = 5e-3;
 
 /// A column.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Quantity {
+pub(super) struct PageQuantity {
     /// Heading.
     pub name: &'static str,
     /// Heading where there is little room, with its unit; empty: not shown there.
@@ -37,7 +37,7 @@ pub(super) enum QuantitySource {
     /// The worst figures of a world under the tuned gains.
     World(fn(&Figures) -> Option<f64>),
     /// The row as a whole.
-    Row(fn(&Row) -> Option<f64>),
+    Row(fn(&LawRow) -> Option<f64>),
 }
 
 const fn world(
@@ -45,28 +45,28 @@ const fn world(
     unit: &'static str,
     counts: &'static str,
     of: fn(&Figures) -> Option<f64>,
-) -> Quantity {
-    Quantity { name, short, unit, counts, better: Better::Less, of: QuantitySource::World(of) }
+) -> PageQuantity {
+    PageQuantity { name, short, unit, counts, better: Better::Less, of: QuantitySource::World(of) }
 }
 
 const fn row(
     (name, short): (&'static str, &'static str),
     counts: &'static str,
     better: Better,
-    of: fn(&Row) -> Option<f64>,
-) -> Quantity {
-    Quantity { name, short, unit: "", counts, better, of: QuantitySource::Row(of) }
+    of: fn(&LawRow) -> Option<f64>,
+) -> PageQuantity {
+    PageQuantity { name, short, unit: "", counts, better, of: QuantitySource::Row(of) }
 }
 
 const RUNS_TO_SPEC: &str = "runs to spec";
 
 /// Every column, in the order of the table.
-pub(super) const QUANTITIES: [Quantity; 13] = [
+pub(super) const QUANTITIES: [PageQuantity; 13] = [
     world(("rms error", "rms [mrad]"), "mrad", "the error over the whole motion", |f| {
         Some(MILLI * f.error_rms_rad)
     }),
     world(("largest error", "max [mrad]"), "mrad", "the largest error", |f| {
-        Some(MILLI * f.error_max_rad)
+        Some(MILLI * f.error_peak_rad)
     }),
     // What the cap of the tuning is about: what a smooth motion asks for is not in it.
     world(("torque noise", "noise [%]"), "% of limit", "a torque without noise", |f| {
@@ -104,27 +104,27 @@ pub(super) const QUANTITIES: [Quantity; 13] = [
 ];
 
 /// The columns of a row with something to choose: designed gains are not compared by how hard they are to find.
-fn chosen(row: &Row) -> Option<&Columns> {
+fn chosen(row: &LawRow) -> Option<&MarkColumns> {
     row.columns.as_ref().filter(|columns| columns.scalars > 0)
 }
 
 /// Worlds in which every run with the tuned gains followed its reference.
-pub(super) fn worlds_followed(row: &Row) -> usize {
+pub(super) fn worlds_followed(row: &LawRow) -> usize {
     let tuned = row.cells.iter().filter(|cell| cell.gains == GainsKind::Tuned);
     tuned.filter(|cell| cell.outcome.followed()).count()
 }
 
-impl Quantity {
+impl PageQuantity {
     /// Returns true if a row can be compared by it as a whole: a value that was not counted, or not chosen,
     /// is neither better nor worse.
-    pub(super) fn concerns(&self, row: &Row) -> bool {
+    pub(super) fn concerns(&self, row: &LawRow) -> bool {
         // A tuning that never kept the specification has no number of runs, and that is worse than any.
         let searched = self.name == RUNS_TO_SPEC && chosen(row).is_some();
         searched || self.of_cell(row, None).is_some()
     }
 
     /// The value that is shown of a cell, finite; whatever became of the arm.
-    pub(super) fn of_cell(&self, row: &Row, cell: Option<&Cell>) -> Option<f64> {
+    pub(super) fn of_cell(&self, row: &LawRow, cell: Option<&LawCell>) -> Option<f64> {
         let value = match self.of {
             QuantitySource::World(of) => of(cell?.worst.as_ref()?),
             QuantitySource::Row(of) => of(row),
@@ -133,7 +133,7 @@ impl Quantity {
     }
 
     /// The value that may be compared: of an arm that followed, and of a bound that was kept.
-    pub(super) fn eligible(&self, row: &Row, world: Option<&str>) -> Option<f64> {
+    pub(super) fn eligible(&self, row: &LawRow, world: Option<&str>) -> Option<f64> {
         let QuantitySource::World(_) = self.of else { return self.of_cell(row, None) };
         let cell = row.cell(world?, GainsKind::Tuned).filter(|cell| cell.outcome.followed())?;
         let value = self.of_cell(row, Some(cell))?;

@@ -1,6 +1,6 @@
 //! Error against torque noise, chatter, and effort where laws differ in it, logarithmic: a labelled mark per law.
 
-use crate::{ArmRecord, Comparison, Figures, GainsKind, Row};
+use crate::{ArmRecord, Comparison, Figures, GainsKind, LawRow};
 use maud::{Markup, html};
 use phihat_campaign::statistics::quantile;
 use phihat_rivals::Needs;
@@ -193,7 +193,7 @@ fn plot(comparison: &Comparison, arm: &ArmRecord, world: &str, against: &Against
 /// A law whose arm followed.
 fn point(
     comparison: &Comparison,
-    row: &Row,
+    row: &LawRow,
     world: &str,
     price: fn(&Figures) -> f64,
 ) -> Option<LawPoint> {

@@ -14,7 +14,7 @@ use super::names::{named, title};
 use super::outcome::{two_digits, unrest};
 use super::scatter;
 use super::words::is_designed;
-use crate::{ArmRecord, Cell, Comparison, GainsKind, Row, SATURATION};
+use crate::{ArmRecord, Comparison, GainsKind, LawCell, LawRow, SATURATION};
 
 /// First part of the page for an arm.
 pub(super) fn story(comparison: &Comparison, arm: &ArmRecord) -> Markup {
@@ -27,7 +27,7 @@ pub(super) fn story(comparison: &Comparison, arm: &ArmRecord) -> Markup {
 
 /// A row's cell in a world with tuned gains, where its arm followed without noise beyond the cap and did not
 /// stay at a limit.
-fn quiet<'a>(comparison: &Comparison, row: &'a Row, world: &str) -> Option<&'a Cell> {
+fn quiet<'a>(comparison: &Comparison, row: &'a LawRow, world: &str) -> Option<&'a LawCell> {
     let cell = row.cell(world, GainsKind::Tuned).filter(|cell| cell.outcome.followed())?;
     unrest(comparison, cell).is_none().then_some(cell)
 }
@@ -40,8 +40,8 @@ fn worlds(comparison: &Comparison) -> impl Iterator<Item = &str> {
 /// A figure of a row over all worlds without a push, as a geometric mean; `None` where it was not quiet in one of them.
 fn over_worlds(
     comparison: &Comparison,
-    row: &Row,
-    of: impl Fn(&Cell) -> Option<f64>,
+    row: &LawRow,
+    of: impl Fn(&LawCell) -> Option<f64>,
 ) -> Option<f64> {
     let each = |world| of(quiet(comparison, row, world)?).filter(|value| *value > 0.0);
     let values = worlds(comparison).map(each).collect::<Option<Vec<f64>>>()?;
@@ -49,35 +49,35 @@ fn over_worlds(
 }
 
 /// Root-mean-square error \[rad\] over worlds.
-fn error(comparison: &Comparison, row: &Row) -> Option<f64> {
+fn error(comparison: &Comparison, row: &LawRow) -> Option<f64> {
     over_worlds(comparison, row, |cell| Some(cell.worst.as_ref()?.error_rms_rad))
 }
 
 /// Torque noise in the world where it is worst, as a share of the torque limit; `None` where the row was not
 /// quiet in one of them.
-fn noise(comparison: &Comparison, row: &Row) -> Option<f64> {
+fn noise(comparison: &Comparison, row: &LawRow) -> Option<f64> {
     let each = |world| Some(quiet(comparison, row, world)?.worst.as_ref()?.noise);
     worlds(comparison).map(each).try_fold(0.0, |most: f64, noise| Some(most.max(noise?)))
 }
 
-fn needs_model(comparison: &Comparison, row: &Row) -> bool {
+fn needs_model(comparison: &Comparison, row: &LawRow) -> bool {
     comparison.rival(&row.rival).is_none_or(|rival| !rival.needs.model_free())
 }
 
 /// Returns true if a row satisfies its specification in every world without a push.
-fn keeps(comparison: &Comparison, row: &Row) -> bool {
-    let kept = |cell: &Cell| cell.worst.as_ref().is_some_and(|f| f.error_over_spec <= 1.0);
+fn keeps(comparison: &Comparison, row: &LawRow) -> bool {
+    let kept = |cell: &LawCell| cell.worst.as_ref().is_some_and(|f| f.error_over_spec <= 1.0);
     worlds(comparison).all(|world| quiet(comparison, row, world).is_some_and(kept))
 }
 
 /// Selection of rows.
-type RowChoice = fn(&Comparison, &Row) -> bool;
+type RowChoice = fn(&Comparison, &LawRow) -> bool;
 
 /// A kind of user: what they say of themselves, which rows are for them, and what they prefer, smaller values first.
 struct User {
     says: &'static str,
     may: RowChoice,
-    prefers: fn(&Comparison, &Row) -> Option<f64>,
+    prefers: fn(&Comparison, &LawRow) -> Option<f64>,
     /// Further rows whose best one is reported, and their name.
     also: Option<(&'static str, RowChoice)>,
 }
@@ -167,7 +167,7 @@ fn scatter_of_tuning(comparison: &Comparison, arm: &ArmRecord) -> Option<f64> {
 }
 
 /// The best of the rows that a user asks for by name.
-fn also(comparison: &Comparison, user: &User, rows: &[&Row]) -> Markup {
+fn also(comparison: &Comparison, user: &User, rows: &[&LawRow]) -> Markup {
     let Some((called, of)) = user.also else { return html! {} };
     let found = rows.iter().find(|row| of(comparison, row));
     html! { @match found {
@@ -181,19 +181,19 @@ fn best<'a>(
     comparison: &'a Comparison,
     arm: &'a ArmRecord,
     user: &User,
-) -> Option<(&'a Row, Vec<&'a Row>)> {
-    let value = |row: &&Row| {
+) -> Option<(&'a LawRow, Vec<&'a LawRow>)> {
+    let value = |row: &&LawRow| {
         ((user.may)(comparison, row)).then(|| (user.prefers)(comparison, row)).flatten()
     };
     let rows = comparison.rows_of(&arm.name).filter(|row| row.refused.is_none());
-    let mut rows: Vec<(f64, &Row)> = rows.filter_map(|row| Some((value(&row)?, row))).collect();
+    let mut rows: Vec<(f64, &LawRow)> = rows.filter_map(|row| Some((value(&row)?, row))).collect();
     rows.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-    let rows: Vec<&Row> = rows.into_iter().map(|(_, row)| row).collect();
+    let rows: Vec<&LawRow> = rows.into_iter().map(|(_, row)| row).collect();
     Some((*rows.first()?, rows))
 }
 
 /// `Name, 0.123 mrad at 0.04 % noise`.
-fn told(comparison: &Comparison, row: &Row) -> Markup {
+fn told(comparison: &Comparison, row: &LawRow) -> Markup {
     let percent = |value: f64| number(100.0 * value);
     html! {
         a href=(format!("#{}", anchor("rival", &row.rival))) { (title(comparison, &row.rival)) }
@@ -210,7 +210,7 @@ fn told(comparison: &Comparison, row: &Row) -> Markup {
 }
 
 /// The best of the proposed laws for the same user, where it is not the best of all.
-fn ours(comparison: &Comparison, best: &Row, rows: &[&Row]) -> Markup {
+fn ours(comparison: &Comparison, best: &LawRow, rows: &[&LawRow]) -> Markup {
     let own = rows.iter().position(|row| is_proposed(&row.rival));
     html! { @match own {
         _ if is_proposed(&best.rival) => {}
@@ -227,7 +227,7 @@ fn places<'a>(
     arm: &'a ArmRecord,
     world: &str,
 ) -> Vec<(&'a str, usize)> {
-    let error = |row: &Row| Some(quiet(comparison, row, world)?.worst.as_ref()?.error_rms_rad);
+    let error = |row: &LawRow| Some(quiet(comparison, row, world)?.worst.as_ref()?.error_rms_rad);
     let rows = comparison.rows_of(&arm.name);
     let mut rows: Vec<_> = rows.filter_map(|row| Some((error(row)?, row.rival.as_str()))).collect();
     rows.sort_by(|(a, _), (b, _)| a.total_cmp(b));
@@ -249,7 +249,7 @@ fn ranks(comparison: &Comparison, arm: &ArmRecord) -> Markup {
     let worlds: Vec<_> = names.iter().map(|world| places(comparison, arm, world)).collect();
     let place = |id: &str, of: &[(&str, usize)]| of.iter().find(|(o, _)| *o == id).map(|p| p.1);
     let all = comparison.rows_of(&arm.name).filter(|row| row.refused.is_none());
-    let mut rows: Vec<(f64, &Row, Vec<Option<usize>>)> = all
+    let mut rows: Vec<(f64, &LawRow, Vec<Option<usize>>)> = all
         .map(|row| {
             let own: Vec<_> = worlds.iter().map(|of| place(&row.rival, of)).collect();
             let last = |of: &Vec<(&str, usize)>| (of.len() + 1) as f64;

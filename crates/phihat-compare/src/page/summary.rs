@@ -1,9 +1,9 @@
 //! The top of the page: what was compared, and when to pick another row.
 
-use crate::{Cell, Comparison, GainsKind, Row};
+use crate::{Comparison, GainsKind, LawCell, LawRow};
 use maud::{Markup, html};
 
-use super::losses::{Beaten, Loss, losses, proposed};
+use super::losses::{Beaten, LossOfLaw, losses, proposed};
 use super::names::{main_world, title};
 use crate::SATURATION;
 use phihat_report::kit::anchor;
@@ -44,7 +44,7 @@ pub(super) fn heading(comparison: &Comparison, page: &str) -> Markup {
 
 /// Rows with tuned scalars at an end of their range: another range might give them less error.
 fn at_ends(comparison: &Comparison) -> Option<String> {
-    let of = |row: &Row| {
+    let of = |row: &LawRow| {
         let ends = &row.tuning.as_ref()?.at_end;
         let names: Vec<_> = ends.iter().map(|end| line(&end.scalar)).collect();
         (!ends.is_empty())
@@ -61,12 +61,12 @@ fn tally(comparison: &Comparison, arm: &str) -> Markup {
     let rows: Vec<_> = comparison.rows_of(arm).filter(|row| row.refused.is_none()).collect();
     let all = comparison.worlds.len();
     let everywhere = rows.iter().filter(|row| super::quantity::worlds_followed(row) == all).count();
-    let kept = |cell: &&Cell| {
+    let kept = |cell: &&LawCell| {
         cell.gains == GainsKind::Tuned
             && cell.outcome.followed()
             && cell.worst.as_ref().is_some_and(|f| f.error_over_spec <= 1.0)
     };
-    let keeps = |row: &Row, pushed: bool| {
+    let keeps = |row: &LawRow, pushed: bool| {
         row.cells.iter().filter(kept).filter(|cell| (cell.world == SATURATION) == pushed).count()
     };
     let pushed = comparison.worlds.iter().filter(|world| world.name == SATURATION).count();
@@ -106,7 +106,7 @@ pub(super) fn another_row(comparison: &Comparison) -> Markup {
     }
 }
 
-fn against(comparison: &Comparison, id: &str, losses: &[Loss]) -> Markup {
+fn against(comparison: &Comparison, id: &str, losses: &[LossOfLaw]) -> Markup {
     let of: Vec<_> = losses.iter().filter(|loss| loss.ours == id).collect();
     let ran = comparison.rows.iter().any(|row| row.rival == id && row.refused.is_none());
     html! {
@@ -138,7 +138,7 @@ fn by_how_much(factor: f64) -> String {
 }
 
 /// One case in words.
-fn beaten(comparison: &Comparison, loss: &Loss, case: &Beaten) -> Markup {
+fn beaten(comparison: &Comparison, loss: &LossOfLaw, case: &Beaten) -> Markup {
     let unit = if loss.unit.is_empty() { String::new() } else { format!(" {}", loss.unit) };
     let by = comparison.rival(&case.by);
     html! {

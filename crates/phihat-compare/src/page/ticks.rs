@@ -1,6 +1,6 @@
 //! The paper's table beside the measured one: printed tick, measured tick, agree or disagree.
 
-use crate::{ArmRecord, Columns, Comparison, Mark, Measured, Row};
+use crate::{ArmRecord, Comparison, LawRow, Mark, MarkColumns, MeasuredTicks};
 use maud::{Markup, html};
 
 use super::names::named;
@@ -12,7 +12,7 @@ pub(super) const COLUMNS: [&str; 4] =
     ["quantitative performance", "easy tuning", "optimal", "model free"];
 
 /// The measured columns, in the same order.
-pub(super) fn measured(columns: &Columns) -> [&Measured; 4] {
+pub(super) fn measured(columns: &MarkColumns) -> [&MeasuredTicks; 4] {
     [&columns.quantitative, &columns.easy, &columns.optimal, &columns.model_free]
 }
 
@@ -41,7 +41,7 @@ pub(super) fn table(comparison: &Comparison, arm: &ArmRecord) -> Markup {
     }
 }
 
-fn marks_of(row: &Row) -> Markup {
+fn marks_of(row: &LawRow) -> Markup {
     let Some(columns) = &row.columns else {
         return html! { @for _ in COLUMNS { td { "–" span.note { "not run" } } } };
     };
@@ -71,7 +71,7 @@ pub(super) fn symbol(mark: Mark) -> &'static str {
 }
 
 /// Mark that the paper prints, and its agreement with the measured one.
-pub(super) fn beside(measured: &Measured) -> String {
+pub(super) fn beside(measured: &MeasuredTicks) -> String {
     match (measured.printed, measured.agrees) {
         (Some(printed), Some(true)) => format!("printed {}: agrees", symbol(printed)),
         (Some(printed), Some(false)) => format!("printed {}: DISAGREES", symbol(printed)),

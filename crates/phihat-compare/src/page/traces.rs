@@ -1,6 +1,6 @@
 //! Behind every figure: each cell with its outcome, its figures, its trace, and the command that makes it again.
 
-use crate::{Cell, Comparison, Figures, GainsKind, Row, Sketch};
+use crate::{Comparison, Figures, GainsKind, LawCell, LawRow, Sketch};
 use maud::{Markup, html};
 
 use super::names::title;
@@ -26,12 +26,12 @@ pub(super) fn traces(comparison: &Comparison, command: &str) -> Markup {
     }
 }
 
-fn row_part(comparison: &Comparison, row: &Row, command: &str) -> Markup {
+fn row_part(comparison: &Comparison, row: &LawRow, command: &str) -> Markup {
     let id = anchor("row", &format!("{}-{}", row.arm, row.rival));
     let label = format!("Table: cells of {} on {}", title(comparison, &row.rival), line(&row.arm));
     let designed = is_designed(comparison.rival(&row.rival));
     // The same gains twice.
-    let again = |cell: &&Cell| designed && cell.gains == GainsKind::Default;
+    let again = |cell: &&LawCell| designed && cell.gains == GainsKind::Default;
     let cells = || row.cells.iter().filter(|cell| !again(cell));
     html! { details.cells id=(id) {
         summary {
@@ -61,7 +61,7 @@ fn row_part(comparison: &Comparison, row: &Row, command: &str) -> Markup {
     } }
 }
 
-fn cell_line(cell: &Cell, designed: bool, command: &str) -> Markup {
+fn cell_line(cell: &LawCell, designed: bool, command: &str) -> Markup {
     let kind = if designed { "designed" } else { gains(cell.gains) };
     let figure = |of: fn(&Figures) -> Option<f64>| {
         let value = cell.worst.as_ref().and_then(of);
@@ -71,12 +71,12 @@ fn cell_line(cell: &Cell, designed: bool, command: &str) -> Markup {
     html! { tr {
         th scope="row" { (line(&cell.world)) " " span.note { (kind) } }
         td.outside[!followed] { (outcome_in_full(&cell.outcome)) @if cell.runs.len() > 1 { span.note { (kept(cell)) } } }
-        td { (figure(|f| Some(MILLI * f.error_rms_rad))) br; (figure(|f| Some(MILLI * f.error_max_rad))) }
+        td { (figure(|f| Some(MILLI * f.error_rms_rad))) br; (figure(|f| Some(MILLI * f.error_peak_rad))) }
         td { (figure(|f| Some(100.0 * f.effort))) br; (figure(|f| Some(f.chatter_nm))) }
         td { (figure(|f| f.chatter_over_exact)) }
         td { (figure(|f| Some(100.0 * f.saturated))) }
         td { (figure(|f| f.recovery_s)) }
-        td { (figure(|f| f.bound_rad.map(|bound| MILLI * bound))) }
+        td { (figure(|f| f.error_bound_rad.map(|bound| MILLI * bound))) }
         @match &cell.sketch {
             None => { td { "–" } td { "–" } }
             Some(sketch) => {
@@ -89,7 +89,7 @@ fn cell_line(cell: &Cell, designed: bool, command: &str) -> Markup {
 }
 
 /// Number of runs that followed, in words.
-fn kept(cell: &Cell) -> String {
+fn kept(cell: &LawCell) -> String {
     let followed = cell.runs.iter().filter(|run| run.outcome.followed()).count();
     format!("{followed} of {} motions followed", cell.runs.len())
 }

@@ -10,7 +10,7 @@ use phihat_report::{Drawing, RunMeasurements, run_figures, torque, tracking};
 
 /// One run of a comparison.
 #[derive(Debug, Clone, Copy)]
-pub struct Trial<'a> {
+pub struct PageTrial<'a> {
     /// Its name, `ARM/RIVAL/WORLD/default|tuned/SEED`.
     pub name: &'a str,
     /// The law's name for people.
@@ -31,7 +31,7 @@ pub struct Trial<'a> {
 
 /// The self-contained page of a run. φ is the torque beside `U q̈`, in the law's own unit of inertia; a law without
 /// an estimate of it has none.
-pub fn trial_page(trial: &Trial<'_>) -> String {
+pub fn trial_page(trial: &PageTrial<'_>) -> String {
     let title = line(trial.name);
     let main = html! {
                 header {
@@ -55,7 +55,7 @@ pub fn trial_page(trial: &Trial<'_>) -> String {
     Page { title: &title, style: super::STYLE, script: None }.document(&main)
 }
 
-fn gains(trial: &Trial<'_>) -> Markup {
+fn gains(trial: &PageTrial<'_>) -> Markup {
     html! {
         h2 { "Gains" }
         @if trial.gains.is_empty() { p { "The law has no free scalar." } }

@@ -16,7 +16,7 @@ use crate::cost::LIMITED;
 use crate::error::CompareError;
 use crate::judge::{Bars, judge};
 use crate::run_outcome::{Figures, RunOutcome};
-use crate::trial::{Trial, TrialError, run_many};
+use crate::trial::{ComparisonTrial, TrialError, run_many};
 use crate::tune::{AtEnd, ends, tune_widening_from};
 
 /// Evaluations of one search, for each of a law's free scalars and one more.
@@ -31,7 +31,7 @@ const LEAST: f64 = 1e-6;
 
 /// Figures of a run that followed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Tried {
+pub struct AssessedRun {
     /// Root mean square of the error of the worst joint \[rad\]; a microradian at least.
     pub error_rms_rad: f64,
     /// Root mean square of the torque above 50 Hz over its limit, of the worst joint.
@@ -41,7 +41,7 @@ pub struct Tried {
 /// Outcome of a run, and its figures where it has some.
 type Ran = (RunOutcome, Option<Figures>);
 
-impl Tried {
+impl AssessedRun {
     /// Of a run; `None` where it did not follow.
     fn of((outcome, figures): &Ran) -> Option<Self> {
         let figures = figures.as_ref().filter(|_| outcome.followed())?;
@@ -87,7 +87,7 @@ impl Assayed {
 
 /// The best of a search under one of its caps.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Best {
+pub struct BestOfCap {
     /// The candidate.
     pub values: Vec<f64>,
     /// Under this cap.
@@ -127,15 +127,16 @@ impl<'a> Assessor<'a> {
 
     /// Figures of a candidate, one per world; `None` where it did not follow. `values`: those of the
     /// law's own scalars, followed by none or those of [`Entry::choices`].
-    pub fn measured(&self, entry: &Entry, values: &[f64]) -> Vec<Option<Tried>> {
-        self.plain(entry, values).iter().map(|run| Tried::of(run.as_ref()?)).collect()
+    pub fn measured(&self, entry: &Entry, values: &[f64]) -> Vec<Option<AssessedRun>> {
+        self.plain(entry, values).iter().map(|run| AssessedRun::of(run.as_ref()?)).collect()
     }
 
     /// Assesses the candidate over all worlds. The trials of a margin are run in the worlds where the
     /// candidate followed with noise within the loosest cap; in the others they count as failed.
     pub fn assay(&self, entry: &Entry, values: &[f64]) -> Assayed {
         let plain = self.plain(entry, values);
-        let held = |run: &Ran| Tried::of(run).is_some_and(|tried| tried.noise <= self.loosest);
+        let held =
+            |run: &Ran| AssessedRun::of(run).is_some_and(|tried| tried.noise <= self.loosest);
         let held: Vec<bool> = plain.iter().map(|run| run.as_ref().is_some_and(held)).collect();
         let tried = self.worlds.iter().zip(&held).filter(|(_, held)| **held);
         let trials = tried.flat_map(|((masses, _, trials), _)| trials.iter().map(|t| (*masses, t)));
@@ -177,7 +178,7 @@ impl<'a> Assessor<'a> {
         caps: &[f64],
         (per_scalar, widenings): (usize, usize),
         seed: u64,
-    ) -> Vec<Best> {
+    ) -> Vec<BestOfCap> {
         let (mut scalars, wide) = self.arm.free(entry);
         let mut tried: Vec<Assayed> =
             starts.iter().map(|values| self.assay(entry, values)).collect();
@@ -206,7 +207,7 @@ impl<'a> Assessor<'a> {
         }
         let answer = |(cap, widened): (&f64, usize)| {
             let best = best(&tried, *cap)?;
-            Some(Best {
+            Some(BestOfCap {
                 values: best.values.clone(),
                 assessed: best.at(*cap),
                 evaluations: tried.len(),
@@ -243,9 +244,16 @@ impl<'a> Assessor<'a> {
         let bars =
             Bars { error_bound: &self.arm.error_bound, limits: &self.arm.limits, bound: None };
         let every = sensed.iter().map(|study| &**study);
-        run_many(entry, units, every, made, |place, study, trial: Result<Trial, TrialError>| {
-            all[place] = trial.ok().map(|trial| judge(study, &trial.outcome, trial.broken, &bars));
-        });
+        run_many(
+            entry,
+            units,
+            every,
+            made,
+            |place, study, trial: Result<ComparisonTrial, TrialError>| {
+                all[place] =
+                    trial.ok().map(|trial| judge(study, &trial.outcome, trial.broken, &bars));
+            },
+        );
         all
     }
 }

@@ -9,7 +9,7 @@ mod margin;
 mod noise;
 mod worlds;
 
-pub use assess::{Assayed, Assessor, Best, FOLLOWING, PER_SCALAR, Tried, random_start};
+pub use assess::{Assayed, AssessedRun, Assessor, BestOfCap, FOLLOWING, PER_SCALAR, random_start};
 pub use feasible::{Assessed, CAPS, better};
 pub use margin::{Harder, LOUDER};
 pub use noise::{NOISE_FROM_HZ, noise_above};

@@ -7,7 +7,7 @@ use toml::{Table, Value};
 
 use super::margin::Harder;
 use crate::arm_case::ArmCase;
-use crate::arm_in_world::Span;
+use crate::arm_in_world::TimeSpan;
 use crate::error::CompareError;
 use crate::world::numbers;
 
@@ -133,7 +133,7 @@ impl ArmCase {
         self
     }
 
-    fn drawn_table(&self, drawn: &Drawn, harder: Harder, (duration, settle): Span) -> Table {
+    fn drawn_table(&self, drawn: &Drawn, harder: Harder, (duration, settle): TimeSpan) -> Table {
         let mut table = self.table.clone();
         table.remove("supervisor");
         if let Some(world) = table.get_mut("world").and_then(Value::as_table_mut) {

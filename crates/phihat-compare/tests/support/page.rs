@@ -2,9 +2,9 @@
 #![allow(dead_code, reason = "each test file uses its part")]
 
 use phihat_compare::{
-    ArmRecord, Cell, Columns, Comparison, ConditionRecord, Cost, FORMAT, Fairness, Figures,
-    GainsKind, Mark, Measured, RivalRecord, Row, Run, RunOutcome, ScalarRecord, Sketch,
-    TuningRecord, WorldRecord,
+    ArmRecord, Comparison, ConditionRecord, FORMAT, Fairness, Figures, GainsKind, LawCell, LawRow,
+    LawRun, Mark, MarkColumns, MeasuredTicks, RivalRecord, RunOutcome, ScalarRecord, Sketch,
+    TuningCost, TuningRecord, WorldRecord,
 };
 use phihat_rivals::Needs;
 
@@ -41,7 +41,7 @@ fn rival(k: usize) -> RivalRecord {
 pub(crate) fn figures(rms: f64) -> Figures {
     Figures {
         error_rms_rad: 1e-3 * rms,
-        error_max_rad: 3e-3 * rms,
+        error_peak_rad: 3e-3 * rms,
         error_over_spec: rms,
         effort: 0.1 + 0.01 * rms,
         chatter_nm: 0.02 * rms,
@@ -50,18 +50,18 @@ pub(crate) fn figures(rms: f64) -> Figures {
         noise_above_50_hz: Some(2e-4),
         saturated: 0.0,
         recovery_s: None,
-        bound_rad: None,
+        error_bound_rad: None,
         bound_over_measured: None,
     }
 }
 
-fn cell(name: &str, world: &str, gains: GainsKind, rms: f64) -> Cell {
+fn cell(name: &str, world: &str, gains: GainsKind, rms: f64) -> LawCell {
     let word = if gains == GainsKind::Tuned { "tuned" } else { "default" };
     let wave = |k: usize| (0.05 * k as f32).sin();
-    Cell {
+    LawCell {
         world: world.to_owned(),
         gains,
-        runs: vec![Run {
+        runs: vec![LawRun {
             name: format!("{name}/{world}/{word}/1"),
             seed: 1,
             outcome: RunOutcome::Followed,
@@ -78,13 +78,13 @@ fn cell(name: &str, world: &str, gains: GainsKind, rms: f64) -> Cell {
     }
 }
 
-fn measured(mark: Mark, printed: Option<Mark>) -> Measured {
+fn measured(mark: Mark, printed: Option<Mark>) -> MeasuredTicks {
     let agrees = printed.map(|printed| printed == mark);
-    Measured { mark, printed, agrees, why: "as measured".to_owned() }
+    MeasuredTicks { mark, printed, agrees, why: "as measured".to_owned() }
 }
 
 /// A row whose rms error is `rms` [mrad] in the first world and twice that in the second.
-fn row(arm: &str, k: usize, rms: f64) -> Row {
+fn row(arm: &str, k: usize, rms: f64) -> LawRow {
     let name = format!("{arm}/{}", IDS[k]);
     let printed = rival(k).printed;
     let column = |place: usize, mark| measured(mark, printed.map(|marks| marks[place]));
@@ -92,7 +92,7 @@ fn row(arm: &str, k: usize, rms: f64) -> Row {
         [(GainsKind::Default, 3.0), (GainsKind::Tuned, 1.0)]
             .map(|(gains, worse)| cell(&name, world, gains, rms * times * worse))
     });
-    Row {
+    LawRow {
         arm: arm.to_owned(),
         rival: IDS[k].to_owned(),
         refused: None,
@@ -107,7 +107,7 @@ fn row(arm: &str, k: usize, rms: f64) -> Row {
             cost_tuned: 0.001,
             runs_to_spec: Some(7),
         }),
-        columns: Some(Columns {
+        columns: Some(MarkColumns {
             quantitative: column(0, Mark::Yes),
             easy: column(1, Mark::Yes),
             optimal: column(2, Mark::No),
@@ -120,7 +120,7 @@ fn row(arm: &str, k: usize, rms: f64) -> Row {
                 margin: Some(3.0),
             }),
         }),
-        cost: Some(Cost { states: 2, instructions: Some(250) }),
+        cost: Some(TuningCost { states: 2, instructions: Some(250) }),
         cells: cells.collect(),
     }
 }
@@ -136,7 +136,7 @@ pub(crate) fn comparison(rms: [f64; 4]) -> Comparison {
         study_sha256: "0".repeat(64),
         joints: vec!["shoulder".to_owned(), "elbow".to_owned()],
         inertia: vec![1.0, 0.5],
-        error_max_rad: vec![1e-3, 1e-3],
+        error_bound_rad: vec![1e-3, 1e-3],
     };
     Comparison {
         format: FORMAT.to_owned(),
@@ -186,7 +186,7 @@ pub(crate) fn troubled() -> Comparison {
     refused.cells.clear();
     for cell in &mut all.rows[3].cells {
         if let Some(figures) = &mut cell.worst {
-            figures.bound_rad = Some(4e-3);
+            figures.error_bound_rad = Some(4e-3);
             figures.bound_over_measured = Some(0.9);
         }
     }

@@ -7,7 +7,9 @@ use phihat_certificate::Witness;
 use phihat_certificate::extremes::Extremes as _;
 use phihat_model::Workspace;
 
-use super::postures::{Eigen, Postures, SAMPLES, Tried, eigen, scaled, scaled_mass_matrix};
+use super::postures::{
+    Eigen, PostureInertia, PostureSet, SAMPLES, eigen, scaled, scaled_mass_matrix,
+};
 
 /// Numbers of postures from which an end is sought: the best, and others evenly spread, because the best ones
 /// may all lead to the same peak.
@@ -35,12 +37,12 @@ const HALVINGS: u32 = 30;
 
 /// End of the range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum End {
+pub(super) enum RangeEnd {
     Low,
     High,
 }
 
-impl End {
+impl RangeEnd {
     /// Larger is better.
     fn score(self, value: f64) -> f64 {
         match self {
@@ -75,9 +77,9 @@ struct At {
 /// best point inside the travel is taken, `v` becomes the eigenvector there, and so on, joint after joint: the
 /// eigenvalue never gets worse. In a sliding joint's position it is a parabola. Along a ridge that is steps of single
 /// joints without end, so that after each round all of them go on together, as far as that is better.
-pub(super) fn extreme(postures: &Postures, nominal: &[f64], end: End) -> Option<Witness> {
-    let search = Search { postures, nominal, end };
-    let tried = if end == End::Low { &postures.light } else { &postures.heavy };
+pub(super) fn extreme(postures: &PostureSet, nominal: &[f64], end: RangeEnd) -> Option<Witness> {
+    let search = AscentSearch { postures, nominal, end };
+    let tried = if end == RangeEnd::Low { &postures.light } else { &postures.heavy };
     let mut order: Vec<(f64, usize)> =
         tried.iter().enumerate().map(|(i, tried)| (search.score(tried), i)).collect();
     order.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -109,27 +111,27 @@ pub(super) fn extreme(postures: &Postures, nominal: &[f64], end: End) -> Option<
     Some(Witness::new(best.q, &postures.payloads[best.payload].body, best.value))
 }
 
-struct Search<'a> {
-    postures: &'a Postures,
+struct AscentSearch<'a> {
+    postures: &'a PostureSet,
     nominal: &'a [f64],
-    end: End,
+    end: RangeEnd,
 }
 
-impl Search<'_> {
-    fn score(&self, tried: &Tried) -> f64 {
+impl AscentSearch<'_> {
+    fn score(&self, tried: &PostureInertia) -> f64 {
         let all = scaled(&tried.matrix, self.nominal).symmetric_eigenvalues();
         let (low, high) = all.iter().copied().ends();
-        self.end.score(if self.end == End::Low { low } else { high })
+        self.end.score(if self.end == RangeEnd::Low { low } else { high })
     }
 
-    fn look(&self, tried: &Tried) -> At {
+    fn look(&self, tried: &PostureInertia) -> At {
         let (value, vector) = self.end.of(eigen(&scaled(&tried.matrix, self.nominal)));
         At { q: tried.q.clone(), payload: tried.payload, value, vector }
     }
 
     /// Takes the best of the heaviest payloads; whether that is another one.
     fn choose_payload(&self, at: &mut At) -> bool {
-        if self.end == End::Low {
+        if self.end == RangeEnd::Low {
             return false;
         }
         let before = at.payload;
@@ -148,7 +150,7 @@ impl Search<'_> {
 
     /// The same posture with each of the other heaviest payloads.
     fn with_others(&self, at: &At) -> Vec<At> {
-        let heaviest = if self.end == End::Low { 0 } else { self.postures.heaviest };
+        let heaviest = if self.end == RangeEnd::Low { 0 } else { self.postures.heaviest };
         let others = (1..=heaviest).filter(|payload| *payload != at.payload);
         others.map(|payload| self.at(at.q.clone(), payload)).collect()
     }

@@ -10,17 +10,17 @@ const MOST: usize = 1000;
 
 /// Shared by the clones of an arm. What it hands out is what would be found again, bit for bit: the keys are the bits.
 #[derive(Debug, Clone)]
-pub(super) struct Memory<Arm>(Arc<Mutex<Kept<Arm>>>);
+pub(super) struct Memory<Arm>(Arc<Mutex<RememberedArm<Arm>>>);
 
 #[derive(Debug)]
-struct Kept<Arm> {
+struct RememberedArm<Arm> {
     ranges: BTreeMap<Vec<u64>, ArmInertia>,
     few: BTreeMap<(Vec<u64>, usize), Arm>,
 }
 
 impl<Arm> Default for Memory<Arm> {
     fn default() -> Self {
-        Self(Arc::new(Mutex::new(Kept { ranges: BTreeMap::new(), few: BTreeMap::new() })))
+        Self(Arc::new(Mutex::new(RememberedArm { ranges: BTreeMap::new(), few: BTreeMap::new() })))
     }
 }
 
@@ -29,7 +29,7 @@ fn bits(nominal: &[f64]) -> Vec<u64> {
 }
 
 impl<Arm: Clone> Memory<Arm> {
-    fn kept(&self) -> MutexGuard<'_, Kept<Arm>> {
+    fn kept(&self) -> MutexGuard<'_, RememberedArm<Arm>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -14,13 +14,13 @@ use phihat_model::Workspace;
 use phihat_study::{InertiaSource, Study};
 
 pub use error::ArmError;
-pub use prove::{ProofProgress, Unproved};
+pub use prove::{ProofProgress, RangeUnproved};
 pub use rates::InertiaRates;
 
 use crate::trace::InertiaEstimate;
-use ascent::{End, STARTS, extreme};
+use ascent::{RangeEnd, STARTS, extreme};
 use memory::Memory;
-use postures::{Postures, scaled};
+use postures::{PostureSet, scaled};
 
 /// An eigenvalue is not told apart from 0 below this share of the largest.
 const TOLD: f64 = 1e-13;
@@ -38,7 +38,7 @@ const TOLD: f64 = 1e-13;
 /// #     name = "planar3r"
 /// #     [spec]
 /// #     settle_s = 1.0
-/// #     error_max_rad = 0.02
+/// #     error_bound_rad = 0.02
 /// #     [design]
 /// #     orders = [1]
 /// #     payload_max_kg = 0.2
@@ -69,7 +69,7 @@ pub struct Arm {
 #[derive(Debug, Clone)]
 enum Knowledge {
     /// A robot's postures.
-    Postures(Box<Postures>),
+    Postures(Box<PostureSet>),
     /// `M(q)` at some of them.
     Matrices(Vec<DMatrix<f64>>),
     /// Low and high \[kg·m²\] per joint.
@@ -133,7 +133,7 @@ impl Arm {
     }
 
     fn sampled(study: &Study) -> Result<Self, ArmError> {
-        let postures = Postures::of(study)?;
+        let postures = PostureSet::of(study)?;
         let (set, name) = (&study.design.payload, &study.robot.name);
         Ok(Self {
             basis: ArmBasis::Postures,
@@ -182,18 +182,18 @@ impl Arm {
         if let Some(few) = self.memory.few(nominal, count) {
             return few;
         }
-        let best = |end: End| {
-            let tried = if end == End::Low { &postures.light } else { &postures.heavy };
+        let best = |end: RangeEnd| {
+            let tried = if end == RangeEnd::Low { &postures.light } else { &postures.heavy };
             let score = |m: &DMatrix<f64>| {
                 let all = scaled(m, nominal).symmetric_eigenvalues();
                 let (low, high) = all.iter().copied().ends();
-                if end == End::Low { low } else { -high }
+                if end == RangeEnd::Low { low } else { -high }
             };
             let mut all: Vec<_> = tried.iter().map(|t| (score(&t.matrix), &t.matrix)).collect();
             all.sort_by(|a, b| a.0.total_cmp(&b.0));
             all.into_iter().take(count).map(|(_, matrix)| matrix.clone())
         };
-        let few = best(End::Low).chain(best(End::High)).collect();
+        let few = best(RangeEnd::Low).chain(best(RangeEnd::High)).collect();
         let (knowledge, memory) = (Knowledge::Matrices(few), Memory::default());
         let few = Self { knowledge, memory, ..self.clone() };
         self.memory.keep_few(nominal, count, &few);
@@ -272,16 +272,16 @@ impl Arm {
     ///
     /// # Errors
     ///
-    /// [`Unproved`], with how far it came.
+    /// [`RangeUnproved`], with how far it came.
     pub fn prove(
         &self,
         range: &ArmInertia,
         factor: f64,
         go_on: &mut dyn FnMut(ProofProgress) -> bool,
-    ) -> Result<ArmInertia, Unproved> {
+    ) -> Result<ArmInertia, RangeUnproved> {
         let (Knowledge::Postures(postures), Some(searched)) = (&self.knowledge, &range.searched)
         else {
-            return Err(Unproved::NotOfARobot);
+            return Err(RangeUnproved::NotOfARobot);
         };
         let proved = prove::prove(postures, &range.nominal_kg_m2, factor * range.high, go_on)?;
         let searched = Some(Searched { proved: Some(proved), ..searched.clone() });
@@ -290,14 +290,14 @@ impl Arm {
 }
 
 /// Witnesses of the range: the postures at which both ends are reached.
-fn witnesses(postures: &Postures, nominal: &[f64]) -> Option<Searched> {
+fn witnesses(postures: &PostureSet, nominal: &[f64]) -> Option<Searched> {
     Some(Searched {
         postures: postures.count(),
         of_reference: postures.of_reference(),
         starts: STARTS,
         frame: postures.frame.clone(),
-        low: extreme(postures, nominal, End::Low)?,
-        high: extreme(postures, nominal, End::High)?,
+        low: extreme(postures, nominal, RangeEnd::Low)?,
+        high: extreme(postures, nominal, RangeEnd::High)?,
         proved: None,
     })
 }

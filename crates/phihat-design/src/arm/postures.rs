@@ -20,7 +20,7 @@ pub(super) struct Loaded {
 
 /// `M(q)` at a posture, with the payload of an index.
 #[derive(Debug, Clone)]
-pub(super) struct Tried {
+pub(super) struct PostureInertia {
     pub(super) q: Vec<f64>,
     pub(super) payload: usize,
     pub(super) matrix: DMatrix<f64>,
@@ -28,7 +28,7 @@ pub(super) struct Tried {
 
 /// All postures looked at.
 #[derive(Debug, Clone)]
-pub(super) struct Postures {
+pub(super) struct PostureSet {
     pub(super) frame: String,
     /// The lightest; the heaviest ones; and, where these are several, a body between them.
     pub(super) payloads: Vec<Loaded>,
@@ -38,15 +38,15 @@ pub(super) struct Postures {
     pub(super) travel: Vec<(f64, f64)>,
     pub(super) slides: Vec<bool>,
     /// With the lightest payload, and with heavy ones.
-    pub(super) light: Vec<Tried>,
-    pub(super) heavy: Vec<Tried>,
+    pub(super) light: Vec<PostureInertia>,
+    pub(super) heavy: Vec<PostureInertia>,
     /// Position and velocity at points of a reference.
     pub(super) passing: Vec<(Vec<f64>, Vec<f64>)>,
     /// Largest speeds \[rad/s, m/s\].
     pub(super) speeds: Vec<Option<f64>>,
 }
 
-impl Postures {
+impl PostureSet {
     /// Samples a study's robot.
     pub(super) fn of(study: &Study) -> Result<Self, ArmError> {
         let set = &study.design.payload;
@@ -107,14 +107,18 @@ impl Postures {
         u32::try_from(self.light.len()).unwrap_or(u32::MAX)
     }
 
-    fn tried(&self, q: &[f64], payload: usize) -> Result<Tried, ArmError> {
+    fn tried(&self, q: &[f64], payload: usize) -> Result<PostureInertia, ArmError> {
         let (n, model) = (q.len(), &self.payloads[payload].model);
         let mut entries = vec![0.0; n * n];
         model.mass_matrix(&mut Workspace::new(model), q, &mut entries);
         if !entries.iter().all(|entry| entry.is_finite()) {
             return Err(ArmError::NotFinite(q.to_vec()));
         }
-        Ok(Tried { q: q.to_vec(), payload, matrix: DMatrix::from_row_slice(n, n, &entries) })
+        Ok(PostureInertia {
+            q: q.to_vec(),
+            payload,
+            matrix: DMatrix::from_row_slice(n, n, &entries),
+        })
     }
 }
 

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use phihat_certificate::extremes::{Extremes as _, larger};
 use phihat_model::Workspace;
 
-use super::postures::{Postures, scaled_mass_matrix};
+use super::postures::{PostureSet, scaled_mass_matrix};
 
 /// Step of the central differences \[rad, m\].
 const STEP: f64 = 1e-5;
@@ -26,17 +26,17 @@ pub struct InertiaRates {
     pub limits_per_s: Option<f64>,
 }
 
-pub(super) fn rates(postures: &Postures, nominal: &[f64]) -> InertiaRates {
-    let at = At { postures, nominal };
+pub(super) fn rates(postures: &PostureSet, nominal: &[f64]) -> InertiaRates {
+    let at = RateAt { postures, nominal };
     InertiaRates { motion_per_s: at.along(), limits_per_s: at.at_limits() }
 }
 
-struct At<'a> {
-    postures: &'a Postures,
+struct RateAt<'a> {
+    postures: &'a PostureSet,
     nominal: &'a [f64],
 }
 
-impl At<'_> {
+impl RateAt<'_> {
     fn along(&self) -> Option<f64> {
         let payloads = 0..=self.postures.heaviest;
         let passing = self.postures.passing.iter();

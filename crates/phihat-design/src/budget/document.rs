@@ -49,16 +49,16 @@ pub struct JointBudget {
     /// True if it is prismatic: figures are in metres then.
     pub prismatic: bool,
     /// Error that the study allows \[rad; m\].
-    pub allowed_rad: Option<f64>,
+    pub error_bound_rad: Option<f64>,
     /// All causes together \[rad; m\]; `None`: no figure.
     pub total_rad: Option<f64>,
     /// The causes.
-    pub parts: Vec<Part>,
+    pub parts: Vec<BudgetPart>,
 }
 
 /// Part of the error from one cause.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Part {
+pub struct BudgetPart {
     /// The cause.
     pub cause: Cause,
     /// Error from this cause alone \[rad; m\]; of a cause that is within the others, the reduction of the

@@ -5,6 +5,6 @@ mod document;
 mod own;
 mod stable;
 
-pub use document::{Budget, BudgetBasis, Cause, JointBudget, Part, TriedChange};
+pub use document::{Budget, BudgetBasis, BudgetPart, Cause, JointBudget, TriedChange};
 pub use own::by_own_loop;
 pub use stable::{largest_stable, loop_in_words};

@@ -4,7 +4,7 @@ use phihat::Form;
 use phihat_certificate::extremes::larger;
 use phihat_study::Study;
 
-use super::document::{Cause, JointBudget, Part};
+use super::document::{BudgetPart, Cause, JointBudget};
 use crate::positions::worst_kick;
 use crate::quick::Quick;
 use crate::sampled::{LoopModel, LoopParts as _, TorqueNoise};
@@ -47,7 +47,7 @@ pub fn by_own_loop(
         let phi = phi(i, record.inertia_kg_m2);
         let mut parts = Spent::of(record, &model, (low, high))
             .map_or_else(Vec::new, |spent| spent.parts(record, &model, &phi, quantum));
-        let total = |parts: &[Part]| parts.iter().map(|part| part.error_rad).sum::<f64>();
+        let total = |parts: &[BudgetPart]| parts.iter().map(|part| part.error_rad).sum::<f64>();
         let total_rad = (!parts.is_empty()).then(|| total(&parts));
         if let Some(all) = total_rad
             && model.delay_samples > 0
@@ -57,14 +57,14 @@ pub fn by_own_loop(
                 let error_rad = all - total(&spent.parts(record, &prompt, &phi, quantum));
                 // A law that is made for a delay may be the worse one without it: then nothing is known of its cost.
                 if error_rad > 0.0 {
-                    parts.push(Part { cause: Cause::Delay, error_rad, within: true });
+                    parts.push(BudgetPart { cause: Cause::Delay, error_rad, within: true });
                 }
             }
         }
         JointBudget {
             name: record.name.clone(),
             prismatic: study.robot.joints[i].kind == phihat_model::JointKind::Prismatic,
-            allowed_rad: study.spec.error_bound.as_ref().map(|allowed| allowed[i]),
+            error_bound_rad: study.spec.error_bound.as_ref().map(|allowed| allowed[i]),
             total_rad,
             parts,
         }
@@ -92,7 +92,13 @@ impl Spent {
         Some(Self { jump: jump[1], ramp: ramp[1], reading: reading[0], moved })
     }
 
-    fn parts(&self, record: &JointRecord, model: &LoopModel, phi: &Phi, quantum: f64) -> Vec<Part> {
+    fn parts(
+        &self,
+        record: &JointRecord,
+        model: &LoopModel,
+        phi: &Phi,
+        quantum: f64,
+    ) -> Vec<BudgetPart> {
         let all = phi.bound(self.jump, self.ramp) / record.inertia_kg_m2;
         let dry = self.jump * phi.jump_nm / record.inertia_kg_m2;
         let friction = if dry < all { dry } else { all };
@@ -107,7 +113,7 @@ impl Spent {
         ]
         .into_iter()
         .filter(|(cause, error)| *cause != Cause::Delay || *error > 0.0)
-        .map(|(cause, error_rad)| Part { cause, error_rad, within: false })
+        .map(|(cause, error_rad)| BudgetPart { cause, error_rad, within: false })
         .collect()
     }
 }

@@ -18,14 +18,15 @@ pub(crate) fn alone(
 ) -> Option<Bounds> {
     let (peaks, moved) = (claims.sampled.as_ref()?, claims.reference.as_ref());
     let known = moved.is_some() || phi.motion.is_none();
-    let evidence =
-        || Evidence::new((record, &claims.model), peaks, claims.reading.as_ref(), moved, given);
+    let evidence = || {
+        BoundsEvidence::new((record, &claims.model), peaks, claims.reading.as_ref(), moved, given)
+    };
     known.then(|| evidence().bounds(phi))
 }
 
 /// Data from which bounds are computed.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Evidence<'a> {
+pub(crate) struct BoundsEvidence<'a> {
     pub(crate) record: &'a JointRecord,
     pub(crate) model: &'a LoopModel,
     /// Gains from `φ/M̄` to `∫e, e, ė`.
@@ -43,7 +44,7 @@ pub(crate) struct Evidence<'a> {
     pub(crate) duration: f64,
 }
 
-impl<'a> Evidence<'a> {
+impl<'a> BoundsEvidence<'a> {
     pub(crate) fn new(
         (record, model): (&'a JointRecord, &'a LoopModel),
         peaks: &SampledPeaks,
@@ -78,7 +79,7 @@ impl<'a> Evidence<'a> {
             });
             self.reading[i] * half + moved
         };
-        let error_rad = state(1) + besides(0);
+        let error_bound_rad = state(1) + besides(0);
         let period = self.model.period_s;
         let within = if self.model.form == Form::Observer
             && self.model.velocity == VelocitySource::Measured
@@ -89,10 +90,10 @@ impl<'a> Evidence<'a> {
             0.0
         };
         // The trapezoid of the run's record and the sum of the claim differ by half a sample at each end.
-        let integral = state(0) + self.duration * (besides(0) + within) + period * error_rad;
+        let integral = state(0) + self.duration * (besides(0) + within) + period * error_bound_rad;
         Bounds {
-            error_rad,
-            velocity_error_rad_s: state(2) + besides(1),
+            error_bound_rad,
+            velocity_error_bound_rad_s: state(2) + besides(1),
             integral_rad_s: integral.is_finite().then_some(integral),
         }
     }

@@ -35,7 +35,7 @@ impl Looped<'_> {
 
 /// Claims that do not depend on the nominal inertia: joints with the same law in the same loop share them.
 #[derive(Debug, Clone)]
-pub(super) struct Shared {
+pub(super) struct SharedClaims {
     model: LoopModel,
     window: Option<InertiaWindow>,
     varying: Option<VaryingWindow>,
@@ -54,7 +54,7 @@ struct OverRange {
     reference: Option<ReferenceError>,
 }
 
-impl Shared {
+impl SharedClaims {
     /// About one law in one loop, over an arm's range.
     pub(super) fn find(
         Looped { record, model, .. }: Looped<'_>,
@@ -124,7 +124,7 @@ pub(super) struct Context<'a> {
 }
 
 impl Context<'_> {
-    pub(super) fn claims(&self, shared: &Shared) -> Result<JointCertificate, Refutation> {
+    pub(super) fn claims(&self, shared: &SharedClaims) -> Result<JointCertificate, Refutation> {
         let Self { record, arm, .. } = self;
         let shared = shared.clone();
         let (model, range) = (shared.model, (arm.low, arm.high));

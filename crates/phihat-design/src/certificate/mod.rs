@@ -12,7 +12,7 @@ use phihat_study::Study;
 
 pub use arming::arm_inside_window;
 use arming::shared_law;
-pub(crate) use bounds::{Evidence, alone};
+pub(crate) use bounds::{BoundsEvidence, alone};
 pub(crate) use inside::inside;
 pub use moving::find_moving;
 pub(crate) use scope::{as_modelled, missing};
@@ -89,7 +89,7 @@ impl FindCertificate for Certificate {
         let (firsts, of) = distinct(&laws);
         let known = parallel(&firsts, threads(), |i| {
             let modelled = scope::unmodelled(study, i, (laws[i].record, &laws[i].model), &arm);
-            let found = find::Shared::find(laws[i], modelled, (&arm, margin), bits.is_some());
+            let found = find::SharedClaims::find(laws[i], modelled, (&arm, margin), bits.is_some());
             found.map_err(|why| why.on(&laws[i].record.name))
         });
         let known = known.into_iter().collect::<Result<Vec<_>, _>>()?;

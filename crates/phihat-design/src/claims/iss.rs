@@ -5,8 +5,8 @@ use phihat_certificate::PeakGain;
 
 use crate::claims::law::{Refutation, UnitLaw, holds};
 use crate::claims::matrix::{
-    Matrix, failing_pivot, identity, is_symmetric, largest_shift, norm_frobenius, product, sum,
-    transpose,
+    RationalMatrix, failing_pivot, identity, is_symmetric, largest_shift, norm_frobenius, product,
+    sum, transpose,
 };
 use crate::claims::optimality::{Certified, last_column};
 use crate::claims::response::Response;
@@ -41,7 +41,7 @@ impl FindIss for Iss {
         let n = response.size();
         let scale: Vec<f64> =
             (0..n).map(|i| (response.ladder_scale(i) / response.ladder_scale(0)).recip()).collect();
-        let w: Matrix = (0..n)
+        let w: RationalMatrix = (0..n)
             .map(|i| (0..n).map(|j| if i == j { scale[i] * scale[i] } else { 0.0 }).collect())
             .collect();
         let s = lyapunov_solution(&law.closed_loop(), &w, &scale).unwrap_or_default();
@@ -49,12 +49,12 @@ impl FindIss for Iss {
     }
 }
 
-fn with(law: &UnitLaw, s: Matrix, k_tilde: Option<f64>) -> Result<Iss, Refutation> {
+fn with(law: &UnitLaw, s: RationalMatrix, k_tilde: Option<f64>) -> Result<Iss, Refutation> {
     law.check(CLAIM)?;
     let n = law.order() + 2;
     holds(CLAIM, "S = Sᵀ", s.len() as f64, n as f64, is_symmetric(&s, n))?;
     let w = decrease(law, &s);
-    let least = |x: &Matrix, y: &Matrix, name: &str| {
+    let least = |x: &RationalMatrix, y: &RationalMatrix, name: &str| {
         largest_shift(x, y).ok_or_else(|| {
             let (_, pivot, bound) = failing_pivot(x).unwrap_or((0, f64::NAN, 0.0));
             Refutation {
@@ -89,7 +89,7 @@ fn with(law: &UnitLaw, s: Matrix, k_tilde: Option<f64>) -> Result<Iss, Refutatio
 }
 
 /// `W = −(A−BK)ᵀS − S(A−BK)`, exactly symmetric.
-pub fn decrease(law: &UnitLaw, s: &Matrix) -> Matrix {
+pub fn decrease(law: &UnitLaw, s: &RationalMatrix) -> RationalMatrix {
     let sa = product(s, &law.closed_loop());
     let w = sum(&sa, 1.0, &transpose(&sa));
     w.iter().map(|row| row.iter().map(|v| -v).collect()).collect()
@@ -107,7 +107,11 @@ fn norm(v: &[f64]) -> f64 {
 }
 
 /// Solves `AᵀS + SA = −W` in the unknowns `S_ij`, `i ≤ j`, divided by `scale_i scale_j`.
-fn lyapunov_solution(a: &Matrix, w: &Matrix, scale: &[f64]) -> Option<Matrix> {
+fn lyapunov_solution(
+    a: &RationalMatrix,
+    w: &RationalMatrix,
+    scale: &[f64],
+) -> Option<RationalMatrix> {
     let n = a.len();
     let pairs: Vec<(usize, usize)> = (0..n).flat_map(|i| (i..n).map(move |j| (i, j))).collect();
     let place = |i: usize, j: usize| pairs.iter().position(|p| *p == (i.min(j), i.max(j)));

@@ -3,26 +3,26 @@
 use phihat_certificate::extremes::Extremes as _;
 
 /// A small matrix, row by row.
-pub type Matrix = Vec<Vec<f64>>;
+pub type RationalMatrix = Vec<Vec<f64>>;
 
 /// A pivot counts as positive above this share of its diagonal entry: 40 roundings, more than a 6×6
 /// factorisation makes.
 pub const PIVOT_SHARE: f64 = 1e-14;
 
 /// The unit matrix.
-pub fn identity(n: usize) -> Matrix {
+pub fn identity(n: usize) -> RationalMatrix {
     (0..n).map(|i| (0..n).map(|j| if i == j { 1.0 } else { 0.0 }).collect()).collect()
 }
 
 /// `X Y`.
-pub fn product(x: &Matrix, y: &Matrix) -> Matrix {
+pub fn product(x: &RationalMatrix, y: &RationalMatrix) -> RationalMatrix {
     let columns = y.first().map_or(0, Vec::len);
     let entry = |row: &Vec<f64>, j: usize| row.iter().zip(y).map(|(a, b)| a * b[j]).sum();
     x.iter().map(|row| (0..columns).map(|j| entry(row, j)).collect()).collect()
 }
 
 /// `X v`.
-pub fn apply(x: &Matrix, v: &[f64]) -> Vec<f64> {
+pub fn apply(x: &RationalMatrix, v: &[f64]) -> Vec<f64> {
     x.iter().map(|row| dot(row, v)).collect()
 }
 
@@ -32,34 +32,34 @@ pub fn dot(u: &[f64], v: &[f64]) -> f64 {
 }
 
 /// `X + f Y`.
-pub fn sum(x: &Matrix, f: f64, y: &Matrix) -> Matrix {
+pub fn sum(x: &RationalMatrix, f: f64, y: &RationalMatrix) -> RationalMatrix {
     let row = |(r, s): (&Vec<f64>, &Vec<f64>)| r.iter().zip(s).map(|(a, b)| a + f * b).collect();
     x.iter().zip(y).map(row).collect()
 }
 
 /// `Xᵀ`.
-pub fn transpose(x: &Matrix) -> Matrix {
+pub fn transpose(x: &RationalMatrix) -> RationalMatrix {
     let columns = x.first().map_or(0, Vec::len);
     (0..columns).map(|j| x.iter().map(|row| row[j]).collect()).collect()
 }
 
 /// Entry by entry `|X|`.
-pub fn absolute(x: &Matrix) -> Matrix {
+pub fn absolute(x: &RationalMatrix) -> RationalMatrix {
     x.iter().map(|row| row.iter().map(|v| v.abs()).collect()).collect()
 }
 
 /// Largest absolute row sum.
-pub fn norm_inf(x: &Matrix) -> f64 {
+pub fn norm_inf(x: &RationalMatrix) -> f64 {
     x.iter().map(|row| row.iter().map(|v| v.abs()).sum()).largest()
 }
 
 /// Square root of the sum of squares: an upper bound of the spectral norm.
-pub fn norm_frobenius(x: &Matrix) -> f64 {
+pub fn norm_frobenius(x: &RationalMatrix) -> f64 {
     x.iter().flatten().map(|v| v * v).sum::<f64>().sqrt()
 }
 
 /// Returns true if the matrix is `n × n`, finite and exactly symmetric.
-pub fn is_symmetric(x: &Matrix, n: usize) -> bool {
+pub fn is_symmetric(x: &RationalMatrix, n: usize) -> bool {
     x.len() == n
         && x.iter().all(|row| row.len() == n && row.iter().all(|v| v.is_finite()))
         && (0..n).all(|i| (0..i).all(|j| x[i][j].to_bits() == x[j][i].to_bits()))
@@ -69,13 +69,13 @@ pub fn is_symmetric(x: &Matrix, n: usize) -> bool {
 /// `None` means `X ≻ 0`. Reads the lower triangle.
 ///
 /// Scaling rows and columns by a diagonal matrix changes nothing, so gains of very different size do no harm.
-pub fn failing_pivot(x: &Matrix) -> Option<(usize, f64, f64)> {
+pub fn failing_pivot(x: &RationalMatrix) -> Option<(usize, f64, f64)> {
     failing_pivot_above(x, PIVOT_SHARE)
 }
 
 /// The first failing pivot, as [`failing_pivot`] finds it, where a pivot counts above another share of its
 /// diagonal entry.
-pub fn failing_pivot_above(x: &Matrix, share: f64) -> Option<(usize, f64, f64)> {
+pub fn failing_pivot_above(x: &RationalMatrix, share: f64) -> Option<(usize, f64, f64)> {
     let n = x.len();
     let (mut l, mut d) = (identity(n), vec![0.0; n]);
     for j in 0..n {
@@ -94,7 +94,7 @@ pub fn failing_pivot_above(x: &Matrix, share: f64) -> Option<(usize, f64, f64)> 
 }
 
 /// `e^X` for `‖X‖_∞ ≤ ½`, by the Taylor series: 18 terms leave less than 1e-21.
-pub fn exponential(x: &Matrix) -> Matrix {
+pub fn exponential(x: &RationalMatrix) -> RationalMatrix {
     let n = x.len();
     let (mut total, mut term) = (identity(n), identity(n));
     for k in 1..=18 {
@@ -111,7 +111,7 @@ pub fn exponential(x: &Matrix) -> Matrix {
 
 /// Largest `f` found by bisection for which `X − f Y ≻ 0`, with `Y ≻ 0`, less one part in a million;
 /// `None` when not even `X ≻ 0`.
-pub fn largest_shift(x: &Matrix, y: &Matrix) -> Option<f64> {
+pub fn largest_shift(x: &RationalMatrix, y: &RationalMatrix) -> Option<f64> {
     if failing_pivot(x).is_some() {
         return None;
     }

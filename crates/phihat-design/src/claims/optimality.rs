@@ -1,12 +1,12 @@
 //! Inverse optimality: the law is the optimal one of a game, whose weights are the certificate.
 
-pub use phihat_certificate::{Certified, Optimality, Refused};
+pub use phihat_certificate::{Certified, LevelRefused, Optimality};
 
 use phihat_certificate::extremes::Extremes as _;
 
 use crate::claims::law::{Refutation, UnitLaw, holds};
-use crate::claims::matrix::Matrix;
-use crate::claims::weights::{Condition, conditions, q_diagonal};
+use crate::claims::matrix::RationalMatrix;
+use crate::claims::weights::{WeightCondition, conditions, q_diagonal};
 
 /// Largest residual of the game Riccati equation, relative to the sum of the absolute values of its terms.
 pub const RESIDUAL: f64 = 1e-10;
@@ -46,7 +46,7 @@ fn certified(law: &UnitLaw, k_tilde: f64) -> Certified {
 
 /// Off its diagonal, (13) reads `S_{i−1,j} = −S_{i,j−1} + K̃c_ic_j − c_il_j − l_ic_j`, with `c = SB` and `l`
 /// the last row of `A`.
-fn riccati_solution(law: &UnitLaw, k_tilde: f64) -> Matrix {
+fn riccati_solution(law: &UnitLaw, k_tilde: f64) -> RationalMatrix {
     let n = law.order() + 2;
     let c: Vec<f64> = law.k().iter().map(|k_i| k_i / law.a_top()).collect();
     let l = law.a_matrix().pop().unwrap_or_default();
@@ -67,8 +67,8 @@ fn riccati_solution(law: &UnitLaw, k_tilde: f64) -> Matrix {
 }
 
 /// The first obstacle to a certificate at this `K̃`.
-fn refusal(law: &UnitLaw, k_tilde: f64) -> Option<Refused> {
-    let refused = |condition: &str, quantity: String, value: f64| Refused {
+fn refusal(law: &UnitLaw, k_tilde: f64) -> Option<LevelRefused> {
+    let refused = |condition: &str, quantity: String, value: f64| LevelRefused {
         k_tilde,
         condition: condition.to_owned(),
         quantity,
@@ -84,7 +84,7 @@ fn refusal(law: &UnitLaw, k_tilde: f64) -> Option<Refused> {
     }
     let named = conditions(law, k_tilde);
     // The last failing condition is the one that shows in Q: B2 before B1, A3 before A2 before A1.
-    let fails = |c: &&Condition| c.left <= c.right;
+    let fails = |c: &&WeightCondition| c.left <= c.right;
     let q = q_diagonal(law, k_tilde);
     // The most telling diagonal entry: the last one, where no K_p or K_d hides the estimator.
     if let Some((i, q_i)) = q.iter().enumerate().rev().find(|(_, q_i)| **q_i <= 0.0) {
@@ -106,7 +106,7 @@ fn gains_positive(law: &UnitLaw) -> Result<(), Refutation> {
 }
 
 /// `SB`.
-pub(crate) fn last_column(s: &Matrix) -> Vec<f64> {
+pub(crate) fn last_column(s: &RationalMatrix) -> Vec<f64> {
     s.iter().filter_map(|row| row.last().copied()).collect()
 }
 

@@ -4,7 +4,7 @@ use phihat_certificate::PeakGain;
 
 use crate::claims::law::{Refutation, UnitLaw, holds};
 use crate::claims::matrix::{
-    Matrix, absolute, dot, exponential, identity, norm_frobenius, norm_inf, product,
+    RationalMatrix, absolute, dot, exponential, identity, norm_frobenius, norm_inf, product,
 };
 use crate::claims::polynomial;
 
@@ -30,12 +30,12 @@ pub struct Response {
     pub mu: f64,
     /// Time scale \[1/s\].
     pub sigma: f64,
-    a: Matrix,
+    a: RationalMatrix,
     step: f64,
-    per_step: Matrix,
-    growth: Matrix,
+    per_step: RationalMatrix,
+    growth: RationalMatrix,
     steps: usize,
-    at_horizon: Matrix,
+    at_horizon: RationalMatrix,
 }
 
 impl Response {
@@ -62,7 +62,8 @@ impl Response {
             power /= sigma;
         }
         let step = (0.1 / norm_inf(&a)).min(0.004);
-        let scaled = |m: &Matrix| m.iter().map(|r| r.iter().map(|v| v * step).collect()).collect();
+        let scaled =
+            |m: &RationalMatrix| m.iter().map(|r| r.iter().map(|v| v * step).collect()).collect();
         let per_step = exponential(&scaled(&a));
         let growth = exponential(&scaled(&absolute(&a)));
         let mut found =
@@ -125,7 +126,7 @@ impl Response {
     }
 
     /// Step, `e^{Ah}` and `e^{|A|h}` for a step `2^doublings` times as long.
-    fn coarse(&self, doublings: u32) -> (f64, Matrix, Matrix) {
+    fn coarse(&self, doublings: u32) -> (f64, RationalMatrix, RationalMatrix) {
         let first = (self.step, self.per_step.clone(), self.growth.clone());
         (0..doublings).fold(first, |(h, e, g), _| (2.0 * h, product(&e, &e), product(&g, &g)))
     }
@@ -203,7 +204,7 @@ impl Response {
     }
 
     /// Entry `(i, j)` times `σ^{i−j}`.
-    fn in_ladder_units(&self, e: &Matrix) -> Matrix {
+    fn in_ladder_units(&self, e: &RationalMatrix) -> RationalMatrix {
         let scale: Vec<f64> = (0..self.size()).map(|i| self.ladder_scale(i)).collect();
         let row =
             |(r, si): (&Vec<f64>, &f64)| r.iter().zip(&scale).map(|(v, sj)| v * si / sj).collect();

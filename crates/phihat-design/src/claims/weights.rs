@@ -7,7 +7,7 @@ use crate::claims::polynomial;
 
 /// One of the paper's conditions with both its sides: it holds when `left > right`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Condition {
+pub struct WeightCondition {
     /// `A1` … `A3`, `B1`, `B2`.
     pub name: &'static str,
     /// Left side.
@@ -20,15 +20,15 @@ pub struct Condition {
 ///
 /// A2 follows from nothing and is not necessary at m = 2: `Q` may be positive without it. What
 /// decides is `q_i > 0`.
-pub fn conditions(law: &UnitLaw, k_tilde: f64) -> Vec<Condition> {
+pub fn conditions(law: &UnitLaw, k_tilde: f64) -> Vec<WeightCondition> {
     let gains = law.a.iter().copied().chain([law.kp, law.kd]).least();
-    let damping = |name| Condition { name, left: law.kd * law.kd, right: 2.0 * law.kp };
+    let damping = |name| WeightCondition { name, left: law.kd * law.kd, right: 2.0 * law.kp };
     match law.a[..] {
-        [_] => vec![Condition { name: "B1", left: gains, right: 0.0 }, damping("B2")],
+        [_] => vec![WeightCondition { name: "B1", left: gains, right: 0.0 }, damping("B2")],
         [a0, a1] => vec![
-            Condition { name: "A1", left: gains, right: 0.0 },
+            WeightCondition { name: "A1", left: gains, right: 0.0 },
             damping("A2"),
-            Condition { name: "A3", left: a1 * k_tilde, right: 2.0 * a0 },
+            WeightCondition { name: "A3", left: a1 * k_tilde, right: 2.0 * a0 },
         ],
         _ => Vec::new(),
     }

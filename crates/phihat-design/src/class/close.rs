@@ -2,9 +2,9 @@
 
 use phihat_certificate::extremes::{Extremes as _, larger};
 
-use super::extent::{Bent, Pace, Rates};
-use super::scene::Scene;
-use super::sums::{E, FREE, KINDS, STEP, Sums, V};
+use super::extent::{Bent, ClassPaceLimits, Rates};
+use super::scene::ClassScene;
+use super::sums::{E, FREE, KINDS, PostureSums, STEP, V};
 use crate::square::product;
 
 /// Iterations at most.
@@ -38,8 +38,8 @@ pub(super) struct Closed {
 
 /// The class at one pace, with its maxima.
 pub(super) struct Problem<'a> {
-    pub(super) scene: &'a Scene<'a>,
-    pub(super) pace: &'a Pace,
+    pub(super) scene: &'a ClassScene<'a>,
+    pub(super) pace: &'a ClassPaceLimits,
     pub(super) rates: &'a Rates,
     pub(super) bent: &'a Bent,
     over: Over,
@@ -62,7 +62,7 @@ struct Over {
 }
 
 impl Over {
-    fn of(bent: &Bent, pace: &Pace) -> Self {
+    fn of(bent: &Bent, pace: &ClassPaceLimits) -> Self {
         let n = bent.n;
         let sum = |of: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
             let each = |k: usize| (0..n).map(|c| of(c, k)).sum();
@@ -119,7 +119,7 @@ struct Maps {
 }
 
 /// Inputs at bounds on error and velocity.
-struct Inputs {
+struct ClassInputs {
     torque: Vec<f64>,
     ramp: Vec<f64>,
     /// `|N| V`, `N` the change of inertia by the error.
@@ -128,15 +128,15 @@ struct Inputs {
 
 impl<'a> Problem<'a> {
     pub(super) fn new(
-        scene: &'a Scene<'a>,
-        (pace, rates): (&'a Pace, &'a Rates),
+        scene: &'a ClassScene<'a>,
+        (pace, rates): (&'a ClassPaceLimits, &'a Rates),
         bent: &'a Bent,
     ) -> Self {
         Self { scene, pace, rates, bent, over: Over::of(bent, pace) }
     }
 
     /// Matrices of a posture at this pace.
-    fn maps(&self, sums: &Sums) -> Maps {
+    fn maps(&self, sums: &PostureSums) -> Maps {
         let n = self.scene.n;
         let scaled = |lists: &[Vec<f64>]| -> Vec<f64> {
             let each = |k: usize| lists.iter().zip(&self.pace.v).map(|(m, v)| m[k] * v).sum();
@@ -168,7 +168,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Stiffness of gravity and of the motion: what an error of position does where nothing moves.
-    fn stiff(&self, sums: &Sums, o: usize) -> Vec<f64> {
+    fn stiff(&self, sums: &PostureSums, o: usize) -> Vec<f64> {
         let n = self.scene.n;
         let mut all = sums.gravity[o].clone();
         plus(&mut all, &product(&sums.aged[o], &self.over.gravity, n));
@@ -177,7 +177,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The maps of an arm whose matrices stay those of the posture.
-    fn resting(&self, sums: &Sums) -> Maps {
+    fn resting(&self, sums: &PostureSums) -> Maps {
         Maps {
             on_error: core::array::from_fn(|o| self.stiff(sums, o)),
             on_velocity: core::array::from_fn(|_| vec![0.0; self.scene.n * self.scene.n]),
@@ -202,7 +202,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Joints whose inertia term is a force of any course, in place of one with a rate: where that costs less.
-    fn boxed(&self, sums: &Sums) -> Vec<bool> {
+    fn boxed(&self, sums: &PostureSums) -> Vec<bool> {
         let n = self.scene.n;
         let costs = |i: usize| {
             let (ramp, force) = (sums.ramp[E][i * n + i], sums.torque[E][i * n + i]);
@@ -212,7 +212,7 @@ impl<'a> Problem<'a> {
         (0..n).map(costs).collect()
     }
 
-    fn inputs(&self, boxed: &[bool], error: &[f64], velocity: &[f64]) -> Inputs {
+    fn inputs(&self, boxed: &[bool], error: &[f64], velocity: &[f64]) -> ClassInputs {
         let (scene, rates, bent, n) = (self.scene, self.rates, self.bent, self.scene.n);
         let row =
             |m: &[f64], i: usize, x: &[f64]| -> f64 { (0..n).map(|k| m[i * n + k] * x[k]).sum() };
@@ -240,7 +240,7 @@ impl<'a> Problem<'a> {
             let own = if boxed[i] { rates.slow[i] } else { rates.whole[i] + rates.jerk[i] };
             own + scene.slope[i] * self.pace.a[i]
         };
-        Inputs {
+        ClassInputs {
             torque: (0..n).map(torque).collect(),
             ramp: (0..n).map(ramp).collect(),
             shift: (0..n).map(|i| bilinear(&bent.mass, i, error, velocity)).collect(),
@@ -248,7 +248,7 @@ impl<'a> Problem<'a> {
     }
 
     /// An output's bound in a frozen arm.
-    fn forced(&self, sums: &Sums, o: usize, inputs: &Inputs) -> Vec<f64> {
+    fn forced(&self, sums: &PostureSums, o: usize, inputs: &ClassInputs) -> Vec<f64> {
         let n = self.scene.n;
         let mut out = vec![0.0; n];
         add(&mut out, &sums.torque[o], &inputs.torque);
@@ -285,9 +285,9 @@ impl<'a> Problem<'a> {
     /// An output's bound at one posture, from bounds on error and velocity.
     fn output(
         &self,
-        (sums, maps): (&Sums, &Maps),
+        (sums, maps): (&PostureSums, &Maps),
         o: usize,
-        (inputs, error, velocity): (&Inputs, &[f64], &[f64]),
+        (inputs, error, velocity): (&ClassInputs, &[f64], &[f64]),
     ) -> Vec<f64> {
         let mut out = self.forced(sums, o, inputs);
         add(&mut out, &maps.on_error[o], error);
@@ -321,7 +321,7 @@ impl<'a> Problem<'a> {
     /// With a factor above 1 on every step of it, a solution that keeps (CM5) strictly.
     fn least(
         &self,
-        (all, maps): (&[Sums], &[Maps]),
+        (all, maps): (&[PostureSums], &[Maps]),
         boxed: &[bool],
         factor: f64,
     ) -> Option<[Vec<f64>; 2]> {
@@ -351,7 +351,7 @@ impl<'a> Problem<'a> {
     /// The largest value of an output over postures, joint by joint, and the posture's index.
     fn most(
         &self,
-        (all, maps): (&[Sums], &[Maps]),
+        (all, maps): (&[PostureSums], &[Maps]),
         boxed: &[bool],
         o: usize,
         (error, velocity): (&[f64], &[f64]),
@@ -370,7 +370,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Solves (CM5) over some postures; the spectral radius where there is no solution.
-    pub(super) fn solve(&self, all: &[Sums]) -> Result<Closed, f64> {
+    pub(super) fn solve(&self, all: &[PostureSums]) -> Result<Closed, f64> {
         let n = self.scene.n;
         let maps: Vec<Maps> = all.iter().map(|sums| self.maps(sums)).collect();
         let radius = Self::radius(&maps, n);
@@ -411,7 +411,11 @@ impl<'a> Problem<'a> {
     }
 
     /// The largest torque of each joint: of the motion, of friction, and of the error.
-    fn torques(&self, (all, maps): (&[Sums], &[Maps]), at: (&Inputs, &[f64], &[f64])) -> Vec<f64> {
+    fn torques(
+        &self,
+        (all, maps): (&[PostureSums], &[Maps]),
+        at: (&ClassInputs, &[f64], &[f64]),
+    ) -> Vec<f64> {
         let (scene, n, velocity) = (self.scene, self.scene.n, at.2);
         let mut most = vec![0.0_f64; n];
         for (sums, maps) in all.iter().zip(maps) {
@@ -432,7 +436,12 @@ impl<'a> Problem<'a> {
     }
 
     /// Error of each joint at one more posture, as a share of a solution.
-    pub(super) fn compared(&self, closed: &Closed, first: &Sums, sums: &Sums) -> Vec<f64> {
+    pub(super) fn compared(
+        &self,
+        closed: &Closed,
+        first: &PostureSums,
+        sums: &PostureSums,
+    ) -> Vec<f64> {
         let maps = self.maps(sums);
         let inputs = self.inputs(&self.boxed(first), &closed.error, &closed.velocity);
         let own = self.output((sums, &maps), E, (&inputs, &closed.error, &closed.velocity));

@@ -1,11 +1,11 @@
 //! Bounds on each joint's unknown torque over a class, for a search for gains.
 
-use phihat_certificate::{Gains, JointRecord, Motion, Phi, PhiBasis};
+use phihat_certificate::{Gains, JointRecord, Phi, PhiBasis, ReferenceBounds};
 use phihat_study::Study;
 
-use super::extent::{Pace, Rates};
+use super::extent::{ClassPaceLimits, Rates};
 use super::refusal::ClassRefusal;
-use super::scene::Scene;
+use super::scene::ClassScene;
 use super::slopes::Slopes;
 
 /// Unknown torque of every motion of a class: what a search for gains reckons with.
@@ -17,7 +17,7 @@ use super::slopes::Slopes;
 pub struct ClassDemand {
     rate: Vec<f64>,
     jump: Vec<f64>,
-    motion: Vec<Motion>,
+    motion: Vec<ReferenceBounds>,
 }
 
 impl ClassDemand {
@@ -42,7 +42,7 @@ impl ClassDemand {
         };
         let mut inertia = vec![1.0; study.robot.joints.len()];
         let gains = of(&inertia);
-        let scene = Scene::new(study, &gains)?;
+        let scene = ClassScene::new(study, &gains)?;
         if let Some(case) = scene.cases.first() {
             let slopes = Slopes::at(&mut scene.posed(case), &scene.class.center);
             for (i, inertia) in inertia.iter_mut().enumerate() {
@@ -50,12 +50,12 @@ impl ClassDemand {
             }
         }
         let gains = of(&inertia);
-        let scene = Scene::new(study, &gains)?;
-        let pace = Pace::of(scene.class);
+        let scene = ClassScene::new(study, &gains)?;
+        let pace = ClassPaceLimits::of(scene.class);
         let rates = Rates::of(&scene, &pace);
         let n = scene.n;
         let rate = |i: usize| rates.whole[i] + rates.jerk[i] + scene.slope[i] * pace.a[i];
-        let motion = |i: usize| Motion {
+        let motion = |i: usize| ReferenceBounds {
             velocity_rad_s: pace.v[i],
             acceleration_rad_s2: pace.a[i],
             jerk_rad_s3: pace.j[i],

@@ -3,7 +3,7 @@
 use phihat_certificate::extremes::larger;
 use phihat_model::evenly;
 
-use super::scene::{Room, Scene};
+use super::scene::{ClassScene, Room};
 use super::slopes::{Bends, Posed, Slopes};
 
 /// Points of box and signs at which a search looks first, with every payload together.
@@ -23,13 +23,13 @@ const MOMENT: f64 = 1e-5;
 
 /// Largest speed, acceleration and jerk per joint.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Pace {
+pub(super) struct ClassPaceLimits {
     pub(super) v: Vec<f64>,
     pub(super) a: Vec<f64>,
     pub(super) j: Vec<f64>,
 }
 
-impl Pace {
+impl ClassPaceLimits {
     /// The pace of a class.
     pub(super) fn of(class: &phihat_study::MotionClass) -> Self {
         Self { v: class.speed.clone(), a: class.acceleration.clone(), j: class.jerk.clone() }
@@ -60,7 +60,7 @@ const KINDS: usize = 4;
 
 /// A place of the class: posture, signs of velocity and acceleration, payload.
 #[derive(Debug, Clone)]
-struct Place {
+struct ClassPlace {
     q: Vec<f64>,
     dq: Vec<f64>,
     ddq: Vec<f64>,
@@ -69,10 +69,10 @@ struct Place {
 
 impl Rates {
     /// Searches box, signs and payloads.
-    pub(super) fn of(scene: &Scene<'_>, pace: &Pace) -> Self {
+    pub(super) fn of(scene: &ClassScene<'_>, pace: &ClassPaceLimits) -> Self {
         let n = scene.n;
-        let mut search = Search::new(scene, pace);
-        let mut best: Vec<Option<(f64, Place)>> = vec![None; KINDS * n];
+        let mut search = ExtentSearch::new(scene, pace);
+        let mut best: Vec<Option<(f64, ClassPlace)>> = vec![None; KINDS * n];
         let share = POINTS / u32::try_from(scene.cases.len()).unwrap_or(1).max(1);
         // Box, and the sign of each velocity and acceleration, evenly together.
         let mut ends: Vec<(f64, f64)> = scene.ends();
@@ -86,7 +86,7 @@ impl Rates {
                     let middle = 0.5 * (low + high);
                     if corner { if at[i] < middle { low } else { high } } else { at[i] }
                 });
-                let place = Place {
+                let place = ClassPlace {
                     q: q.collect(),
                     dq: (0..n).map(|i| sign(at[n + i], pace.v[i])).collect(),
                     ddq: (0..n).map(|i| sign(at[2 * n + i], pace.a[i])).collect(),
@@ -121,23 +121,23 @@ impl Rates {
 }
 
 /// Scratch memory of a search for maxima.
-struct Search<'a> {
-    scene: &'a Scene<'a>,
-    pace: &'a Pace,
+struct ExtentSearch<'a> {
+    scene: &'a ClassScene<'a>,
+    pace: &'a ClassPaceLimits,
     rooms: Vec<Room>,
     /// Maxima of what depends on the posture alone: size, rate by the jerk, rate by the jerk of what is fed.
     inertial: Vec<f64>,
     points: u32,
 }
 
-impl<'a> Search<'a> {
-    fn new(scene: &'a Scene<'a>, pace: &'a Pace) -> Self {
+impl<'a> ExtentSearch<'a> {
+    fn new(scene: &'a ClassScene<'a>, pace: &'a ClassPaceLimits) -> Self {
         let rooms = scene.cases.iter().map(|case| scene.room(case)).collect();
         Self { scene, pace, rooms, inertial: vec![0.0; 3 * scene.n], points: 0 }
     }
 
     /// The four kinds at a place, joint by joint; what depends on the posture alone is collected.
-    fn values(&mut self, place: &Place) -> Vec<f64> {
+    fn values(&mut self, place: &ClassPlace) -> Vec<f64> {
         self.points += 1;
         let (scene, n) = (self.scene, self.scene.n);
         let case = &scene.cases[place.case];
@@ -168,7 +168,7 @@ impl<'a> Search<'a> {
         values
     }
 
-    fn inertial_at(&mut self, place: &Place) {
+    fn inertial_at(&mut self, place: &ClassPlace) {
         let (scene, n) = (self.scene, self.scene.n);
         let case = &scene.cases[place.case];
         let room = &mut self.rooms[place.case];
@@ -196,14 +196,14 @@ impl<'a> Search<'a> {
     }
 
     /// The largest value that coordinate ascent from a place reaches.
-    fn climbed(&mut self, which: usize, mut value: f64, mut place: Place) -> f64 {
+    fn climbed(&mut self, which: usize, mut value: f64, mut place: ClassPlace) -> f64 {
         let (n, ends) = (self.scene.n, self.scene.ends());
         let mut step = 0.5;
         for _ in 0..PASSES {
             let before = value;
             for k in 0..3 * n {
                 let i = k % n;
-                let candidates: Vec<Place> = match k / n {
+                let candidates: Vec<ClassPlace> = match k / n {
                     0 => {
                         let (low, high) = ends[i];
                         let width = step * (high - low);
@@ -246,7 +246,7 @@ impl<'a> Search<'a> {
     }
 }
 
-impl Scene<'_> {
+impl ClassScene<'_> {
     /// Ends of the box.
     pub(super) fn ends(&self) -> Vec<(f64, f64)> {
         self.class.low.iter().copied().zip(self.class.high.iter().copied()).collect()
@@ -274,7 +274,7 @@ pub(super) struct Bent {
 
 impl Bent {
     /// Looks at postures of the box, a little wider than it, with every payload.
-    pub(super) fn of(scene: &Scene<'_>) -> Self {
+    pub(super) fn of(scene: &ClassScene<'_>) -> Self {
         let n = scene.n;
         let zero = |count: usize| vec![vec![0.0; n * n]; count];
         let mut own = Self {

@@ -4,18 +4,18 @@ use phihat_certificate::ClassPace;
 use phihat_certificate::extremes::Extremes as _;
 
 use super::close::Problem;
-use super::extent::{Bent, Pace, Rates};
-use super::scene::Scene;
-use super::sums::Sums;
+use super::extent::{Bent, ClassPaceLimits, Rates};
+use super::scene::ClassScene;
+use super::sums::PostureSums;
 
 /// Factors on the speed of the class.
 const FACTORS: [f64; 6] = [0.25, 0.5, 0.75, 1.5, 2.0, 3.0];
 
 /// Bounds of the class at each of some paces.
 pub(super) fn paces(
-    scene: &Scene<'_>,
-    pace: &Pace,
-    (bent, all): (&Bent, &[Sums]),
+    scene: &ClassScene<'_>,
+    pace: &ClassPaceLimits,
+    (bent, all): (&Bent, &[PostureSums]),
 ) -> Vec<ClassPace> {
     let list: Vec<usize> = (0..FACTORS.len()).collect();
     crate::parallel::parallel(&list, crate::parallel::threads(), |k| {
@@ -26,14 +26,14 @@ pub(super) fn paces(
         let largest = |list: &[f64]| list.iter().copied().largest();
         ClassPace {
             factor,
-            error_rad: closed.as_ref().ok().map(|c| largest(&c.error)),
+            error_bound_rad: closed.as_ref().ok().map(|c| largest(&c.error)),
             torque_step_nm: closed.as_ref().ok().map(|c| largest(&c.step)),
             spectral_radius: closed.as_ref().map_or_else(|radius| *radius, |c| c.radius),
         }
     })
 }
 
-impl Pace {
+impl ClassPaceLimits {
     /// The same motions, so many times as fast.
     fn times(&self, factor: f64) -> Self {
         let scaled = |list: &[f64], factor: f64| list.iter().map(|x| factor * x).collect();

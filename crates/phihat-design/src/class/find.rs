@@ -1,16 +1,16 @@
 //! The search for the postures that set a class bound, and its document.
 
 use phihat_certificate::extremes::Extremes as _;
-use phihat_certificate::{ClassBound, ClassPace, ClassWitness, Gains, PayloadSet};
+use phihat_certificate::{ClassBound, ClassPace, ClassWitness, Gains, TubePayloadSet};
 use phihat_model::evenly;
 use phihat_study::Study;
 
 use super::close::{Closed, INFLATED, Problem};
-use super::extent::{Bent, Pace, Rates};
+use super::extent::{Bent, ClassPaceLimits, Rates};
 use super::faster::paces;
 use super::refusal::ClassRefusal;
-use super::scene::Scene;
-use super::sums::Sums;
+use super::scene::ClassScene;
+use super::sums::PostureSums;
 use crate::parallel::{both, parallel, threads};
 
 /// Postures of the first round, corners and inner points, payloads in turn.
@@ -62,8 +62,8 @@ struct Effort {
 }
 
 fn bound(study: &Study, gains: &Gains, effort: &Effort) -> Result<ClassBound, ClassRefusal> {
-    let scene = Scene::new(study, gains)?;
-    let pace = Pace::of(scene.class);
+    let scene = ClassScene::new(study, gains)?;
+    let pace = ClassPaceLimits::of(scene.class);
     let ((rates, bent), all) = both(
         threads(),
         || (Rates::of(&scene, &pace), Bent::of(&scene)),
@@ -75,12 +75,12 @@ fn bound(study: &Study, gains: &Gains, effort: &Effort) -> Result<ClassBound, Cl
     let mut closed = problem.solve(&all).map_err(open)?;
     for share in effort.moves {
         let more = moved(&scene, &all, &closed, *share)?;
-        let raised = |own: &Sums| {
+        let raised = |own: &PostureSums| {
             all.first().is_some_and(|first| {
                 INFLATED * problem.compared(&closed, first, own).into_iter().largest() > WORTH
             })
         };
-        let taken: Vec<Sums> = more.into_iter().filter(raised).collect();
+        let taken: Vec<PostureSums> = more.into_iter().filter(raised).collect();
         if !taken.is_empty() {
             all.extend(taken);
             closed = problem.solve(&all).map_err(open)?;
@@ -91,7 +91,7 @@ fn bound(study: &Study, gains: &Gains, effort: &Effort) -> Result<ClassBound, Cl
 }
 
 /// The first postures.
-fn first(scene: &Scene<'_>, count: u32) -> Result<Vec<Sums>, ClassRefusal> {
+fn first(scene: &ClassScene<'_>, count: u32) -> Result<Vec<PostureSums>, ClassRefusal> {
     let (ends, cases) = (scene.ends(), scene.cases.len());
     let middle: Vec<f64> = ends.iter().map(|(low, high)| 0.5 * (low + high)).collect();
     let mut places: Vec<(usize, Vec<f64>)> =
@@ -107,22 +107,25 @@ fn first(scene: &Scene<'_>, count: u32) -> Result<Vec<Sums>, ClassRefusal> {
     summed(scene, &places)
 }
 
-fn summed(scene: &Scene<'_>, places: &[(usize, Vec<f64>)]) -> Result<Vec<Sums>, ClassRefusal> {
+fn summed(
+    scene: &ClassScene<'_>,
+    places: &[(usize, Vec<f64>)],
+) -> Result<Vec<PostureSums>, ClassRefusal> {
     let list: Vec<usize> = (0..places.len()).collect();
     let made = parallel(&list, threads(), |at| {
         let (case, q) = &places[at];
-        Sums::at(scene, *case, q)
+        PostureSums::at(scene, *case, q)
     });
     made.into_iter().collect()
 }
 
 /// Sums at postures one move away from those that set an error, and there with the other payloads.
 fn moved(
-    scene: &Scene<'_>,
-    all: &[Sums],
+    scene: &ClassScene<'_>,
+    all: &[PostureSums],
     closed: &Closed,
     share: f64,
-) -> Result<Vec<Sums>, ClassRefusal> {
+) -> Result<Vec<PostureSums>, ClassRefusal> {
     let mut places: Vec<(usize, Vec<f64>)> = Vec::new();
     let mut setting = closed.at.clone();
     setting.sort_unstable();
@@ -158,9 +161,9 @@ fn written(list: &[f64]) -> Vec<f64> {
 
 fn document(
     study: &Study,
-    (scene, pace): (&Scene<'_>, &Pace),
+    (scene, pace): (&ClassScene<'_>, &ClassPaceLimits),
     (rates, bent): (&Rates, &Bent),
-    (all, closed): (&[Sums], &Closed),
+    (all, closed): (&[PostureSums], &Closed),
     faster: Vec<ClassPace>,
 ) -> ClassBound {
     let set = &study.design.payload;
@@ -182,7 +185,7 @@ fn document(
         speed_max_rad_s: pace.v.clone(),
         acceleration_max_rad_s2: pace.a.clone(),
         jerk_max_rad_s3: pace.j.clone(),
-        payload: PayloadSet {
+        payload: TubePayloadSet {
             frame: set.frame.clone(),
             mass_kg: set.mass,
             com_m: set.com,
@@ -192,11 +195,11 @@ fn document(
         start_nm: if scene.before > 0.0 { scene.start.clone() } else { Vec::new() },
         start_s: scene.before,
         reading_rad: scene.reading.clone(),
-        error_rad: written(&closed.error),
-        velocity_error_rad_s: written(&closed.velocity),
+        error_bound_rad: written(&closed.error),
+        velocity_error_bound_rad_s: written(&closed.velocity),
         torque_step_nm: written(&closed.step),
         torque_nm: written(&closed.torque),
-        frozen_error_rad: written(&closed.frozen),
+        frozen_error_bound_rad: written(&closed.frozen),
         spectral_radius: closed.radius,
         postures: u32::try_from(all.len()).unwrap_or(u32::MAX),
         points: rates.points,

@@ -4,7 +4,7 @@ use phihat::Form;
 use phihat_certificate::extremes::larger;
 use phihat_certificate::{FrozenPayload, Gains, JointRecord, LoopModel};
 use phihat_model::{Body, Model, Rotor, Workspace};
-use phihat_study::{Held, Known, MotionClass, Reference, Study, SupervisorRequest};
+use phihat_study::{Held, Known, MotionClass, ReferenceRequest, Study, SupervisorRequest};
 
 use super::refusal::ClassRefusal;
 use super::slopes::Posed;
@@ -16,7 +16,7 @@ pub(super) const BEFORE: u32 = 4;
 
 /// The arm with one payload.
 #[derive(Debug, Clone)]
-pub(super) struct Case {
+pub(super) struct PayloadCase {
     pub(super) payload: Option<FrozenPayload>,
     pub(super) model: Model,
 }
@@ -31,13 +31,13 @@ pub(super) struct FedForward {
 
 /// Everything that does not depend on a posture.
 #[derive(Debug)]
-pub(super) struct Scene<'a> {
+pub(super) struct ClassScene<'a> {
     pub(super) n: usize,
     pub(super) period: f64,
     pub(super) class: &'a MotionClass,
     pub(super) records: &'a [JointRecord],
     pub(super) models: Vec<LoopModel>,
-    pub(super) cases: Vec<Case>,
+    pub(super) cases: Vec<PayloadCase>,
     /// `M̄` \[kg·m²\] per joint.
     pub(super) nominal: Vec<f64>,
     /// Level of forces that may do anything in time \[N·m\]: dry friction, pushes, dry friction fed forward.
@@ -57,10 +57,10 @@ pub(super) struct Scene<'a> {
     pub(super) late: f64,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> ClassScene<'a> {
     /// Reads a study.
     pub(super) fn new(study: &'a Study, gains: &'a Gains) -> Result<Self, ClassRefusal> {
-        let Reference::Any { class, .. } = &study.reference else {
+        let ReferenceRequest::Any { class, .. } = &study.reference else {
             return Err(ClassRefusal::NoClass);
         };
         let n = study.robot.joints.len();
@@ -127,7 +127,7 @@ impl<'a> Scene<'a> {
     /// Torque without friction that motion asks for beyond what is fed forward, `M̄ q̈_d` among that \[N·m\].
     pub(super) fn unknown(
         &self,
-        case: &Case,
+        case: &PayloadCase,
         room: &mut Room,
         (q, dq, ddq): (&[f64], &[f64], &[f64]),
         tau: &mut [f64],
@@ -156,7 +156,7 @@ impl<'a> Scene<'a> {
     /// Torque of a motion without friction, less what the robot adds by itself \[N·m\].
     pub(super) fn commanded(
         &self,
-        case: &Case,
+        case: &PayloadCase,
         room: &mut Room,
         (q, dq, ddq): (&[f64], &[f64], &[f64]),
         tau: &mut [f64],
@@ -172,12 +172,12 @@ impl<'a> Scene<'a> {
     }
 
     /// The arm with a payload, for its matrices.
-    pub(super) fn posed<'b>(&'b self, case: &'b Case) -> Posed<'b> {
+    pub(super) fn posed<'b>(&'b self, case: &'b PayloadCase) -> Posed<'b> {
         Posed::of(&case.model, self.added.as_ref(), self.n)
     }
 
     /// Scratch memory of the arm with a payload.
-    pub(super) fn room(&self, case: &Case) -> Room {
+    pub(super) fn room(&self, case: &PayloadCase) -> Room {
         let fed = self.fed.as_ref().map_or(&case.model, |fed| &fed.model);
         Room {
             added: Workspace::new(self.added.as_ref().unwrap_or(&case.model)),
@@ -270,7 +270,7 @@ fn changes_the_law(study: &Study, own: &SupervisorRequest) -> Option<String> {
 fn out_of_balance(
     (study, class): (&Study, &MotionClass),
     supervisor: &SupervisorRequest,
-    (cases, added): (&[Case], Option<&Model>),
+    (cases, added): (&[PayloadCase], Option<&Model>),
 ) -> Vec<f64> {
     if let Some(stated) = &supervisor.start_imbalance {
         return stated.clone();
@@ -318,7 +318,7 @@ fn fed_forward(study: &Study, dry: &mut [f64]) -> Result<Option<FedForward>, Cla
 
 /// The arm with the lightest payload, the study's own, and the heaviest at the corners of the box of their centres of
 /// mass; with rotors at both ends of their intervals.
-fn cases(study: &Study) -> Result<Vec<Case>, ClassRefusal> {
+fn cases(study: &Study) -> Result<Vec<PayloadCase>, ClassRefusal> {
     let set = &study.design.payload;
     let mut bodies = vec![(set.frame.clone(), set.lightest())];
     bodies.extend(set.heaviest().into_iter().map(|body| (set.frame.clone(), body)));
@@ -328,7 +328,7 @@ fn cases(study: &Study) -> Result<Vec<Case>, ClassRefusal> {
     } else {
         &[Rotor::Stated]
     };
-    let mut cases: Vec<Case> = Vec::new();
+    let mut cases: Vec<PayloadCase> = Vec::new();
     for rotor in rotors {
         let bare = study.robot.plant_model_at(*rotor).with_gravity(study.world.gravity);
         let mut before: Vec<Option<FrozenPayload>> = Vec::new();
@@ -338,7 +338,7 @@ fn cases(study: &Study) -> Result<Vec<Case>, ClassRefusal> {
                 continue;
             }
             before.push(payload.clone());
-            cases.push(Case { payload, model });
+            cases.push(PayloadCase { payload, model });
         }
     }
     Ok(cases)

@@ -4,9 +4,9 @@ use phihat_certificate::Refutation;
 use phihat_certificate::extremes::larger;
 
 use super::refusal::ClassRefusal;
-use super::scene::Scene;
+use super::scene::ClassScene;
 use super::slopes::Slopes;
-use crate::coupled::linear::{Horizon, LEFT, Linear, Lines, OUTPUTS};
+use crate::coupled::linear::{LEFT, Linear, Lines, OUTPUTS, SumHorizon};
 
 /// Outputs: `e`, `ė`, change of the commanded torque per sample, `ë` without the force itself.
 pub(super) const E: usize = 0;
@@ -22,39 +22,39 @@ const PLACE: [usize; KINDS] = [0, 1, 3, 2];
 const FADED: f64 = 1e-5;
 
 /// Matrices with one row per joint that answers; row by row, for each output.
-pub(super) type Each = [Vec<f64>; KINDS];
+pub(super) type AnswerMatrices = [Vec<f64>; KINDS];
 
 /// The sums at one posture with one payload. Columns: the joint on which a torque acts, or whose reading errs.
 #[derive(Debug, Clone)]
-pub(super) struct Sums {
+pub(super) struct PostureSums {
     /// Where, in words, and the index of the payload.
     pub(super) q: Vec<f64>,
     pub(super) case: usize,
     pub(super) inverse: Vec<f64>,
     pub(super) mass: Vec<f64>,
     /// Γ from a torque of any course; `e` at all times, like those that follow.
-    pub(super) torque: Each,
+    pub(super) torque: AnswerMatrices,
     /// Γ from the rate of a torque.
-    pub(super) ramp: Each,
+    pub(super) ramp: AnswerMatrices,
     /// Γ from errors of readings.
-    pub(super) reading: Each,
+    pub(super) reading: AnswerMatrices,
     /// Largest answer to a torque that goes on from the start, and to an impulse of torque at the start.
-    pub(super) lasting: Each,
-    pub(super) impulse: Each,
+    pub(super) lasting: AnswerMatrices,
+    pub(super) impulse: AnswerMatrices,
     /// Largest answer to a start off by an angle, law and arm, beyond what later readings can add.
-    pub(super) start: Each,
+    pub(super) start: AnswerMatrices,
     /// Largest `(age + T) |g'|`, and `|g|`, of `e`: the start's part in what moves.
     pub(super) start_moves: [Vec<f64>; 2],
     /// `T Σ|g'|`.
-    pub(super) slope: Each,
+    pub(super) slope: AnswerMatrices,
     /// `Σ age ∫|g|`.
-    pub(super) aged: Each,
+    pub(super) aged: AnswerMatrices,
     /// `Σ ½ age² T|g'|`; of `e` `Σ ½ age² |δ|`.
-    pub(super) bent: Each,
+    pub(super) bent: AnswerMatrices,
     /// `Σ age T|g'|` of `e`.
     pub(super) turned: Vec<f64>,
     /// `Σ ∫|g ∂g/∂q|`.
-    pub(super) gravity: Each,
+    pub(super) gravity: AnswerMatrices,
     /// Twice integrated, of `e`: entry `c` for joint `c`'s speed.
     pub(super) twice: Vec<Vec<f64>>,
     /// Once integrated, of all but `e`.
@@ -62,7 +62,7 @@ pub(super) struct Sums {
 }
 
 /// The posture's matrices side by side: row `l` of `[c][j]`.
-struct Moving {
+struct MovingSums {
     /// `∂_c M`, `2 ∂_c M − D_c`, `∂_c M − D_c`.
     blocks: [Vec<f64>; 3],
     gravity: Vec<f64>,
@@ -70,7 +70,7 @@ struct Moving {
     inverse: Vec<f64>,
 }
 
-impl Moving {
+impl MovingSums {
     fn of(slopes: &Slopes, inverse: Vec<f64>) -> Self {
         let n = slopes.n;
         let mut blocks = [vec![0.0; n * n * n], vec![0.0; n * n * n], vec![0.0; n * n * n]];
@@ -101,13 +101,13 @@ fn add_product(out: &mut [f64], scratch: &mut [f64], weight: f64, (row, block): 
     }
 }
 
-impl Sums {
+impl PostureSums {
     /// The sums at a posture.
     ///
     /// # Errors
     ///
     /// [`ClassRefusal`]: the loop is not stable there, or its law has no integrator.
-    pub(super) fn at(scene: &Scene<'_>, case: usize, q: &[f64]) -> Result<Self, ClassRefusal> {
+    pub(super) fn at(scene: &ClassScene<'_>, case: usize, q: &[f64]) -> Result<Self, ClassRefusal> {
         let n = scene.n;
         let slopes = Slopes::at(&mut scene.posed(&scene.cases[case]), q);
         let inverse = slopes.inverse().ok_or_else(|| unstable("M(q) is positive definite"))?;
@@ -115,8 +115,8 @@ impl Sums {
         let linear = Linear::new(&loops, &inverse);
         let horizon = linear.horizon().ok_or_else(|| unstable("A^k → 0 (stable loop)"))?;
         let flat: Vec<f64> = (0..n * n).map(|k| inverse[(k / n, k % n)]).collect();
-        let moving = Moving::of(&slopes, flat.clone());
-        let each = || -> Each { core::array::from_fn(|_| Vec::with_capacity(n * n)) };
+        let moving = MovingSums::of(&slopes, flat.clone());
+        let each = || -> AnswerMatrices { core::array::from_fn(|_| Vec::with_capacity(n * n)) };
         let per_joint = || vec![vec![0.0; n * n]; n];
         let mut own = Self {
             q: q.to_vec(),
@@ -139,17 +139,17 @@ impl Sums {
             once: core::array::from_fn(|_| per_joint()),
         };
         for i in 0..n {
-            let row = Row::of((&linear, &horizon), (i, scene.period), &moving)?;
+            let row = JointSums::of((&linear, &horizon), (i, scene.period), &moving)?;
             own.push(i, row, &slopes);
         }
         Ok(own)
     }
 
     /// Adds the row of a joint.
-    fn push(&mut self, i: usize, mut row: Row, slopes: &Slopes) {
+    fn push(&mut self, i: usize, mut row: JointSums, slopes: &Slopes) {
         let n = slopes.n;
         row.finish(slopes);
-        let into = |lists: &mut Each, rows: Each| {
+        let into = |lists: &mut AnswerMatrices, rows: AnswerMatrices| {
             for (list, row) in lists.iter_mut().zip(rows) {
                 list.extend(row);
             }
@@ -180,7 +180,7 @@ impl Sums {
 
 /// Sizes of the answers since the start, sample by sample, joint by joint.
 #[derive(Default)]
-struct Begun {
+struct AnswerSizes {
     /// After an error of one reading; the first at its own sample.
     readings: Vec<[f64; KINDS]>,
     /// After a start of the arm off by an angle, over each interval.
@@ -189,12 +189,12 @@ struct Begun {
     laws: Vec<[f64; KINDS]>,
 }
 
-impl Begun {
+impl AnswerSizes {
     /// `max_k (|s_k| − Σ_{m>k+1} |n_m|)`: of readings that have not come yet nothing is to be seen at sample `k + 1`.
     ///
     /// What comes after the last sample is counted as [`LEFT`] of the largest answer. Times between samples see two
     /// neighbours: each answer is the largest of three.
-    fn beyond_readings(&self, n: usize) -> Each {
+    fn beyond_readings(&self, n: usize) -> AnswerMatrices {
         let samples = (self.arms.len() / n).min(self.laws.len() / n);
         let near = |list: &[[f64; KINDS]], k: usize, j: usize, o: usize| {
             let around = k.saturating_sub(1)..(k + 2).min(samples);
@@ -219,47 +219,47 @@ impl Begun {
 }
 
 /// Sums of one joint that answers.
-struct Row {
+struct JointSums {
     n: usize,
     period: f64,
     /// Samples after which products are bounded by products of sizes.
     long: usize,
     /// Node of the kernels, from 0.
     node: usize,
-    last: Each,
+    last: AnswerMatrices,
     /// `g'` of the interval before, and its `ë`.
     last_slope: Vec<f64>,
     /// Step responses.
-    whole: Each,
-    torque: Each,
-    ramp: Each,
-    reading: Each,
-    lasting: Each,
-    impulse: Each,
-    start: Each,
-    begun: Begun,
+    whole: AnswerMatrices,
+    torque: AnswerMatrices,
+    ramp: AnswerMatrices,
+    reading: AnswerMatrices,
+    lasting: AnswerMatrices,
+    impulse: AnswerMatrices,
+    start: AnswerMatrices,
+    begun: AnswerSizes,
     start_moves: [Vec<f64>; 2],
-    slope: Each,
-    aged: Each,
-    bent: Each,
+    slope: AnswerMatrices,
+    aged: AnswerMatrices,
+    bent: AnswerMatrices,
     turned: Vec<f64>,
-    gravity: Each,
+    gravity: AnswerMatrices,
     twice: Vec<f64>,
     once: [Vec<f64>; KINDS],
     /// Sizes for what is left to bound by sizes: of `e` `Σ age|δ|`, of others `Σ age T|g'|`; `T Σ|g'|`; `∫|g|`.
-    late_age: Each,
-    late_slope: Each,
-    late_torque: Each,
+    late_age: AnswerMatrices,
+    late_slope: AnswerMatrices,
+    late_torque: AnswerMatrices,
     /// `Σ (2 age + T) T|α|` and `T Σ|α|`, `α` the `ë` of `g'`: what lies between samples.
     chords: [Vec<f64>; 2],
     scratch: Vec<f64>,
 }
 
-impl Row {
+impl JointSums {
     fn of(
-        (linear, horizon): (&Linear, &Horizon),
+        (linear, horizon): (&Linear, &SumHorizon),
         (i, period): (usize, f64),
-        moving: &Moving,
+        moving: &MovingSums,
     ) -> Result<Self, ClassRefusal> {
         let n = moving.mass.len().isqrt();
         let mut own = Self::empty(n, period, horizon.samples);
@@ -285,7 +285,7 @@ impl Row {
     }
 
     fn empty(n: usize, period: f64, long: usize) -> Self {
-        let each = || -> Each { core::array::from_fn(|_| vec![0.0; n]) };
+        let each = || -> AnswerMatrices { core::array::from_fn(|_| vec![0.0; n]) };
         Self {
             n,
             period,
@@ -300,7 +300,7 @@ impl Row {
             lasting: each(),
             impulse: each(),
             start: each(),
-            begun: Begun::default(),
+            begun: AnswerSizes::default(),
             start_moves: [vec![0.0; n], vec![0.0; n]],
             slope: each(),
             aged: each(),
@@ -328,9 +328,9 @@ impl Row {
     }
 
     /// One more node `g(kT)` of the kernels, which are straight between nodes.
-    fn take(&mut self, i: usize, block: &[Lines], moving: &Moving) {
+    fn take(&mut self, i: usize, block: &[Lines], moving: &MovingSums) {
         let (n, t, k) = (self.n, self.period, self.node);
-        let now: Each =
+        let now: AnswerMatrices =
             core::array::from_fn(|o| block.iter().map(|lines| lines[OUTPUTS + PLACE[o]]).collect());
         let own = &moving.inverse[i * n..(i + 1) * n];
         // Trapezes: the first node is the end of one interval only.
@@ -377,7 +377,7 @@ impl Row {
     }
 
     /// The interval that is `m` samples old at its young end: slope `g' = H_m M^{-1}` of the kernels.
-    fn interval(&mut self, m: usize, now: &Each, moving: &Moving) {
+    fn interval(&mut self, m: usize, now: &AnswerMatrices, moving: &MovingSums) {
         let (n, t) = (self.n, self.period);
         let (age, older) = (m as f64 * t, (m as f64 + 1.0) * t);
         let early = m < self.long;
@@ -424,7 +424,7 @@ impl Row {
     }
 
     /// The same of `e`, which is integrated twice: its slope, and how it jumps there.
-    fn of_error(&mut self, (m, early): (usize, bool), slope: &[f64], moving: &Moving) {
+    fn of_error(&mut self, (m, early): (usize, bool), slope: &[f64], moving: &MovingSums) {
         let (n, t) = (self.n, self.period);
         let age = m as f64 * t;
         let jump: Vec<f64> = if m == 0 {

@@ -3,15 +3,15 @@
 use nalgebra::DMatrix;
 use phihat_certificate::{JointRecord, LoopModel, Refutation};
 
-use super::linear::{Horizon, Linear, Lines, OUTPUTS, Sums, count};
+use super::linear::{Linear, Lines, OUTPUTS, ResponseSums, SumHorizon, count};
 
 const CLAIM: &str = "coupled gains";
 
 /// `sums[i][j]`: from input `j` to joint `i`, torques in N·m.
-pub(super) type AllSums = Vec<Vec<Sums>>;
+pub(super) type AllSums = Vec<Vec<ResponseSums>>;
 
 /// Joints with their loops.
-pub(super) type Loops<'a> = [(&'a JointRecord, &'a LoopModel)];
+pub(super) type PostureLoops<'a> = [(&'a JointRecord, &'a LoopModel)];
 
 /// The sums for an inertia matrix.
 ///
@@ -29,7 +29,7 @@ pub(super) type Loops<'a> = [(&'a JointRecord, &'a LoopModel)];
 /// # Errors
 ///
 /// [`Refutation`] where the loop is not stable, or the matrix not positive definite.
-pub(super) fn sums(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<AllSums, Refutation> {
+pub(super) fn sums(loops: &PostureLoops<'_>, mass: &DMatrix<f64>) -> Result<AllSums, Refutation> {
     let one = loops.windows(2).all(|pair| same(pair[0], pair[1]));
     if one { by_modes(loops, mass) } else { together(loops, mass) }
 }
@@ -42,13 +42,16 @@ fn same(a: (&JointRecord, &LoopModel), b: (&JointRecord, &LoopModel)) -> bool {
 }
 
 /// The whole arm's loop at once.
-pub(super) fn together(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<AllSums, Refutation> {
+pub(super) fn together(
+    loops: &PostureLoops<'_>,
+    mass: &DMatrix<f64>,
+) -> Result<AllSums, Refutation> {
     let period = loops.first().map_or(0.0, |(_, model)| model.period_s);
     let inverse = inverse(mass)?;
     let arm = Linear::new(loops, &inverse);
     let horizon = arm.horizon().ok_or_else(|| unstable(0.0))?;
     let joint = |i: usize| {
-        let mut sums = vec![Sums::default(); loops.len()];
+        let mut sums = vec![ResponseSums::default(); loops.len()];
         let visit = |j: usize, lines: &Lines| count(&mut sums[j], lines, period);
         let tails = arm.walk(i, (horizon.samples, &horizon), visit);
         for (sums, tail) in sums.iter_mut().zip(&tails) {
@@ -60,7 +63,7 @@ pub(super) fn together(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<AllSums
 }
 
 /// (G2).
-fn by_modes(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<AllSums, Refutation> {
+fn by_modes(loops: &PostureLoops<'_>, mass: &DMatrix<f64>) -> Result<AllSums, Refutation> {
     let Some((record, model)) = loops.first() else { return Ok(Vec::new()) };
     let n = loops.len();
     let root: Vec<f64> = loops.iter().map(|(r, _)| r.inertia_kg_m2.sqrt()).collect();
@@ -76,7 +79,7 @@ fn by_modes(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<AllSums, Refutatio
         Ok((mode, horizon))
     };
     let modes = eigen.eigenvalues.iter().map(|mu| mode(*mu)).collect::<Result<Vec<_>, _>>()?;
-    let samples = modes.iter().map(|(_, h): &(Linear, Horizon)| h.samples).max().unwrap_or(0);
+    let samples = modes.iter().map(|(_, h): &(Linear, SumHorizon)| h.samples).max().unwrap_or(0);
     let mut tails = Vec::with_capacity(n);
     let mut series: Vec<Lines> = vec![[0.0; 16]; n * (samples + 1)];
     for (k, (mode, horizon)) in modes.iter().enumerate() {
@@ -91,7 +94,7 @@ fn by_modes(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<AllSums, Refutatio
         (0..n).map(|k| eigen.eigenvectors[(*i, k)] * eigen.eigenvectors[(*j, k)]).collect()
     };
     let shares: Vec<Vec<f64>> = pairs.iter().map(share).collect();
-    let mut sums = vec![Sums::default(); pairs.len()];
+    let mut sums = vec![ResponseSums::default(); pairs.len()];
     for modes in series.chunks(n) {
         for (share, sums) in shares.iter().zip(&mut sums) {
             let mut lines = [0.0; 16];
@@ -103,7 +106,7 @@ fn by_modes(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<AllSums, Refutatio
             count(sums, &lines, model.period_s);
         }
     }
-    let mut all = vec![vec![Sums::default(); n]; n];
+    let mut all = vec![vec![ResponseSums::default(); n]; n];
     for (((i, j), share), mut sums) in pairs.into_iter().zip(&shares).zip(sums) {
         for (share, tail) in share.iter().zip(&tails) {
             plus(&mut sums, tail, share.abs());
@@ -115,7 +118,7 @@ fn by_modes(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<AllSums, Refutatio
 }
 
 /// From modes in units of `M̄` to joint `i` from input `j`.
-fn in_units(sums: &Sums, root_i: f64, root_j: f64) -> Sums {
+fn in_units(sums: &ResponseSums, root_i: f64, root_j: f64) -> ResponseSums {
     // Outputs are motions or torques of joint i; inputs a torque or an angle of joint j.
     let of =
         |input: f64| {
@@ -130,7 +133,7 @@ fn in_units(sums: &Sums, root_i: f64, root_j: f64) -> Sums {
     ]
 }
 
-fn plus(sums: &mut Sums, other: &Sums, factor: f64) {
+fn plus(sums: &mut ResponseSums, other: &ResponseSums, factor: f64) {
     for (sum, other) in sums.iter_mut().flatten().zip(other.iter().flatten()) {
         *sum += factor * other;
     }

@@ -3,8 +3,8 @@
 use nalgebra::DMatrix;
 use phihat_certificate::{CoupledGains, FrozenPosture, JointRecord, LoopModel, Matrix, Refutation};
 
-use super::at_posture::{Loops, inverse, sums};
-use super::linear::{OUTPUTS, Sums};
+use super::at_posture::{PostureLoops, inverse, sums};
+use super::linear::{OUTPUTS, ResponseSums};
 use crate::parallel::{parallel, threads};
 
 /// Number of matrices: from torque to `e, ė, ë, Δτ`, from the encoder to `e, ė, Δτ`.
@@ -36,7 +36,7 @@ pub trait FindCoupledGains: Sized {
 
 impl FindCoupledGains for CoupledGains {
     fn find(
-        loops: &Loops<'_>,
+        loops: &PostureLoops<'_>,
         postures: &[FrozenPosture],
         source: String,
     ) -> Result<Self, Refutation> {
@@ -88,7 +88,10 @@ impl FindCoupledGains for CoupledGains {
 /// the torque is held. Behind drives the torque goes from one value to the next, all the same way where the
 /// drives are the same, else off the straight one by at most [`off_chord`] of its change; the velocity is off
 /// its chord by that over the drive's bandwidth.
-pub(super) fn at_posture(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<Kinds, Refutation> {
+pub(super) fn at_posture(
+    loops: &PostureLoops<'_>,
+    mass: &DMatrix<f64>,
+) -> Result<Kinds, Refutation> {
     let n = loops.len();
     let sums = sums(loops, mass)?;
     let inverse = inverse(mass)?;
@@ -96,7 +99,7 @@ pub(super) fn at_posture(loops: &Loops<'_>, mass: &DMatrix<f64>) -> Result<Kinds
     let period = models.first().map_or(0.0, |model| model.period_s);
     let of = |input: usize, output: usize| {
         DMatrix::from_fn(n, n, |i, j| -> f64 {
-            let sums: &Sums = &sums[i][j];
+            let sums: &ResponseSums = &sums[i][j];
             debug_assert!(output < OUTPUTS);
             sums[input][output]
         })

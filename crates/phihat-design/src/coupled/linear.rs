@@ -6,7 +6,7 @@ use phihat_certificate::{JointRecord, LoopModel};
 
 use crate::lanes::{Lane, WIDE};
 use crate::sampled::mean_of_line;
-use crate::sampled::sample::{Input, Sample};
+use crate::sampled::sample::{Input, SampledLoop};
 
 /// Outputs of a joint: `e`, `ė`, `ë` without the push itself, change of commanded torque, change of acting torque.
 pub(crate) const OUTPUTS: usize = 5;
@@ -18,7 +18,7 @@ const CHANGES: [usize; 2] = [3, 4];
 pub(crate) type Lines = [f64; 16];
 
 /// Sums over a response's whole future, per output: from torque (absolute integral), from the encoder (absolute sum).
-pub(crate) type Sums = [[f64; OUTPUTS]; 2];
+pub(crate) type ResponseSums = [[f64; OUTPUTS]; 2];
 
 /// Largest remainder of the state when a sum is cut; the remainder of a response is bounded and added.
 pub(crate) const LEFT: f64 = 1e-4;
@@ -28,7 +28,7 @@ const DOUBLINGS: u32 = 20;
 
 /// After how many samples the loop has forgotten, and what is left then: `A^samples`, `‖A^samples‖_∞ < 1`.
 #[derive(Debug, Clone)]
-pub(crate) struct Horizon {
+pub(crate) struct SumHorizon {
     pub(crate) samples: usize,
     power: DMatrix<f64>,
 }
@@ -55,14 +55,15 @@ impl Linear {
     /// Laws in their loops on the inverse of an inertia matrix \[1/(kg·m²)\].
     #[allow(clippy::too_many_lines, reason = "one input after the other")]
     pub(crate) fn new(loops: &[(&JointRecord, &LoopModel)], inverse: &DMatrix<f64>) -> Self {
-        let samples: Vec<Sample> = loops.iter().map(|(r, m)| Sample::new(r, m, 1.0)).collect();
+        let samples: Vec<SampledLoop> =
+            loops.iter().map(|(r, m)| SampledLoop::new(r, m, 1.0)).collect();
         let nominal: Vec<f64> = loops.iter().map(|(r, _)| r.inertia_kg_m2).collect();
         let n = loops.len();
         let starts: Vec<usize> = samples
             .iter()
             .scan(0, |at, s| Some(core::mem::replace(at, *at + s.length())))
             .collect();
-        let length = samples.iter().map(Sample::length).sum();
+        let length = samples.iter().map(SampledLoop::length).sum();
         let period = loops.first().map_or(0.0, |(_, model)| model.period_s);
         let scales: Vec<DVector<f64>> =
             samples.iter().zip(&nominal).map(|(s, m)| s.scale() / m.sqrt()).collect();
@@ -134,7 +135,7 @@ impl Linear {
     }
 
     /// `None` when the loop does not forget.
-    pub(crate) fn horizon(&self) -> Option<Horizon> {
+    pub(crate) fn horizon(&self) -> Option<SumHorizon> {
         let (mut power, mut half) = (self.a.clone(), self.a.clone());
         for doublings in 0..=DOUBLINGS {
             let left = norm_inf(&power);
@@ -142,14 +143,14 @@ impl Linear {
                 return None;
             }
             if left < LEFT {
-                return Some(Horizon { samples: 1 << doublings, power });
+                return Some(SumHorizon { samples: 1 << doublings, power });
             }
             let whole = &power * &power;
             // Half way between two powers of two.
             if doublings > 0 {
                 let between = &power * &half;
                 if norm_inf(&between) < LEFT {
-                    return Some(Horizon { samples: 3 << (doublings - 1), power: between });
+                    return Some(SumHorizon { samples: 3 << (doublings - 1), power: between });
                 }
             }
             half = core::mem::replace(&mut power, whole);
@@ -191,9 +192,9 @@ impl Linear {
     pub(crate) fn walk(
         &self,
         i: usize,
-        (samples, horizon): (usize, &Horizon),
+        (samples, horizon): (usize, &SumHorizon),
         mut visit: impl FnMut(usize, &Lines),
-    ) -> Vec<Sums> {
+    ) -> Vec<ResponseSums> {
         let mut now: Vec<Outputs> = self.rows[i].iter().map(abreast).collect();
         let mut next = now.clone();
         let mut total = [0.0; OUTPUTS];
@@ -266,7 +267,7 @@ fn started(record: &JointRecord, period: f64) -> Option<[f64; 2]> {
 }
 
 /// Adds one sample's outputs to the sums.
-pub(super) fn count(sums: &mut Sums, lines: &Lines, period: f64) {
+pub(super) fn count(sums: &mut ResponseSums, lines: &Lines, period: f64) {
     for o in 0..OUTPUTS {
         sums[0][o] += period * mean_of_line(lines[o], lines[OUTPUTS + o]);
         sums[1][o] += lines[2 * OUTPUTS + o].abs();

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use phihat_certificate::{FrozenPosture, JointRecord, LoopModel};
 
-use super::at_posture::Loops;
+use super::at_posture::PostureLoops;
 use super::find::matrix;
 use super::linear::{Linear, Lines};
 use super::postures::Postures;
@@ -39,7 +39,7 @@ const OUTPUTS: [usize; 5] = [5, 6, 8, 10, 13];
 
 /// Measure of a posture, for every pair of joints in units of `M̄`: one matrix for each of [`OUTPUTS`], and
 /// `M^{-1}`.
-struct Seen {
+struct PostureMeasure {
     pairs: Vec<DMatrix<f64>>,
     /// Smallest and largest eigenvalue.
     ends: (f64, f64),
@@ -57,7 +57,7 @@ impl Postures<'_> {
     /// any claim.
     pub fn worst(
         &self,
-        loops: &Loops<'_>,
+        loops: &PostureLoops<'_>,
         range: (f64, f64),
         also: &[Vec<f64>],
     ) -> Vec<FrozenPosture> {
@@ -70,8 +70,8 @@ impl Postures<'_> {
         let Some(measure) = Measure::of(loops, range) else { return found };
         let mut many = self.spread(SPREAD);
         many.extend(found.iter().cloned());
-        let seen: Vec<Seen> = many.iter().map(|p| measure.see(p)).collect();
-        let best = |value: &dyn Fn(&Seen) -> f64| {
+        let seen: Vec<PostureMeasure> = many.iter().map(|p| measure.see(p)).collect();
+        let best = |value: &dyn Fn(&PostureMeasure) -> f64| {
             let most = (0..seen.len()).max_by(|a, b| value(&seen[*a]).total_cmp(&value(&seen[*b])));
             &many[most.unwrap_or(0)]
         };
@@ -81,7 +81,7 @@ impl Postures<'_> {
         let pairs: Vec<(usize, usize)> =
             (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).collect();
         for pair in &pairs {
-            let value = |seen: &Seen| seen.pairs[0][*pair];
+            let value = |seen: &PostureMeasure| seen.pairs[0][*pair];
             found.push(self.improved(best(&value), &|p| value(&measure.see(p))));
         }
         for output in 0..=OUTPUTS.len() {
@@ -128,7 +128,7 @@ impl Postures<'_> {
 
 impl Measure {
     /// `None` where the loop is not stable, or the joints' loops differ too much for one measure.
-    fn of(loops: &Loops<'_>, (low, high): (f64, f64)) -> Option<Self> {
+    fn of(loops: &PostureLoops<'_>, (low, high): (f64, f64)) -> Option<Self> {
         let (record, model): &(&JointRecord, &LoopModel) = loops.first()?;
         let record = JointRecord { inertia_kg_m2: 1.0, ..(*record).clone() };
         let last = (RATIOS - 1) as f64;
@@ -160,7 +160,7 @@ impl Measure {
         })
     }
 
-    fn see(&self, posture: &FrozenPosture) -> Seen {
+    fn see(&self, posture: &FrozenPosture) -> PostureMeasure {
         let n = self.root.len();
         let mass = matrix(&posture.mass_matrix_kg_m2, n);
         let scaled = DMatrix::from_fn(n, n, |i, j| mass[(i, j)] / (self.root[i] * self.root[j]));
@@ -190,7 +190,7 @@ impl Measure {
         let mut pairs: Vec<DMatrix<f64>> =
             self.inner.iter().map(|of| square(&between(of))).collect();
         pairs.push(lower(&light));
-        Seen { pairs, ends: (eigen.eigenvalues.min(), eigen.eigenvalues.max()) }
+        PostureMeasure { pairs, ends: (eigen.eigenvalues.min(), eigen.eigenvalues.max()) }
     }
 
     /// Between which two ratios of the grid one lies, and how far.

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::attempt::Attempt;
 use super::error::DesignError;
 use super::known::PhiOf;
-use super::search::{COARSE, Search};
+use super::search::{COARSE, DesignSearch};
 use crate::arm::Arm;
 
 /// Multiples of the loop's rate that are tried, the smallest first, and the highest rate \[Hz\].
@@ -41,7 +41,7 @@ pub fn alternatives(
 ) -> Result<Vec<Alternative>, DesignError> {
     let mut found = Vec::new();
     let attempt = |changed: &Study| -> Result<Option<(usize, Option<f64>)>, DesignError> {
-        let gains = Attempt::of(&Search::new(changed, arm, phi)?, &COARSE)?.gains;
+        let gains = Attempt::of(&DesignSearch::new(changed, arm, phi)?, &COARSE)?.gains;
         Ok(gains.map(|gains| (gains.joints[0].a.len(), gains.velocity_filter_hz)))
     };
     for multiple in MULTIPLES {

@@ -5,8 +5,8 @@ use phihat_certificate::extremes::Extremes as _;
 use super::candidate::Candidate;
 use super::error::DesignError;
 use super::refine::cost;
-use super::search::{Grid, Search};
-use super::verdict::{KEYS, Nearest, Verdict};
+use super::search::{DesignSearch, Grid};
+use super::verdict::{ClauseVerdict, KEYS, Nearest};
 use crate::{Gains, TradeOff};
 
 /// One search for gains.
@@ -25,7 +25,7 @@ pub(super) struct Attempt {
 
 impl Attempt {
     /// Judges a grid, the quietest first, then searches between its points.
-    pub(super) fn of(search: &Search<'_>, grid: &Grid) -> Result<Self, DesignError> {
+    pub(super) fn of(search: &DesignSearch<'_>, grid: &Grid) -> Result<Self, DesignError> {
         let (mut candidates, tried) = search.candidates(grid);
         candidates.sort_by(|a, b| a.noise().total_cmp(&b.noise()));
         let stable = u32::try_from(candidates.len()).unwrap_or(u32::MAX);
@@ -86,11 +86,11 @@ impl Attempt {
     }
 
     /// The law that misses the least.
-    pub(super) fn closest(&self, search: &Search<'_>) -> Option<Box<Gains>> {
+    pub(super) fn closest(&self, search: &DesignSearch<'_>) -> Option<Box<Gains>> {
         self.closest.as_ref().map(|(_, candidate)| Box::new(search.gains(candidate)))
     }
 
-    fn note(&mut self, candidate: &Candidate, verdict: &Verdict) {
+    fn note(&mut self, candidate: &Candidate, verdict: &ClauseVerdict) {
         self.nearest.note(verdict);
         let worst = verdict.shares.iter().map(|(share, _)| *share).largest();
         if self.closest.as_ref().is_none_or(|(least, _)| worst < *least) {
@@ -101,7 +101,7 @@ impl Attempt {
     /// Takes a candidate if its certificate keeps the specification too.
     fn take(
         &mut self,
-        search: &Search<'_>,
+        search: &DesignSearch<'_>,
         candidates: &[Candidate],
         chosen: &Candidate,
     ) -> Result<bool, DesignError> {

@@ -7,7 +7,7 @@ use crate::sampled::LoopModel;
 
 /// A law of the family, and its velocity filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Shape {
+pub(super) struct LawShape {
     /// `ω` \[rad/s\].
     pub(super) w: f64,
     pub(super) order: usize,
@@ -17,7 +17,7 @@ pub(super) struct Shape {
     pub(super) filter_hz: Option<f64>,
 }
 
-impl Shape {
+impl LawShape {
     pub(super) fn law(&self) -> JointRecord {
         self.record("", 1.0)
     }
@@ -43,7 +43,7 @@ impl Shape {
 /// A law and a factor on every nominal inertia, with what they do.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Candidate {
-    pub(super) shape: Shape,
+    pub(super) shape: LawShape,
     pub(super) scale: f64,
     /// Position of `scale` between the smallest and the largest that satisfy the window, 0 … 1.
     pub(super) share: f64,

@@ -10,7 +10,7 @@ use crate::claims::{PaperError, Refutation};
 #[non_exhaustive]
 pub enum DesignError {
     /// The study does not say which error is allowed.
-    #[error("spec.error_max_rad is missing: a design needs the largest error you can live with")]
+    #[error("spec.error_bound_rad is missing: a design needs the largest error you can live with")]
     NoSpec,
     /// The paper's recipe lacks a limit.
     #[error("{0} is missing: the paper's recipe starts from φ_max and limits on ∫e, e and ė")]

@@ -5,7 +5,7 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::advice::Alternative;
-use super::search::Search;
+use super::search::DesignSearch;
 use super::verdict::{KEYS, Nearest};
 use crate::{Gains, TradeOff};
 
@@ -91,7 +91,7 @@ pub struct Clause {
     pub possible: Option<f64>,
 }
 
-impl Search<'_> {
+impl DesignSearch<'_> {
     /// The clauses in the way.
     pub(super) fn clauses(&self, nearest: &Nearest) -> Vec<Clause> {
         let Some(any) = nearest.any else {

@@ -12,9 +12,9 @@ const NODES: (f64, f64, u32) = (0.125, 1.25, 19);
 ///
 /// Size and rate are maxima of `|τ − M̄ q̈|` and its rate over instants, so convex in `M̄`: chords lie above.
 #[derive(Debug)]
-pub(super) struct Known(Vec<(f64, Phi)>);
+pub(super) struct PhiChords(Vec<(f64, Phi)>);
 
-impl Known {
+impl PhiChords {
     pub(super) fn of(phi: PhiOf<'_>, joint: usize, nominal: f64) -> Self {
         let (first, factor, count) = NODES;
         let at = |k: u32| {

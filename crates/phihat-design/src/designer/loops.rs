@@ -2,7 +2,7 @@
 
 use phihat_study::Study;
 
-use super::candidate::{Candidate, Shape};
+use super::candidate::{Candidate, LawShape};
 use crate::prelude::*;
 use crate::quick::Quick;
 use crate::sampled::{InertiaWindow, LoopModel, OpenLoop, least_modulus};
@@ -18,7 +18,7 @@ pub(super) struct Loops<'a> {
 
 impl Loops<'_> {
     /// One law at some shares between the smallest and the largest factor that put the arm into its window.
-    pub(super) fn candidates_of(&self, shape: Shape, shares: &[f64]) -> Vec<Candidate> {
+    pub(super) fn candidates_of(&self, shape: LawShape, shares: &[f64]) -> Vec<Candidate> {
         let margin = self.study.design.window_margin;
         let law = shape.law();
         let (mut least, mut most) = (0.0_f64, f64::INFINITY);
@@ -44,7 +44,7 @@ impl Loops<'_> {
     }
 
     /// Gains at the ends and in the middle of the arm's range; `None` without the modulus margin.
-    fn gains_over(&self, shape: &Shape, law: &JointRecord, scale: f64) -> Option<Quick> {
+    fn gains_over(&self, shape: &LawShape, law: &JointRecord, scale: f64) -> Option<Quick> {
         let (low, high) = (self.arm.low / scale, self.arm.high / scale);
         let mut worst: Option<Quick> = None;
         for model in &self.models {

@@ -26,7 +26,7 @@ pub use outcome::Outcome;
 use crate::arm::Arm;
 use crate::positions;
 use attempt::Attempt;
-use search::{FINE, Search};
+use search::{DesignSearch, FINE};
 
 /// Finds a candidate for a study's specification, by the method that the study states.
 ///
@@ -61,7 +61,7 @@ use search::{FINE, Search};
 /// #     name = "planar3r"
 /// #     [spec]
 /// #     settle_s = 1.0
-/// #     error_max_rad = 0.02
+/// #     error_bound_rad = 0.02
 /// #     [design]
 /// #     orders = [1]
 /// #     payload_max_kg = 0.2
@@ -112,7 +112,7 @@ pub fn design(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, Desig
 ///
 /// [`DesignError`].
 pub fn has_law(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Option<usize>, DesignError> {
-    Ok(Search::new(study, arm, phi)?.any(&FINE))
+    Ok(DesignSearch::new(study, arm, phi)?.any(&FINE))
 }
 
 /// Finds gains as [`design`] does, without looking for [`alternatives`], each of which is a search of its own.
@@ -127,7 +127,7 @@ pub fn search(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, Desig
     if study.control.form == Form::Positions {
         return positions::search(study, arm, phi);
     }
-    let search = Search::new(study, arm, phi)?;
+    let search = DesignSearch::new(study, arm, phi)?;
     let attempt = Attempt::of(&search, &FINE)?;
     if let Some(gains) = attempt.gains {
         return Ok(Outcome::Designed(Box::new(gains)));

@@ -116,9 +116,9 @@ fn limits(study: &Study, group: &[usize]) -> Result<Vec<f64>, DesignError> {
         return Err(DesignError::PaperSpec("design.paper.integrals_max"));
     }
     let mut x_max: Vec<f64> = repeated[..order - 1].iter().rev().copied().collect();
-    x_max.push(least(&spec.error_integral_max, "spec.error_integral_max_rad_s")?);
-    x_max.push(least(&spec.error_bound, "spec.error_max_rad")?);
-    x_max.push(least(&spec.velocity_error_max, "spec.velocity_error_max_rad_s")?);
+    x_max.push(least(&spec.error_integral_bound, "spec.error_integral_bound_rad_s")?);
+    x_max.push(least(&spec.error_bound, "spec.error_bound_rad")?);
+    x_max.push(least(&spec.velocity_error_bound, "spec.velocity_error_bound_rad_s")?);
     Ok(x_max)
 }
 

@@ -2,9 +2,9 @@
 
 use phihat_certificate::extremes::Extremes as _;
 
-use super::candidate::{Candidate, Shape};
-use super::search::Search;
-use super::verdict::Verdict;
+use super::candidate::{Candidate, LawShape};
+use super::search::DesignSearch;
+use super::verdict::ClauseVerdict;
 
 /// First steps in `ln ω`, `ln ω_o/ω`, the share of the factor on `M̄`, and `ln` of the velocity filter.
 const STEPS: [f64; 4] = [0.09, 0.15, 0.25, 0.2];
@@ -14,7 +14,7 @@ const HALVINGS: u32 = 4;
 const MOST: u32 = 160;
 
 /// Share that one clause uses when all others are satisfied; far more when they are not.
-pub(super) fn cost(verdict: &Verdict, clause: usize) -> f64 {
+pub(super) fn cost(verdict: &ClauseVerdict, clause: usize) -> f64 {
     let share = |i: usize| {
         let share = verdict.shares[i].0;
         if share.is_nan() { f64::INFINITY } else { share }
@@ -24,14 +24,14 @@ pub(super) fn cost(verdict: &Verdict, clause: usize) -> f64 {
     if worst <= 1.0 { share(clause) } else { 1e6 * worst }
 }
 
-impl Search<'_> {
+impl DesignSearch<'_> {
     /// From a candidate, step by step along each parameter, to the least cost of a clause; every candidate
     /// on the way is shown.
     pub(super) fn refine(
         &self,
         start: &Candidate,
         clause: usize,
-        mut show: impl FnMut(&Candidate, &Verdict),
+        mut show: impl FnMut(&Candidate, &ClauseVerdict),
     ) {
         let designed = self.study.sensor.velocity_filter_designed;
         let mut best = start.clone();
@@ -63,7 +63,7 @@ impl Search<'_> {
     }
 
     fn step(&self, from: &Candidate, parameter: usize, by: f64) -> Option<Candidate> {
-        let Shape { mut w, order, mut ratio, mut filter_hz } = from.shape;
+        let LawShape { mut w, order, mut ratio, mut filter_hz } = from.shape;
         let mut share = from.share;
         match parameter {
             0 => w = (w * by.exp()).max(self.slowest),
@@ -74,6 +74,6 @@ impl Search<'_> {
                 filter_hz = filter_hz.map(|hz| (hz * by.exp()).min(half));
             }
         }
-        self.loops.candidates_of(Shape { w, order, ratio, filter_hz }, &[share]).pop()
+        self.loops.candidates_of(LawShape { w, order, ratio, filter_hz }, &[share]).pop()
     }
 }

@@ -3,16 +3,16 @@
 use phihat_certificate::extremes::Extremes as _;
 use phihat_study::Study;
 
-use super::candidate::{Candidate, Shape};
+use super::candidate::{Candidate, LawShape};
 use super::error::DesignError;
-use super::known::{Known, PhiOf};
+use super::known::{PhiChords, PhiOf};
 use super::loops::Loops;
 use super::nominal::shared_out;
-use super::verdict::{KEYS, Verdict};
+use super::verdict::{ClauseVerdict, KEYS};
 use crate::Certificate;
 use crate::TradeOff;
 use crate::budget::loop_in_words;
-use crate::certificate::{Evidence, alone, as_modelled};
+use crate::certificate::{BoundsEvidence, alone, as_modelled};
 use crate::claims::times::{from_rise_time, from_settling_time};
 use crate::parallel::{parallel, threads};
 use crate::prelude::*;
@@ -60,10 +60,10 @@ pub(super) const COARSE: Grid =
 /// Cut-offs of the velocity filter that are tried where it is left to the design, as shares of the loop's rate.
 const FILTERS: [f64; 5] = [0.015, 0.025, 0.04, 0.08, 0.2];
 
-pub(super) struct Search<'a> {
+pub(super) struct DesignSearch<'a> {
     pub(super) study: &'a Study,
     phi: PhiOf<'a>,
-    known: Vec<Known>,
+    known: Vec<PhiChords>,
     pub(super) loops: Loops<'a>,
     quanta: Vec<f64>,
     /// In the order of the clauses.
@@ -72,7 +72,7 @@ pub(super) struct Search<'a> {
     pub(super) slowest: f64,
 }
 
-impl<'a> Search<'a> {
+impl<'a> DesignSearch<'a> {
     pub(super) fn new(study: &'a Study, arm: &Arm, phi: PhiOf<'a>) -> Result<Self, DesignError> {
         let error_bound = study.spec.error_bound.clone().ok_or(DesignError::NoSpec)?;
         let n = study.robot.joints.len();
@@ -106,13 +106,13 @@ impl<'a> Search<'a> {
         Ok(Self {
             study,
             phi,
-            known: nominal.map(|(joint, nominal)| Known::of(phi, joint, *nominal)).collect(),
+            known: nominal.map(|(joint, nominal)| PhiChords::of(phi, joint, *nominal)).collect(),
             loops: Loops { study, arm, models },
             quanta,
             limits: [
                 Some(error_bound),
-                study.spec.velocity_error_max.clone(),
-                study.spec.error_integral_max.clone(),
+                study.spec.velocity_error_bound.clone(),
+                study.spec.error_integral_bound.clone(),
                 step_max.or_else(|| noise_max(study)),
                 rate_max,
             ],
@@ -174,7 +174,7 @@ impl<'a> Search<'a> {
             for &order in &self.study.design.orders {
                 for &w in &bandwidths {
                     let ratios = grid.ratios.iter();
-                    shapes.extend(ratios.map(|&ratio| Shape { w, order, ratio, filter_hz }));
+                    shapes.extend(ratios.map(|&ratio| LawShape { w, order, ratio, filter_hz }));
                 }
             }
         }
@@ -196,7 +196,7 @@ impl<'a> Search<'a> {
             for &order in &self.study.design.orders {
                 for filter_hz in self.filters() {
                     for &ratio in grid.ratios {
-                        let shape = Shape { w, order, ratio, filter_hz };
+                        let shape = LawShape { w, order, ratio, filter_hz };
                         let mut all = self.loops.candidates_of(shape, &SHARES).into_iter();
                         if all.any(|candidate| self.judge(&candidate).within()) {
                             return Some(order);
@@ -218,15 +218,15 @@ impl<'a> Search<'a> {
     }
 
     /// Measures a candidate against every clause.
-    pub(super) fn judge(&self, candidate: &Candidate) -> Verdict {
-        let mut verdict = Verdict::default();
+    pub(super) fn judge(&self, candidate: &Candidate) -> ClauseVerdict {
+        let mut verdict = ClauseVerdict::default();
         let Quick { jump, ramp, reading, moved, change } = candidate.gains;
         let mut record = candidate.shape.law();
         for (joint, nominal) in self.loops.arm.nominal_kg_m2.iter().enumerate() {
             let inertia = nominal * candidate.scale;
             record.inertia_kg_m2 = inertia;
             let quantum = self.quanta[joint];
-            let evidence = Evidence {
+            let evidence = BoundsEvidence {
                 record: &record,
                 model: &self.loops.models[0],
                 jump,
@@ -242,8 +242,8 @@ impl<'a> Search<'a> {
             let bounds = evidence.bounds(&phi);
             let change = change * inertia * 0.5 * quantum;
             let values = [
-                bounds.error_rad,
-                bounds.velocity_error_rad_s,
+                bounds.error_bound_rad,
+                bounds.velocity_error_bound_rad_s,
                 bounds.integral_rad_s.unwrap_or(f64::INFINITY),
                 change,
                 self.rate(change, inertia, &phi),
@@ -253,7 +253,7 @@ impl<'a> Search<'a> {
         verdict
     }
 
-    fn compare(&self, verdict: &mut Verdict, joint: usize, values: [f64; 5]) {
+    fn compare(&self, verdict: &mut ClauseVerdict, joint: usize, values: [f64; 5]) {
         for (clause, value) in values.into_iter().enumerate() {
             if let Some(limits) = self.limit(clause) {
                 verdict.raise(clause, value / limits[joint], joint);
@@ -272,15 +272,15 @@ impl<'a> Search<'a> {
         let modelled = as_modelled(self.study);
         let study = modelled.as_ref().unwrap_or(self.study);
         let mut found = Certificate::find(study, &gains, arm.clone(), &phi)?;
-        let mut verdict = Verdict::default();
+        let mut verdict = ClauseVerdict::default();
         for (joint, claims) in found.joints.iter().enumerate() {
             let (record, given) = (&gains.joints[joint], (self.quanta[joint], study.duration));
             let Some(phi) = &phi[joint] else { return Ok(None) };
             let Some(bounds) = alone(record, claims, phi, given) else { return Ok(None) };
             let change = claims.noise.as_ref().map_or(0.0, |noise| noise.change_max_nm);
             let values = [
-                bounds.error_rad,
-                bounds.velocity_error_rad_s,
+                bounds.error_bound_rad,
+                bounds.velocity_error_bound_rad_s,
                 bounds.integral_rad_s.unwrap_or(f64::INFINITY),
                 change,
                 self.rate(change, gains.joints[joint].inertia_kg_m2, phi),

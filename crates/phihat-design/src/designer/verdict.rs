@@ -1,10 +1,10 @@
 //! Distance of a candidate from each clause of the specification, and the nearest miss of each.
 
-/// The clauses: their keys in a study, in the order of [`Verdict::shares`].
+/// The clauses: their keys in a study, in the order of [`ClauseVerdict::shares`].
 pub(super) const KEYS: [&str; 5] = [
-    "spec.error_max_rad",
-    "spec.velocity_error_max_rad_s",
-    "spec.error_integral_max_rad_s",
+    "spec.error_bound_rad",
+    "spec.velocity_error_bound_rad_s",
+    "spec.error_integral_bound_rad_s",
     "design.torque_step_max_nm",
     "loop.torque_rate_max_nm_s",
 ];
@@ -14,11 +14,11 @@ pub(super) type Share = (f64, usize);
 
 /// For each clause: measured over wanted, and the joint that decides; 0 where the study does not ask.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Verdict {
+pub(super) struct ClauseVerdict {
     pub(super) shares: [Share; 5],
 }
 
-impl Verdict {
+impl ClauseVerdict {
     /// Keeps the larger share; a NaN counts as the largest.
     pub(super) fn raise(&mut self, clause: usize, share: f64, joint: usize) {
         let slot = &mut self.shares[clause];
@@ -46,7 +46,7 @@ pub(super) struct Nearest {
 }
 
 impl Nearest {
-    pub(super) fn note(&mut self, verdict: &Verdict) {
+    pub(super) fn note(&mut self, verdict: &ClauseVerdict) {
         lower(&mut self.any, verdict.shares[0]);
         for clause in 0..KEYS.len() {
             if verdict.within_but(clause) {

@@ -50,7 +50,8 @@ pub(super) fn text(gains: &Gains) -> String {
         row.extend(pid.map_or([const { String::new() }; 3], |g| [g.p, g.i, g.d].map(exact)));
         let claims = gains.certificate.as_ref().and_then(|c| c.joints.get(j));
         let limit = claims.and_then(|claims| claims.limits.0);
-        let bound = gains.certificate.as_ref().and_then(|c| c.error_bound(j)).map(|b| b.error_rad);
+        let bound =
+            gains.certificate.as_ref().and_then(|c| c.error_bound(j)).map(|b| b.error_bound_rad);
         row.extend([limit, bound].map(|value| value.map_or(String::new(), exact)));
         text += &(row.join(",") + "\n");
     }

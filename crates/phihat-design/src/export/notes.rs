@@ -49,7 +49,7 @@ pub(super) fn law(gains: &Gains) -> Vec<String> {
         lines.extend(arm(certificate));
         let bound = |(i, joint): (usize, &JointCertificate)| {
             let error = certificate.error_bound(i);
-            let error = error.map_or("not known".to_owned(), |b| up(b.error_rad));
+            let error = error.map_or("not known".to_owned(), |b| up(b.error_bound_rad));
             let window = joint.window.map_or("none".to_owned(), |window| {
                 format!("{} .. {}", up(window.low), down(window.high))
             });
@@ -86,7 +86,7 @@ pub(super) fn pid(gains: &Gains, claims: &[PidClaims]) -> Vec<String> {
         "  motion of the reference (A for qdd_d held over a sample); A*, B* are without feed-forward.".to_owned(),
     ]);
     for (joint, claim) in gains.joints.iter().zip(claims) {
-        let error = claim.bounds.map_or("not known (no phi)".to_owned(), |b| up(b.error_rad));
+        let error = claim.bounds.map_or("not known (no phi)".to_owned(), |b| up(b.error_bound_rad));
         let integral =
             claim.integral_nm.map_or("not known".to_owned(), |n| format!("{} N m", up(n)));
         let (window, margins) = (claim.window, claim.margins);

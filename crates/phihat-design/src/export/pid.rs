@@ -1,6 +1,6 @@
 //! The law of order 1 as a PID, and what can be claimed of it.
 
-use crate::certificate::{Evidence, RATIOS, inside};
+use crate::certificate::{BoundsEvidence, RATIOS, inside};
 use crate::claims::Refutation;
 use crate::prelude::*;
 use crate::sampled::{
@@ -112,7 +112,7 @@ impl PidClaims {
         let bounds = phi.map(|phi| {
             let (reading, quantum) = (reading.as_ref(), quantum.unwrap_or(0.0));
             let given = (quantum, whole.duration_s);
-            Evidence::new((record, &model), &peaks, reading, None, given).bounds(phi)
+            BoundsEvidence::new((record, &model), &peaks, reading, None, given).bounds(phi)
         });
         let size = phi.and_then(|phi| phi.size_nm);
         let reference = |forward: bool| {

@@ -7,7 +7,7 @@ use super::programme::Programme;
 
 /// Cost that no stable law undercuts, whatever the multipliers: those outside of their box are put on its edge.
 ///
-/// For every law that holds `Σ|s_k| ≤ change`, `s_k = ρ_k − ρ_{k−1}`, with the signals of [`Played`],
+/// For every law that holds `Σ|s_k| ≤ change`, `s_k = ρ_k − ρ_{k−1}`, with the signals of [`PlayedMultipliers`],
 ///
 /// ```text
 /// cost ≥ Σ κ^C C + κ^φ e^φ + κ^n e^n = −β²/2 (x_1 + x_2) + Σ σ_k s_k ≥ −β²/2 (x_1 + x_2) − max|σ_k| change
@@ -25,7 +25,7 @@ use super::programme::Programme;
 /// bound, divided by `1 + excess`, holds.
 pub(super) fn bound(programme: &Programme, multipliers: &Multipliers) -> Option<f64> {
     let change = programme.change?;
-    let played = Played::of(programme, multipliers);
+    let played = PlayedMultipliers::of(programme, multipliers);
     let (low, high) = played.sigma.iter().copied().chain([0.0]).ends();
     let price = 0.5 * (high - low) + played.slip;
     let bound = (played.value - price * change) / (1.0 + played.excess.iter().sum::<f64>());
@@ -46,7 +46,7 @@ const SLACK: f64 = 1e-12;
 /// ```
 ///
 /// After the last sample `y` and `x` are constant, by `κ^φ = −β y` and `κ^n = β² x`; `κ^C` and `ξ` are 0 and `σ` stays.
-struct Played {
+struct PlayedMultipliers {
     /// `−β²/2 (x_1 + x_2)`: what `φ`'s impulse does without a law.
     value: f64,
     sigma: Vec<f64>,
@@ -59,7 +59,7 @@ struct Played {
 /// Four operations at most, each off by half of the machine's step.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-impl Played {
+impl PlayedMultipliers {
     fn of(programme: &Programme, multipliers: &Multipliers) -> Self {
         let (n, late) = (programme.length, programme.delay + 1);
         let (step, half) = (programme.step, programme.half());
@@ -103,7 +103,7 @@ fn inside(multiplier: f64, size: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Multipliers, Played, Programme, bound};
+    use super::{Multipliers, PlayedMultipliers, Programme, bound};
     use crate::limit::law;
     use crate::limit::multipliers::find;
     use crate::limit::responses::Responses;
@@ -150,7 +150,7 @@ mod tests {
         let cost = product(&multipliers.ramp, &forward.ramp)
             + product(&multipliers.jump, &forward.jump)
             + product(&multipliers.read, &forward.read);
-        let played = Played::of(programme, multipliers);
+        let played = PlayedMultipliers::of(programme, multipliers);
         let before = core::iter::once(&0.0).chain(r);
         let changes: Vec<f64> = r.iter().zip(before).map(|(r, before)| r - before).collect();
         (cost, played.value + product(&played.sigma, &changes))

@@ -7,7 +7,7 @@ use phihat_certificate::extremes::Extremes as _;
 use super::error::LimitError;
 use super::request::LimitRequest;
 use crate::certificate::RATIOS;
-use crate::sampled::{Held, LoopModel, LoopParts as _, ratios};
+use crate::sampled::{LoopModel, LoopParts as _, SampledGains, ratios};
 use crate::{JointRecord, Phi};
 
 /// Compares a law with the limit at its `M̄`, and at the lightest inertia of a range `μ = low … high`, for
@@ -28,8 +28,8 @@ pub fn beside_limit(
 ) -> Result<JointLimit, LimitError> {
     covered(model, quantum)?;
     let inertia = record.inertia_kg_m2;
-    let held = |mu: f64| Held::at(record, model, mu).ok_or(LimitError::Unstable { mu });
-    let error = |held: &Held| {
+    let held = |mu: f64| SampledGains::at(record, model, mu).ok_or(LimitError::Unstable { mu });
+    let error = |held: &SampledGains| {
         (held.ramp * phi.rate_nm_s + held.jump * phi.jump_nm) / inertia + held.read * 0.5 * quantum
     };
     let nominal = held(1.0)?;

@@ -3,7 +3,7 @@
 use microlp::{ComparisonOp, OptimizationDirection, Problem};
 
 use super::programme::Programme;
-use super::rows::{Row, Signal, solved};
+use super::rows::{LimitRow, LimitSignal, solved};
 
 /// Share of the torque's change that is kept for tying the ends, which the solver leaves open by its tolerance.
 const KEPT: f64 = 1e-7;
@@ -20,13 +20,13 @@ const KEPT: f64 = 1e-7;
 pub(super) fn find(programme: &Programme) -> Option<Vec<f64>> {
     let (n, late, half) = (programme.length, programme.delay + 1, programme.half());
     let mut problem = Problem::new(OptimizationDirection::Minimize);
-    let read = Signal::sized(&mut problem, n, programme.read);
-    let jump = Signal::sized(&mut problem, n, programme.jump);
-    let ramp = Signal::sized(&mut problem, n, programme.ramp);
-    let changes = Signal::sized(&mut problem, n, 0.0);
-    let r = Signal::free(&mut problem, n - late);
-    let bent = |signal: &Signal, k: usize| {
-        Row::default().at(signal, k, 1.0).back(signal, k, 1, -2.0).back(signal, k, 2, 1.0)
+    let read = LimitSignal::sized(&mut problem, n, programme.read);
+    let jump = LimitSignal::sized(&mut problem, n, programme.jump);
+    let ramp = LimitSignal::sized(&mut problem, n, programme.ramp);
+    let changes = LimitSignal::sized(&mut problem, n, 0.0);
+    let r = LimitSignal::free(&mut problem, n - late);
+    let bent = |signal: &LimitSignal, k: usize| {
+        LimitRow::default().at(signal, k, 1.0).back(signal, k, 1, -2.0).back(signal, k, 2, 1.0)
     };
     // Two samples past the end, where position and velocity are to be 0.
     for k in 0..n + 2 {
@@ -37,13 +37,13 @@ pub(super) fn find(programme: &Programme) -> Option<Vec<f64>> {
         left.is(&mut problem, ComparisonOp::Eq, impulse);
     }
     for k in 0..n {
-        let sum = Row::default().at(&ramp, k, 1.0).back(&ramp, k, 1, -1.0);
+        let sum = LimitRow::default().at(&ramp, k, 1.0).back(&ramp, k, 1, -1.0);
         sum.at(&jump, k, -programme.step).is(&mut problem, ComparisonOp::Eq, 0.0);
-        let change = Row::default().at(&r, k, 1.0).back(&r, k, 1, -1.0);
+        let change = LimitRow::default().at(&r, k, 1.0).back(&r, k, 1, -1.0);
         change.at(&changes, k, -1.0).is(&mut problem, ComparisonOp::Eq, 0.0);
     }
     if programme.ramp > 0.0 {
-        Row::default().at(&ramp, n - 1, 1.0).is(&mut problem, ComparisonOp::Eq, 0.0);
+        LimitRow::default().at(&ramp, n - 1, 1.0).is(&mut problem, ComparisonOp::Eq, 0.0);
     }
     if let Some(most) = programme.change {
         problem.add_constraint(changes.size(), ComparisonOp::Le, most * (1.0 - KEPT));

@@ -3,7 +3,7 @@
 use microlp::{ComparisonOp, OptimizationDirection, Problem};
 
 use super::programme::Programme;
-use super::rows::{Row, Signal, solved};
+use super::rows::{LimitRow, LimitSignal, solved};
 
 /// One multiplier per sample of each response, between plus and minus what the response costs, and what holds
 /// after the last.
@@ -43,22 +43,23 @@ pub(super) fn find(programme: &Programme) -> Option<Multipliers> {
     // Responses without a law: e_k = −β²/2 (2k − 1), and their sums.
     let fallen = (0..n).map(|k| if k == 0 { 0.0 } else { -half * (2 * k - 1) as f64 });
     let sum = |k: usize| -half * step * (k * k) as f64;
-    let ramp = Signal::between(&mut problem, both(programme.ramp), (0..n).map(sum));
-    let jump = Signal::between(&mut problem, both(programme.jump), fallen);
-    let read = Signal::between(&mut problem, both(programme.read), (0..n).map(|_| 0.0));
+    let ramp = LimitSignal::between(&mut problem, both(programme.ramp), (0..n).map(sum));
+    let jump = LimitSignal::between(&mut problem, both(programme.jump), fallen);
+    let read = LimitSignal::between(&mut problem, both(programme.read), (0..n).map(|_| 0.0));
     let [y_end, x_end] = ends(programme).map(both);
-    let y = Signal::free(&mut problem, n).then(&mut problem, y_end, &[sum(n - 1)]);
-    let x = Signal::free(&mut problem, n).then(&mut problem, x_end, &[-2.0 * half, 0.0]);
-    let xi = Signal::free(&mut problem, n);
-    let sigma = Signal::free(&mut problem, n + 1);
+    let y = LimitSignal::free(&mut problem, n).then(&mut problem, y_end, &[sum(n - 1)]);
+    let x = LimitSignal::free(&mut problem, n).then(&mut problem, x_end, &[-2.0 * half, 0.0]);
+    let xi = LimitSignal::free(&mut problem, n);
+    let sigma = LimitSignal::free(&mut problem, n + 1);
     let price = problem.add_var(-change, (0.0, f64::INFINITY));
     let equal = ComparisonOp::Eq;
-    Row::default().at(&x, n, 1.0).at(&x, n + 1, -1.0).is(&mut problem, equal, 0.0);
-    let bent = |signal: &Signal, k: usize| {
-        Row::default().at(signal, k, 1.0).at(signal, k + 1, -2.0).at(signal, k + 2, 1.0)
+    LimitRow::default().at(&x, n, 1.0).at(&x, n + 1, -1.0).is(&mut problem, equal, 0.0);
+    let bent = |signal: &LimitSignal, k: usize| {
+        LimitRow::default().at(signal, k, 1.0).at(signal, k + 1, -2.0).at(signal, k + 2, 1.0)
     };
-    let differ =
-        |signal: &Signal, k: usize| Row::default().at(signal, k, 1.0).at(signal, k + 1, -1.0);
+    let differ = |signal: &LimitSignal, k: usize| {
+        LimitRow::default().at(signal, k, 1.0).at(signal, k + 1, -1.0)
+    };
     for k in 0..n {
         differ(&y, k).at(&ramp, k, -1.0).is(&mut problem, equal, 0.0);
         bent(&x, k).at(&jump, k, -1.0).at(&y, k, -step).is(&mut problem, equal, 0.0);
@@ -68,7 +69,7 @@ pub(super) fn find(programme: &Programme) -> Option<Multipliers> {
         torque.is(&mut problem, equal, 0.0);
     }
     for k in 0..=n {
-        let own = || Row::default().at(&sigma, k, 1.0);
+        let own = || LimitRow::default().at(&sigma, k, 1.0);
         own().with(price, -1.0).is(&mut problem, ComparisonOp::Le, 0.0);
         own().with(price, 1.0).is(&mut problem, ComparisonOp::Ge, 0.0);
     }

@@ -29,7 +29,7 @@ impl Responses {
     ///
     /// with `β = T W`: the torque that answers `φ` is `−e^n`, because `φ` moves the joint as the torque does.
     pub(super) fn of(programme: &Programme, r: &[f64]) -> Self {
-        let mut state = State::default();
+        let mut state = ResponseState::default();
         let (mut read, mut jump, mut ramp) = (Vec::new(), Vec::new(), Vec::new());
         for k in 0..programme.length {
             read.push(state.read);
@@ -42,7 +42,7 @@ impl Responses {
 
     /// Contribution of the law alone after each sample, without `φ`: linear in `ρ`.
     pub(super) fn added(programme: &Programme, r: &[f64]) -> Vec<[f64; STATES]> {
-        let mut state = State::default();
+        let mut state = ResponseState::default();
         let each = (0..programme.length).map(|k| {
             state.step(programme, r, k, 0.0);
             state.ends()
@@ -64,7 +64,7 @@ pub(super) fn change(r: &[f64]) -> f64 {
 }
 
 #[derive(Default)]
-struct State {
+struct ResponseState {
     read: f64,
     read_rate: f64,
     jump: f64,
@@ -72,7 +72,7 @@ struct State {
     ramp: f64,
 }
 
-impl State {
+impl ResponseState {
     fn step(&mut self, programme: &Programme, r: &[f64], k: usize, phi: f64) {
         let (a, half) = (programme.step, programme.half());
         let torque = k.checked_sub(programme.delay).and_then(|k| r.get(k)).copied().unwrap_or(0.0);

@@ -8,9 +8,9 @@ const MISS: f64 = 1e-10;
 
 /// A signal, as variables and their factors.
 #[derive(Debug, Clone)]
-pub(super) struct Signal(Vec<(Vec<Variable>, f64)>);
+pub(super) struct LimitSignal(Vec<(Vec<Variable>, f64)>);
 
-impl Signal {
+impl LimitSignal {
     /// Of any sign, between two ends; each sample with its cost.
     pub(super) fn between(
         problem: &mut Problem,
@@ -58,11 +58,11 @@ impl Signal {
 
 /// One row; what lies outside of a signal is 0 and left out.
 #[derive(Debug, Default)]
-pub(super) struct Row(Vec<(Variable, f64)>);
+pub(super) struct LimitRow(Vec<(Variable, f64)>);
 
-impl Row {
+impl LimitRow {
     /// Adds a signal, `back` samples before `k`, times a factor.
-    pub(super) fn back(self, signal: &Signal, k: usize, back: usize, factor: f64) -> Self {
+    pub(super) fn back(self, signal: &LimitSignal, k: usize, back: usize, factor: f64) -> Self {
         match k.checked_sub(back) {
             Some(k) => self.at(signal, k, factor),
             None => self,
@@ -70,7 +70,7 @@ impl Row {
     }
 
     /// Adds a signal at `k` times a factor.
-    pub(super) fn at(mut self, signal: &Signal, k: usize, factor: f64) -> Self {
+    pub(super) fn at(mut self, signal: &LimitSignal, k: usize, factor: f64) -> Self {
         let there = signal.0.iter().filter_map(|(part, own)| Some((*part.get(k)?, own * factor)));
         self.0.extend(there);
         self

@@ -2,7 +2,7 @@
 
 use cmaes::{CMAESOptions, DVector};
 
-use super::simplex::Found;
+use super::simplex::SimplexResult;
 
 /// Largest cost, which also replaces one that is not a number.
 const WORST: f64 = 1e300;
@@ -20,8 +20,8 @@ pub(super) fn evolution(
     cost: impl Fn(&[f64]) -> f64,
     start: &[f64],
     (step, most): (f64, u32),
-) -> Found {
-    let mut best = Found { cost: cost(start), x: start.to_vec() };
+) -> SimplexResult {
+    let mut best = SimplexResult { cost: cost(start), x: start.to_vec() };
     let mut looked = 1;
     let objective = |x: &DVector<f64>| {
         if looked >= most {
@@ -30,7 +30,7 @@ pub(super) fn evolution(
         looked += 1;
         let own = cost(x.as_slice());
         if own < best.cost {
-            best = Found { cost: own, x: x.as_slice().to_vec() };
+            best = SimplexResult { cost: own, x: x.as_slice().to_vec() };
         }
         if own.is_nan() { WORST } else { own.min(WORST) }
     };

@@ -2,7 +2,7 @@
 
 use crate::JointRecord;
 use crate::lanes::Lane;
-use crate::sampled::{Drive, Law, LoopModel, LoopParts};
+use crate::sampled::{Law, LoopModel, LoopParts, SampledDrive};
 
 /// Samples after which a response counts as not dying.
 const LONGEST: u32 = 30_000;
@@ -18,7 +18,7 @@ const GROWN: f64 = 1e4;
 
 /// Peak-to-peak gains at one inertia ratio, per unit of `M̄`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Response {
+pub(super) struct LawResponse {
     /// From `φ/M̄` to `e` and `ė`.
     pub(super) jump: [f64; 2],
     /// From `φ̇/M̄`.
@@ -43,10 +43,10 @@ const KICK: usize = 2 * BESIDE;
 const PLAYS: usize = 3 * BESIDE;
 
 /// One joint's loop at several inertia ratios, ready to be played.
-pub(super) struct Played<'a, const W: usize> {
+pub(super) struct PlayedLoop<'a, const W: usize> {
     law: &'a Law,
     late: usize,
-    drive: Option<Drive>,
+    drive: Option<SampledDrive>,
     period: f64,
     mu: [f64; W],
     per_mu: Lane<W>,
@@ -54,7 +54,7 @@ pub(super) struct Played<'a, const W: usize> {
 
 /// All that the loops remember: at most 5 states of the observer and 4 of a filter, 4 torques sent, 8 + 8 on their way.
 #[derive(Clone)]
-struct State<const W: usize> {
+struct LoopState<const W: usize> {
     q: Lane<W>,
     v: Lane<W>,
     held: [Lane<W>; 9],
@@ -64,7 +64,7 @@ struct State<const W: usize> {
     end: Lane<W>,
 }
 
-impl<const W: usize> State<W> {
+impl<const W: usize> LoopState<W> {
     const REST: Self = Self {
         q: Lane::ZERO,
         v: Lane::ZERO,
@@ -78,14 +78,14 @@ impl<const W: usize> State<W> {
 
 /// Signals of a sample: position, velocity, commanded torque; and 1 where a run has not yet died, 0 from then
 /// on.
-struct Shown<'a, const W: usize> {
+struct SampleSignals<'a, const W: usize> {
     q: &'a Lane<W>,
     v: &'a Lane<W>,
     u: &'a Lane<W>,
     alive: &'a Lane<W>,
 }
 
-impl<const W: usize> Shown<'_, W> {
+impl<const W: usize> SampleSignals<'_, W> {
     /// A value of a run, 0 from its death on.
     #[inline]
     fn of(&self, c: usize, value: f64) -> f64 {
@@ -93,7 +93,7 @@ impl<const W: usize> Shown<'_, W> {
     }
 }
 
-impl<'a, const W: usize> Played<'a, W> {
+impl<'a, const W: usize> PlayedLoop<'a, W> {
     pub(super) fn new(law: &'a Law, model: &LoopModel, mu: [f64; W]) -> Self {
         let late = model.late() as usize;
         let per_mu = Lane(mu.map(f64::recip));
@@ -102,7 +102,7 @@ impl<'a, const W: usize> Played<'a, W> {
 
     /// One sample: the torques commanded, by readings that are off.
     #[inline]
-    fn step(&self, x: &mut State<W>, off: &Lane<W>) -> Lane<W> {
+    fn step(&self, x: &mut LoopState<W>, off: &Lane<W>) -> Lane<W> {
         let (n, t, zero) = (self.law.length(), self.period, Lane::ZERO);
         let mut reading = x.q;
         reading.add_scaled(1.0, off);
@@ -134,9 +134,9 @@ impl<'a, const W: usize> Played<'a, W> {
     /// Plays from states until each has died; `None` where one does not.
     fn play(
         &self,
-        mut x: State<W>,
+        mut x: LoopState<W>,
         first: Lane<W>,
-        mut show: impl FnMut(&Shown<'_, W>),
+        mut show: impl FnMut(&SampleSignals<'_, W>),
     ) -> Option<()> {
         let (mut largest, mut quiet, mut alive) =
             ([Lane::<W>::ZERO; 2], Lane::<W>::ZERO, Lane([1.0; W]));
@@ -147,7 +147,7 @@ impl<'a, const W: usize> Played<'a, W> {
             let (q, v) = (x.q, x.v);
             let u = self.step(&mut x, &reading);
             reading = Lane::ZERO;
-            show(&Shown { q: &q, v: &v, u: &u, alive: &alive });
+            show(&SampleSignals { q: &q, v: &v, u: &u, alive: &alive });
             let (mut grow, mut living) = (0.0, 0.0);
             for c in 0..W {
                 let sizes = [q[c].abs(), v[c].abs()];
@@ -176,16 +176,16 @@ impl<'a, const W: usize> Played<'a, W> {
 
     /// Returns true if the responses of all loops die out.
     pub(super) fn forget(&self) -> bool {
-        let mut pushed = State::REST;
+        let mut pushed = LoopState::REST;
         pushed.v = Lane(self.mu.map(|mu| self.period / mu));
         self.play(pushed, Lane::ZERO, |_| ()).is_some()
     }
 }
 
-impl Played<'_, PLAYS> {
+impl PlayedLoop<'_, PLAYS> {
     /// The worst of the ratios; `None` where a loop does not forget.
-    fn worst(&self) -> Option<Response> {
-        let (t, mut x, mut first) = (self.period, State::REST, Lane::<PLAYS>::ZERO);
+    fn worst(&self) -> Option<LawResponse> {
+        let (t, mut x, mut first) = (self.period, LoopState::REST, Lane::<PLAYS>::ZERO);
         let mut per_unit = Lane([1.0; PLAYS]);
         for c in 0..BESIDE {
             let mu = self.mu[c];
@@ -210,7 +210,7 @@ impl Played<'_, PLAYS> {
             last = *shown.u;
         })?;
         let of = |both: &[Lane<PLAYS>; 2], c: usize| both.map(|values| values[c]);
-        let each = (0..BESIDE).map(|c| Response {
+        let each = (0..BESIDE).map(|c| LawResponse {
             jump: of(&size, PUSH + c),
             ramp: of(&ramp, PUSH + c),
             reading: of(&size, READING + c),
@@ -218,11 +218,11 @@ impl Played<'_, PLAYS> {
             change: change[READING + c],
             jolt: change[PUSH + c],
         });
-        Some(each.fold(Response::default(), Response::worse))
+        Some(each.fold(LawResponse::default(), LawResponse::worse))
     }
 }
 
-impl Response {
+impl LawResponse {
     /// The larger of each.
     pub(super) fn worse(self, other: Self) -> Self {
         let larger = |a: [f64; 2], b: [f64; 2]| core::array::from_fn(|i| a[i].max(b[i]));
@@ -246,7 +246,7 @@ impl Response {
         mu.chunks(BESIDE).try_fold(Self::default(), |worst, mu| {
             // The last one again where there are fewer.
             let mu = core::array::from_fn(|c| mu[(c % BESIDE).min(mu.len() - 1)]);
-            Some(worst.worse(Played::new(law, model, mu).worst()?))
+            Some(worst.worse(PlayedLoop::new(law, model, mu).worst()?))
         })
     }
 }
@@ -254,12 +254,12 @@ impl Response {
 /// Gain from kicks in position, one per sample, to `e`: the worst over inertia ratios; `None` where a
 /// response does not die out.
 pub(crate) fn worst_kick(record: &JointRecord, model: &LoopModel, mu: &[f64]) -> Option<f64> {
-    Response::over(record, model, mu).map(|worst| worst.kick[0])
+    LawResponse::over(record, model, mu).map(|worst| worst.kick[0])
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Response;
+    use super::LawResponse;
     use crate::positions::family::Family;
     use crate::quick::Quick;
     use crate::sampled::LoopModel;
@@ -302,7 +302,7 @@ mod tests {
             let sections = &record.observer.as_ref().unwrap().innovation_filter;
             assert_eq!(sections.len(), weights.len() / 2);
             for mu in [0.5, 1.0, 2.0] {
-                let own = Response::over(&record, &model, &[mu]).unwrap();
+                let own = LawResponse::over(&record, &model, &[mu]).unwrap();
                 let other = Quick::at(&record, &model, mu).unwrap();
                 for (what, a, b) in [
                     ("jump", own.jump[0], other.jump[1]),

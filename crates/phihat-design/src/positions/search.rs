@@ -5,8 +5,8 @@ use phihat_study::Study;
 
 use super::evolution::evolution;
 use super::family::Family;
-use super::simplex::{Found, simplex};
-use super::task::{Task, Weights, Worth};
+use super::simplex::{SimplexResult, simplex};
+use super::task::{Task, TaskWeights, Worth};
 use crate::designer::error::DesignError;
 use crate::designer::infeasible::{Clause, Infeasible};
 use crate::designer::known::PhiOf;
@@ -44,20 +44,20 @@ const HOLDS: f64 = 500.0;
 
 /// A law of the family, found for a joint.
 #[derive(Debug, Clone)]
-struct Chosen {
+struct ChosenLaw {
     order: usize,
     x: Vec<f64>,
     cost: f64,
 }
 
 /// The law of the better order.
-fn better(a: Chosen, b: Chosen) -> Chosen {
+fn better(a: ChosenLaw, b: ChosenLaw) -> ChosenLaw {
     if b.cost < a.cost { b } else { a }
 }
 
 /// Requests of all joints.
 #[derive(Debug)]
-struct Asked<'a> {
+struct JointRequests<'a> {
     study: &'a Study,
     quanta: Vec<f64>,
     arm: ArmInertia,
@@ -65,7 +65,7 @@ struct Asked<'a> {
     shown: Option<Vec<(f64, f64)>>,
     phi: Vec<Phi>,
     /// Weights of each joint's estimates, once tubes were computed; empty: not yet.
-    weights: Vec<Option<Weights>>,
+    weights: Vec<Option<TaskWeights>>,
 }
 
 /// A search for laws from positions, one for each joint.
@@ -79,10 +79,10 @@ struct Asked<'a> {
 /// taken, or the one with the least error. Whether the laws together hold the coupled arm is for the
 /// [`Certificate`] to say.
 pub struct PositionSearch<'a> {
-    asked: Asked<'a>,
+    asked: JointRequests<'a>,
     known: PhiOf<'a>,
     /// The last laws: where the next search begins.
-    last: Vec<Option<Chosen>>,
+    last: Vec<Option<ChosenLaw>>,
     /// The shares that they were sought for.
     shares: Vec<f64>,
     /// True if their orders were compared.
@@ -154,7 +154,7 @@ impl<'a> PositionSearch<'a> {
         let bits = study.sensor.encoder_bits.as_ref();
         let quantum =
             |joint| bits.and_then(|bits| bits.get(joint)).map(|b| TorqueNoise::quantum(*b));
-        let mut asked = Asked {
+        let mut asked = JointRequests {
             study,
             quanta: (0..own.len()).map(|joint| quantum(joint).unwrap_or(0.0)).collect(),
             arm: arm.against(own.clone())?,
@@ -168,17 +168,17 @@ impl<'a> PositionSearch<'a> {
         asked.arm = shared_out(arm, &of_error, &of_noise)?;
         let middle = asked.arm.clone();
         let joints: Vec<usize> = (0..own.len()).collect();
-        let mut best: Option<(f64, Asked<'a>, Vec<Option<Chosen>>)> = None;
+        let mut best: Option<(f64, JointRequests<'a>, Vec<Option<ChosenLaw>>)> = None;
         for scale in SCALES {
             let arm = middle.scaled(scale);
             let inertia = arm.nominal_kg_m2.iter().enumerate();
             let phi = inertia.map(|(joint, inertia)| phi(joint, *inertia)).collect();
             let (quanta, shown) = (asked.quanta.clone(), asked.shown.clone());
-            let tried = Asked { study, quanta, arm, shown, phi, weights: Vec::new() };
+            let tried = JointRequests { study, quanta, arm, shown, phi, weights: Vec::new() };
             let found = parallel(&joints, threads(), |joint| {
                 tried.joint((joint, 1), (MIDDLE, None), ROUGH)
             });
-            let cost = |(joint, chosen): (usize, &Option<Chosen>)| {
+            let cost = |(joint, chosen): (usize, &Option<ChosenLaw>)| {
                 chosen.as_ref().map_or(f64::INFINITY, |chosen| chosen.cost - error[joint].ln())
             };
             let worst = found.iter().enumerate().map(cost).fold(enough, larger);
@@ -212,7 +212,7 @@ impl<'a> PositionSearch<'a> {
                 };
                 let [motion, jumps, reading] = own.errors[0];
                 let [change, jolt] = own.change;
-                Weights {
+                TaskWeights {
                     error: [
                         over(found.motion_rad, motion),
                         over(found.jumps_rad, jumps),
@@ -233,7 +233,7 @@ impl<'a> PositionSearch<'a> {
     /// The laws with the least error for a share of the allowed noise, per joint; without a certificate.
     /// `None`: some joint has no law that holds.
     pub fn laws(&mut self, shares: &[f64]) -> Option<(Gains, Vec<PositionEstimate>)> {
-        let Asked { study, quanta, arm, phi, .. } = &self.asked;
+        let JointRequests { study, quanta, arm, phi, .. } = &self.asked;
         let joints: Vec<usize> = (0..phi.len()).collect();
         let orders: Vec<usize> = study.design.orders.iter().copied().filter(|m| *m <= 2).collect();
         // A filter can do what a higher order does.
@@ -261,7 +261,7 @@ impl<'a> PositionSearch<'a> {
             };
             again.or_else(|| orders.iter().filter_map(best).reduce(better))
         });
-        let found = found.into_iter().collect::<Option<Vec<Chosen>>>()?;
+        let found = found.into_iter().collect::<Option<Vec<ChosenLaw>>>()?;
         let mut records = Vec::new();
         let mut estimates = Vec::new();
         for (joint, chosen) in found.iter().enumerate() {
@@ -303,7 +303,7 @@ impl<'a> PositionSearch<'a> {
     }
 }
 
-impl Asked<'_> {
+impl JointRequests<'_> {
     /// Change of torque per sample that is allowed per radian of reading error \[N·m/rad\]; without a limit,
     /// 1 N·m for half a step of an encoder.
     fn allowed(&self, joint: usize) -> f64 {
@@ -331,7 +331,7 @@ impl Asked<'_> {
         let model =
             LoopModel { form: phihat::Form::Positions, ..LoopModel::from_study(study, joint) };
         let spec = &study.spec;
-        let rates = spec.velocity_error_max.as_ref().zip(spec.error_bound.as_ref());
+        let rates = spec.velocity_error_bound.as_ref().zip(spec.error_bound.as_ref());
         Task {
             family: Family {
                 order,
@@ -357,9 +357,9 @@ impl Asked<'_> {
     fn joint(
         &self,
         of: (usize, usize),
-        (share, before): (f64, Option<&Chosen>),
+        (share, before): (f64, Option<&ChosenLaw>),
         (step, most): (f64, u32),
-    ) -> Option<Chosen> {
+    ) -> Option<ChosenLaw> {
         let task = self.task(of, share);
         if let Some(before) = before.filter(|before| !task.family.has(&before.x)) {
             return self.evolved((of.0, share), before, FILTERED_AGAIN);
@@ -369,7 +369,7 @@ impl Asked<'_> {
             || {
                 let starts = SPEEDS.map(|speed| {
                     let x = task.family.start(speed);
-                    Found { cost: cost(&x), x }
+                    SimplexResult { cost: cost(&x), x }
                 });
                 let best = starts.into_iter().reduce(|a, b| if b.cost < a.cost { b } else { a });
                 best.map_or(Vec::new(), |best| best.x)
@@ -379,12 +379,12 @@ impl Asked<'_> {
         let first = simplex(cost, &start, (step, most));
         // Once more from there, with a simplex that is not flat.
         let found = simplex(cost, &first.x, (0.5 * step, most));
-        (found.cost < HOLDS).then_some(Chosen { order: of.1, x: found.x, cost: found.cost })
+        (found.cost < HOLDS).then_some(ChosenLaw { order: of.1, x: found.x, cost: found.cost })
     }
 
     /// A law with a filter on the innovation from one without; that one where none is better.
-    fn filtered(&self, (joint, share): (usize, f64), plain: Chosen) -> Chosen {
-        let start = Chosen { x: Family::with_filter(&plain.x), ..plain.clone() };
+    fn filtered(&self, (joint, share): (usize, f64), plain: ChosenLaw) -> ChosenLaw {
+        let start = ChosenLaw { x: Family::with_filter(&plain.x), ..plain.clone() };
         let found = self.evolved((joint, share), &start, FILTERED);
         found.filter(|found| found.cost < plain.cost).unwrap_or(plain)
     }
@@ -393,13 +393,13 @@ impl Asked<'_> {
     fn evolved(
         &self,
         (joint, share): (usize, f64),
-        from: &Chosen,
+        from: &ChosenLaw,
         effort: (f64, u32),
-    ) -> Option<Chosen> {
+    ) -> Option<ChosenLaw> {
         let task = self.task((joint, from.order), share).with_filter(&from.x);
         let found = evolution(|x| task.cost(x), &from.x, effort);
-        let Found { x, cost } = found;
-        (cost < HOLDS).then_some(Chosen { order: from.order, x, cost })
+        let SimplexResult { x, cost } = found;
+        (cost < HOLDS).then_some(ChosenLaw { order: from.order, x, cost })
     }
 }
 
@@ -437,7 +437,7 @@ pub(crate) fn search(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome
         }
         let beyond = used.iter().enumerate().filter(|(_, used)| **used > NEAR);
         let clause = |(joint, used): (usize, &f64)| Clause {
-            key: "spec.error_max_rad".to_owned(),
+            key: "spec.error_bound_rad".to_owned(),
             joint: Some(study.robot.joints[joint].name.clone()),
             wanted: wanted[joint],
             possible: Some(wanted[joint] * used),

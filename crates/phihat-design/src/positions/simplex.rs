@@ -1,7 +1,7 @@
 //! The least of a function that is not smooth, by a simplex (Nelder and Mead 1965), the same every time.
 
 /// Result of a search: the best place and its cost.
-pub(super) struct Found {
+pub(super) struct SimplexResult {
     pub(super) x: Vec<f64>,
     pub(super) cost: f64,
 }
@@ -11,14 +11,14 @@ pub(super) fn simplex(
     cost: impl Fn(&[f64]) -> f64,
     start: &[f64],
     (step, most): (f64, u32),
-) -> Found {
+) -> SimplexResult {
     let n = start.len();
     let mut looked = 0;
     let mut look = |x: Vec<f64>| {
         looked += 1;
         let cost = cost(&x);
         let cost = if cost.is_nan() { f64::INFINITY } else { cost };
-        (Found { x, cost }, looked)
+        (SimplexResult { x, cost }, looked)
     };
     let mut all = vec![look(start.to_vec()).0];
     for i in 0..n {

@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 use phihat_certificate::extremes::Extremes as _;
 
 use super::family::Family;
-use super::response::{Played, Response};
+use super::response::{LawResponse, PlayedLoop};
 use crate::sampled::{Law, LoopModel, OpenLoop, from_segment};
 use crate::{JointRecord, Phi};
 
@@ -45,12 +45,12 @@ pub(super) struct Task<'a> {
     /// Allowed `|ė|` over allowed `|e|` \[1/s\], where both are asked for.
     pub(super) velocity: Option<f64>,
     /// Weights of its estimates; `None`: not weighted.
-    pub(super) weights: Option<Weights>,
+    pub(super) weights: Option<TaskWeights>,
 }
 
 /// Weights of the parts of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Weights {
+pub(super) struct TaskWeights {
     /// Of the error: what moves smoothly, what jumps, what the encoder does.
     pub(super) error: [f64; 3],
     /// Of the change of torque: what the encoder does \[1\], and what `φ` does by its jumps \[1/rad\].
@@ -59,7 +59,7 @@ pub(super) struct Weights {
 
 /// The parts of what a law does for its joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Parts {
+pub(super) struct TaskParts {
     /// Of `|e|` \[rad\], and of `|ė|` \[rad/s\]: what moves smoothly, what jumps, what the encoder does.
     pub(super) errors: [[f64; 3]; 2],
     /// Bounds of `|e|` and `|ė|` as a whole.
@@ -107,7 +107,7 @@ impl Task<'_> {
     fn holds(&self, law: &Law) -> bool {
         let (low, high) = self.range;
         let ends = [low / self.margin, high * self.margin];
-        Played::new(law, &self.model, ends).forget()
+        PlayedLoop::new(law, &self.model, ends).forget()
     }
 
     /// Estimate of the smallest distance from −1 over the range.
@@ -124,15 +124,15 @@ impl Task<'_> {
     }
 
     /// The parts of what a law does, over the range; `None` where it does not hold.
-    pub(super) fn parts(&self, record: &JointRecord) -> Option<Parts> {
+    pub(super) fn parts(&self, record: &JointRecord) -> Option<TaskParts> {
         self.parts_of(&Law::of(record, &self.model).ok()?)
     }
 
-    fn parts_of(&self, law: &Law) -> Option<Parts> {
+    fn parts_of(&self, law: &Law) -> Option<TaskParts> {
         let (low, high) = self.shown;
         let share = |k: u32| f64::from(k) / f64::from(RATIOS - 1);
         let mu: Vec<f64> = (0..RATIOS).map(|k| low * (high / low).powf(share(k))).collect();
-        let gains = Response::of(law, &self.model, &mu)?;
+        let gains = LawResponse::of(law, &self.model, &mu)?;
         let t = self.model.period_s;
         let part = |i: usize| {
             let jump = JUMP * gains.jump[i];
@@ -148,7 +148,7 @@ impl Task<'_> {
         };
         let ((error, whole), (rate, whole_rate)) = (part(0), part(1));
         let jolt = JUMP * gains.jolt * self.phi.jump_nm;
-        Some(Parts {
+        Some(TaskParts {
             errors: [error, rate],
             whole: [whole, whole_rate],
             change: [self.inertia * gains.change, jolt],
@@ -161,7 +161,7 @@ impl Task<'_> {
     }
 
     fn worth_of(&self, law: &Law) -> Option<Worth> {
-        let Parts { errors, whole: [error, velocity], change } = self.parts_of(law)?;
+        let TaskParts { errors, whole: [error, velocity], change } = self.parts_of(law)?;
         let Some(weights) = &self.weights else {
             return Some(Worth { error, velocity, change: change[0] });
         };

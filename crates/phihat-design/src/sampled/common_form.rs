@@ -7,7 +7,7 @@ use super::eigenvalues::eigenvalues;
 use super::refutation::refuse;
 use super::riccati;
 use crate::claims::Refutation;
-use crate::claims::matrix::Matrix;
+use crate::claims::matrix::RationalMatrix;
 
 /// The test of Shorten and Narendra for `A_1`, `A_2` of continuous systems that differ by rank one, by
 /// eigenvalues: quick, and not trusted.
@@ -44,7 +44,7 @@ pub(crate) fn first_proved<T>(
     claim: &str,
     slow: &DMatrix<f64>,
     (b, c): (&DVector<f64>, &DVector<f64>),
-    proof: impl Fn(Matrix) -> Result<T, Refutation>,
+    proof: impl Fn(RationalMatrix) -> Result<T, Refutation>,
 ) -> Result<T, Refutation> {
     let n = slow.nrows();
     let shifted = slow - b * c.transpose() * 0.5;

@@ -7,7 +7,7 @@ use phihat::{TorqueSource, VelocitySource};
 use phihat_certificate::JointRecord;
 
 use super::law::Law;
-use super::model::{Drive, LoopModel, LoopParts};
+use super::model::{LoopModel, LoopParts, SampledDrive};
 use crate::lanes::Lane;
 
 /// Reference of a joint at a sample: `q_d, q̇_d, q̈_d`.
@@ -28,7 +28,7 @@ pub(crate) struct ControlSide {
     differences: bool,
     /// Share of a new velocity that the velocity filter takes.
     filter: Option<f64>,
-    drive: Option<Drive>,
+    drive: Option<SampledDrive>,
     drive_rate: f64,
     reports: TorqueSource,
     /// Measurements, and commands, on their way.

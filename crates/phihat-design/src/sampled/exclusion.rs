@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 
 use super::model::LoopModel;
 use super::open_loop::OpenLoop;
-use super::polynomial::{Polynomial, on_circle};
+use super::polynomial::{SampledPolynomial, on_circle};
 use super::refutation::{plausible, plausible_loop, refuse};
 use crate::JointRecord;
 use crate::claims::Refutation;
@@ -80,11 +80,11 @@ impl Exclusion<'_> {
     }
 
     /// (i) for one cell.
-    fn excludes(&self, ends: &[Polynomial; 2], from: f64, to: f64) -> bool {
+    fn excludes(&self, ends: &[SampledPolynomial; 2], from: f64, to: f64) -> bool {
         let (centre, half) = (0.5 * (from + to), 0.5 * (to - from));
         let w = on_circle(centre, self.radius);
         let reach = on_circle(to, self.radius).norm().max(on_circle(from, self.radius).norm());
-        let moves = |p: &Polynomial| {
+        let moves = |p: &SampledPolynomial| {
             half * self.radius * p.slope(reach) + 64.0 * f64::EPSILON * p.size(reach)
         };
         let clear = from_segment(ends[0].at(w), ends[1].at(w));
@@ -122,7 +122,7 @@ pub(crate) fn from_segment(a: nalgebra::Complex<f64>, b: nalgebra::Complex<f64>)
 }
 
 /// Angle by which the argument turns over a cell on which the polynomial moves less than its own size.
-fn turn(p: &Polynomial, from: f64, to: f64, radius: f64) -> f64 {
+fn turn(p: &SampledPolynomial, from: f64, to: f64, radius: f64) -> f64 {
     let [a, centre, b] = [from, 0.5 * (from + to), to].map(|theta| p.at(on_circle(theta, radius)));
     (centre / a).arg() + (b / centre).arg()
 }

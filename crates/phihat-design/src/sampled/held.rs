@@ -3,13 +3,13 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::model::LoopModel;
-use super::response::{Horizon, Response, sweep};
+use super::response::{Horizon, SampledResponse, sweep};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
 
 /// Gains of one joint's sampled loop, bounded from above, in units of `M̄`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Held {
+pub(crate) struct SampledGains {
     /// From the rate of `φ/M̄` to `e`, `Σ_k |T Σ_{i≤k} e_i|` \[s³\].
     pub(crate) ramp: f64,
     /// From `φ/M̄` to `e`, `Σ|e_k|` \[s²\].
@@ -20,7 +20,7 @@ pub(crate) struct Held {
     pub(crate) change: f64,
 }
 
-impl Held {
+impl SampledGains {
     /// `None` where the loop is not stable, or a constant `φ` leaves an error.
     pub(crate) fn at(law: &JointRecord, model: &LoopModel, mu: f64) -> Option<Self> {
         if law.order() == 0 {
@@ -44,7 +44,7 @@ impl Held {
             ramp: sum(sums, matrix.disturbance()),
             jump: sum(position.clone(), matrix.disturbance()),
             read: sum(position, &matrix.encoder().drives),
-            change: Response::of(&matrix, matrix.encoder())?.changes().sum(),
+            change: SampledResponse::of(&matrix, matrix.encoder())?.changes().sum(),
         })
     }
 }

@@ -5,7 +5,7 @@ use phihat::{GainError, LinearLaw};
 use phihat_certificate::JointRecord;
 
 use super::model::LoopModel;
-use super::polynomial::Polynomial;
+use super::polynomial::SampledPolynomial;
 use crate::lanes::Lane;
 
 /// Most main states of a law: see [`LinearLaw::main`].
@@ -153,13 +153,13 @@ impl Bands {
 #[derive(Debug, Clone)]
 pub(crate) struct Transfer {
     /// `A_o`.
-    pub(crate) whole: Polynomial,
+    pub(crate) whole: SampledPolynomial,
     /// `A_o` times what `e` does to the torque.
-    pub(crate) error: Polynomial,
+    pub(crate) error: SampledPolynomial,
     /// `A_o` times what `q̇` does; `None`: nothing.
-    pub(crate) velocity: Option<Polynomial>,
+    pub(crate) velocity: Option<SampledPolynomial>,
     /// `A_o/z` times what the torque that acted until this sample does.
-    pub(crate) acted: Polynomial,
+    pub(crate) acted: SampledPolynomial,
 }
 
 impl Law {
@@ -448,10 +448,10 @@ impl Law {
     }
 
     /// What the torques of the last samples weigh, with `z^d`, `d` at least their number: `z^d − Σ C_r,j z^{d−j}`.
-    pub(crate) fn on_sent(&self, d: usize) -> Polynomial {
+    pub(crate) fn on_sent(&self, d: usize) -> SampledPolynomial {
         let weights = self.linear.output_sent.iter().take(self.linear.sent).enumerate();
-        weights.fold(Polynomial::z_power(d), |sum, (j, weight)| {
-            sum.plus(&Polynomial::z_power(d - 1 - j).scaled(-weight))
+        weights.fold(SampledPolynomial::z_power(d), |sum, (j, weight)| {
+            sum.plus(&SampledPolynomial::z_power(d - 1 - j).scaled(-weight))
         })
     }
 
@@ -490,7 +490,7 @@ impl Law {
         let velocity = velocity.raised(1).plus(&velocity.plus(&before));
         let direct = |input: usize| whole.scaled(linear.direct[input]);
         Transfer {
-            error: error.times(&Polynomial::z_power(1)).plus(&direct(E)),
+            error: error.times(&SampledPolynomial::z_power(1)).plus(&direct(E)),
             velocity: self.uses_velocity.then(|| velocity.plus(&direct(DQ))),
             acted,
             whole,
@@ -601,7 +601,7 @@ fn faddeev<const K: usize>(
     a: &[Vec<f64>],
     c: &[f64],
     columns: &[Vec<f64>; K],
-) -> (Polynomial, [Polynomial; K]) {
+) -> (SampledPolynomial, [SampledPolynomial; K]) {
     // N_{n−1} = 1, N_{k−1} = A N_k + c_k: adj = Σ N_k w^k, row by row from the left.
     let n = a.len();
     let mut left = c.to_vec();
@@ -622,7 +622,7 @@ fn faddeev<const K: usize>(
         }
         left = (0..n).map(|j| (0..n).map(|i| c[i] * matrix[i][j]).sum()).collect();
     }
-    (Polynomial::new(whole), numerators.map(Polynomial::new))
+    (SampledPolynomial::new(whole), numerators.map(SampledPolynomial::new))
 }
 
 /// `Σ weight x`, run by run; of lengths that are known when compiled, without a loop.

@@ -83,7 +83,7 @@ impl FindMargins for Margins {
         at_most(CLAIM, "window.low ≤ low", window.low, low)?;
         at_most(CLAIM, "high ≤ window.high", high, window.high)?;
         let open = OpenLoop::new(gains, model);
-        let search = Search { open: &open, low, high };
+        let search = MarginSearch { open: &open, low, high };
         let (phase, delay) = search.phase_and_delay(&angles());
         Ok(Self {
             low,
@@ -103,16 +103,16 @@ impl FindMargins for Margins {
 
 /// Smallest `|1 + L/μ|` over a range of inertia.
 pub(crate) fn least_modulus(open: &OpenLoop, (low, high): (f64, f64)) -> f64 {
-    Search { open, low, high }.modulus(&angles())
+    MarginSearch { open, low, high }.modulus(&angles())
 }
 
-struct Search<'a> {
+struct MarginSearch<'a> {
     open: &'a OpenLoop,
     low: f64,
     high: f64,
 }
 
-impl Search<'_> {
+impl MarginSearch<'_> {
     /// Smallest distance of `L/μ` from −1.
     fn modulus(&self, grid: &[f64]) -> f64 {
         let ends = [1.0 / self.high, 1.0 / self.low];

@@ -47,12 +47,12 @@ pub(crate) use estimator::estimator_coefficients;
 
 pub use bode::{Bode, bode};
 pub(crate) use exclusion::{from_segment, stable_at_gain};
-pub(crate) use held::Held;
+pub(crate) use held::SampledGains;
 pub(crate) use law::Law;
 pub(crate) use margins::least_modulus;
 pub use margins::{FindMargins, Margins, ModulusMargin};
 pub use model::LoopModel;
-pub(crate) use model::{Drive, LoopParts};
+pub(crate) use model::{LoopParts, SampledDrive};
 pub use moving::{FindMoving, Moving};
 pub use noise::{FindNoise, TorqueNoise};
 pub use open_loop::OpenLoop;

@@ -20,7 +20,7 @@ pub(crate) trait LoopParts {
     fn filters(&self) -> bool;
 
     /// The drive over one held interval; `None` without a drive.
-    fn drive(&self) -> Option<Drive>;
+    fn drive(&self) -> Option<SampledDrive>;
 
     /// Type of the loop: number of coefficients of `φ` as a polynomial in time that leave no steady error.
     ///
@@ -46,11 +46,11 @@ impl LoopParts for LoopModel {
         self.velocity_filter_hz.is_some()
     }
 
-    fn drive(&self) -> Option<Drive> {
+    fn drive(&self) -> Option<SampledDrive> {
         self.drive_bandwidth_hz.map(|hz| {
             let (t, rate) = (self.period_s, TAU * hz);
             let lost = -(-rate * t).exp_m1();
-            Drive { lost, mean: lost / (rate * t), double: (t - lost / rate) / rate }
+            SampledDrive { lost, mean: lost / (rate * t), double: (t - lost / rate) / rate }
         })
     }
 
@@ -71,7 +71,7 @@ impl LoopParts for LoopModel {
 
 /// A first-order drive over one interval, for a unit gap between torque and demand at its start.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Drive {
+pub(crate) struct SampledDrive {
     /// `1 − e^{−ωT}`: how much of the gap is closed at the end.
     pub(crate) lost: f64,
     /// Mean of the gap over the interval.

@@ -4,7 +4,7 @@ pub use phihat_certificate::TorqueNoise;
 
 use super::model::LoopModel;
 use super::refutation::{plausible, plausible_loop, plausible_ratios, refuse};
-use super::response::{Response, ratios};
+use super::response::{SampledResponse, ratios};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
 use crate::claims::Refutation;
@@ -51,7 +51,7 @@ fn over(
     let (mut rms, mut change_rms, mut change_max) = (0.0_f64, 0.0_f64, 0.0_f64);
     for mu in &mu {
         let matrix = StateMatrix::new(gains, model, *mu);
-        let Some(torque) = Response::of(&matrix, matrix.encoder()) else {
+        let Some(torque) = SampledResponse::of(&matrix, matrix.encoder()) else {
             return Err(refuse(CLAIM, "A^k → 0 (stable loop), μ", *mu, 1.0));
         };
         let change = torque.changes();

@@ -6,7 +6,7 @@ use phihat::{TorqueSource, VelocitySource};
 use super::law::Law;
 use super::model::LoopModel;
 use super::model::LoopParts;
-use super::polynomial::{Polynomial, on_circle};
+use super::polynomial::{SampledPolynomial, on_circle};
 use crate::JointRecord;
 
 /// `L(z) = N(z)/Δ(z)` of one joint: the closed loop at inertia ratio `μ` has the characteristic
@@ -29,8 +29,8 @@ use crate::JointRecord;
 /// The loop is cut where the torque meets the inertia: what the observer is told has acted stays known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OpenLoop {
-    pub(crate) numerator: Polynomial,
-    pub(crate) denominator: Polynomial,
+    pub(crate) numerator: SampledPolynomial,
+    pub(crate) denominator: SampledPolynomial,
     period: f64,
 }
 
@@ -42,27 +42,27 @@ impl OpenLoop {
 
     /// The same of a law of some order that is at hand.
     pub(crate) fn of_law(law: &Law, order: usize, model: &LoopModel) -> Self {
-        let (numerator, denominator) = law.open_loop(model, &Plant::new(model), order);
+        let (numerator, denominator) = law.open_loop(model, &OpenPlant::new(model), order);
         Self { numerator, denominator, period: model.period_s }
     }
 
     /// The same where the drive gives `gain` times the torque that it is told.
     pub(crate) fn with_drive_gain(gains: &JointRecord, model: &LoopModel, gain: f64) -> Self {
-        let plant = Plant { gain, ..Plant::new(model) };
+        let plant = OpenPlant { gain, ..OpenPlant::new(model) };
         let (numerator, denominator) = open(gains, model, &plant);
         Self { numerator, denominator, period: model.period_s }
     }
 
     /// The open loop, and the numerator over the same `Δ` from kicks in position of `T²/2`, one at the end of each
     /// sample, to minus the torque. A measured velocity does not see them.
-    pub(crate) fn with_kick(gains: &JointRecord, model: &LoopModel) -> (Self, Polynomial) {
+    pub(crate) fn with_kick(gains: &JointRecord, model: &LoopModel) -> (Self, SampledPolynomial) {
         let t = model.period_s;
-        let q = Polynomial::new(vec![0.0, 0.5 * t * t]);
+        let q = SampledPolynomial::new(vec![0.0, 0.5 * t * t]);
         let y = match model.velocity {
-            VelocitySource::Measured => Polynomial::new(vec![0.0]),
+            VelocitySource::Measured => SampledPolynomial::new(vec![0.0]),
             VelocitySource::Differenced => q.scaled(model.filter_gain() / t).raised(1),
         };
-        let plant = Plant { q, y, ..Plant::new(model) };
+        let plant = OpenPlant { q, y, ..OpenPlant::new(model) };
         let (kick, _) = open(gains, model, &plant);
         (Self::new(gains, model), kick)
     }
@@ -79,44 +79,50 @@ impl OpenLoop {
     }
 
     /// `Δ + N/μ`.
-    pub(crate) fn closed(&self, mu: f64) -> Polynomial {
+    pub(crate) fn closed(&self, mu: f64) -> SampledPolynomial {
         self.denominator.plus(&self.numerator.scaled(1.0 / mu))
     }
 }
 
 /// From held torque to position and velocity at the samples.
-struct Plant {
+struct OpenPlant {
     /// `X`.
-    drive: Polynomial,
+    drive: SampledPolynomial,
     /// `X − c₁w`: numerator of the mean torque over `X`.
-    mean: Polynomial,
-    q: Polynomial,
-    y: Polynomial,
+    mean: SampledPolynomial,
+    q: SampledPolynomial,
+    y: SampledPolynomial,
     /// `F`.
-    filter: Polynomial,
+    filter: SampledPolynomial,
     /// Factor on the torque of the drive.
     gain: f64,
 }
 
-impl Plant {
+impl OpenPlant {
     fn new(model: &LoopModel) -> Self {
         let t = model.period_s;
         let (drive, mean, double) = match model.drive() {
             Some(d) => (
-                Polynomial::new(vec![d.lost, 1.0]),
-                Polynomial::new(vec![d.lost, 1.0 - d.mean]),
-                Polynomial::new(vec![0.0, -d.double]),
+                SampledPolynomial::new(vec![d.lost, 1.0]),
+                SampledPolynomial::new(vec![d.lost, 1.0 - d.mean]),
+                SampledPolynomial::new(vec![0.0, -d.double]),
             ),
-            None => (Polynomial::one(), Polynomial::one(), Polynomial::new(vec![0.0])),
+            None => (
+                SampledPolynomial::one(),
+                SampledPolynomial::one(),
+                SampledPolynomial::new(vec![0.0]),
+            ),
         };
         let held = drive.scaled(0.5 * t * t).plus(&double);
         let q = mean.scaled(t * t).plus(&held.raised(1));
         let f = model.filter_gain();
-        let filtered = Polynomial::new(vec![f, 1.0]);
+        let filtered = SampledPolynomial::new(vec![f, 1.0]);
         let (y, filter) = match (model.velocity, model.filters()) {
-            (VelocitySource::Measured, false) => (mean.scaled(t).raised(1), Polynomial::one()),
+            (VelocitySource::Measured, false) => {
+                (mean.scaled(t).raised(1), SampledPolynomial::one())
+            }
             (VelocitySource::Measured, true) => {
-                (mean.times(&Polynomial::z_power(1)).scaled(f * t).raised(1), filtered)
+                (mean.times(&SampledPolynomial::z_power(1)).scaled(f * t).raised(1), filtered)
             }
             (VelocitySource::Differenced, _) => (q.scaled(f / t).raised(1), filtered),
         };
@@ -125,7 +131,11 @@ impl Plant {
 }
 
 /// `N` and `Δ`.
-fn open(gains: &JointRecord, model: &LoopModel, plant: &Plant) -> (Polynomial, Polynomial) {
+fn open(
+    gains: &JointRecord,
+    model: &LoopModel,
+    plant: &OpenPlant,
+) -> (SampledPolynomial, SampledPolynomial) {
     Law::or_none(gains, model).open_loop(model, plant, gains.order())
 }
 
@@ -134,9 +144,9 @@ impl Law {
     fn open_loop(
         &self,
         model: &LoopModel,
-        plant: &Plant,
+        plant: &OpenPlant,
         order: usize,
-    ) -> (Polynomial, Polynomial) {
+    ) -> (SampledPolynomial, SampledPolynomial) {
         // A law that predicts across a delay follows a ramp only where the loop has that delay; one that is told the
         // torque demanded does not see the drive.
         let rejected = match model.torque {
@@ -149,10 +159,10 @@ impl Law {
         let late = model.late() as usize;
         let longer = late.max(self.sent());
         let law = self.transfer(model.period_s);
-        let earlier = Polynomial::z_power(longer - late);
+        let earlier = SampledPolynomial::z_power(longer - late);
         // What acts is reported a sample later, which `Transfer::acted` has taken out.
         let reported = law.acted.times(&earlier);
-        let known = |torque: &Polynomial| reported.times(torque).scaled(-1.0);
+        let known = |torque: &SampledPolynomial| reported.times(torque).scaled(-1.0);
         let own = law.whole.times(&plant.drive).times(&self.on_sent(longer));
         // What rounding leaves of the lowest coefficients is none; a drive of another gain than 1 adds to them.
         let unknown = match model.torque {

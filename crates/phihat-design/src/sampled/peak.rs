@@ -95,7 +95,7 @@ impl Norms {
         if servo_type >= 2 {
             ramp[0] = Some(rest(&integral)?);
         }
-        let norms = Sums { matrix, horizon };
+        let norms = PeakSums { matrix, horizon };
         // The loop's answer to a ramp dies out where it is of a type high enough; the velocity's at the
         // samples, where the torque is held too.
         let dies = [servo_type >= 3, servo_type >= 2, model.drive_bandwidth_hz.is_none()];
@@ -120,12 +120,12 @@ impl Norms {
 }
 
 /// Sums of absolute integrals over one interval after the other.
-struct Sums<'a> {
+struct PeakSums<'a> {
     matrix: &'a StateMatrix,
     horizon: Horizon,
 }
 
-impl Sums<'_> {
+impl PeakSums<'_> {
     /// Response of a row, by its entries of position and velocity, to impulses at the interval's start and at its end.
     fn impulses(&self, position: f64, velocity: f64) -> (f64, f64) {
         let end = -velocity / (self.matrix.unit() * self.matrix.mu());

@@ -1,6 +1,6 @@
 //! An observer of position from its poles.
 
-use super::polynomial::Polynomial;
+use super::polynomial::SampledPolynomial;
 
 /// Poles of an observer in continuous time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,22 +20,22 @@ impl Poles {
     }
 
     /// The factor in `w = z − 1` with the sampled poles `e^{sT} − 1`.
-    fn sampled(self, period: f64) -> Polynomial {
+    fn sampled(self, period: f64) -> SampledPolynomial {
         match self {
-            Self::Real { w } => Polynomial::new(vec![-libm::expm1(-w * period), 1.0]),
+            Self::Real { w } => SampledPolynomial::new(vec![-libm::expm1(-w * period), 1.0]),
             Self::Pair { w, z } => {
                 let rate = w * period;
                 let (turn, split) = (rate * libm::sqrt((1.0 - z * z).abs()), z > 1.0);
                 if split {
                     let [a, b] = [-z * rate + turn, -z * rate - turn].map(|x| -libm::expm1(x));
-                    return Polynomial::new(vec![a * b, a + b, 1.0]);
+                    return SampledPolynomial::new(vec![a * b, a + b, 1.0]);
                 }
                 // 1 − e^{−zwT} cos, without cancellation: 1 − e^x + 2 e^x sin²(turn/2).
                 let left = libm::exp(-z * rate);
                 let half = libm::sin(0.5 * turn);
                 let real = -libm::expm1(-z * rate) + 2.0 * left * half * half;
                 let imaginary = left * libm::sin(turn);
-                Polynomial::new(vec![real * real + imaginary * imaginary, 2.0 * real, 1.0])
+                SampledPolynomial::new(vec![real * real + imaginary * imaginary, 2.0 * real, 1.0])
             }
         }
     }
@@ -53,7 +53,8 @@ impl Poles {
 ///
 /// solved from the lowest power upwards.
 pub(crate) fn correction(poles: &[Poles], period: f64) -> Vec<f64> {
-    let wanted = poles.iter().fold(Polynomial::one(), |p, pole| p.times(&pole.sampled(period)));
+    let wanted =
+        poles.iter().fold(SampledPolynomial::one(), |p, pole| p.times(&pole.sampled(period)));
     let n = wanted.degree();
     let mut scaled = vec![0.0; n];
     let at = |list: &[f64], i: usize| list.get(i).copied().unwrap_or(0.0);

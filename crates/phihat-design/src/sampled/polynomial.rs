@@ -4,9 +4,9 @@ use nalgebra::Complex;
 
 /// Coefficients of `w⁰, w¹, …`.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Polynomial(Vec<f64>);
+pub(crate) struct SampledPolynomial(Vec<f64>);
 
-impl Polynomial {
+impl SampledPolynomial {
     pub(crate) fn new(coefficients: Vec<f64>) -> Self {
         Self(coefficients)
     }

@@ -6,7 +6,7 @@ pub use phihat_certificate::ReferenceError;
 use super::model::LoopModel;
 use super::peak::mean_of_parabola;
 use super::refutation::{plausible, plausible_loop, plausible_ratios, refuse};
-use super::response::{Horizon, Row, ratios, sweep};
+use super::response::{Horizon, OutputRow, ratios, sweep};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
 use crate::claims::Refutation;
@@ -70,7 +70,7 @@ fn over(
             }
             continue;
         }
-        let following = Following::of(&matrix, feed_forward).ok_or_else(unstable)?;
+        let following = ReferenceFollowing::of(&matrix, feed_forward).ok_or_else(unstable)?;
         let horizon = Horizon::of(matrix.matrix()).ok_or_else(unstable)?;
         for of in 0..2 {
             acceleration[of] = acceleration[of].max(following.acceleration(of, horizon));
@@ -103,11 +103,11 @@ fn kicked(matrix: &StateMatrix, entry: usize, horizon: Horizon) -> f64 {
 /// State that a unit of acceleration held over one interval leaves, for a search; `None` if the loop does not
 /// follow.
 pub(crate) fn left_by_acceleration(matrix: &StateMatrix) -> Option<DVector<f64>> {
-    Following::of(matrix, true).map(|following| following.leaves())
+    ReferenceFollowing::of(matrix, true).map(|following| following.leaves())
 }
 
 /// The state that follows a reference: columns for `q_d`, `q̇_d`, `q̈_d`.
-struct Following<'a> {
+struct ReferenceFollowing<'a> {
     a: &'a DMatrix<f64>,
     period: f64,
     /// `(μ − 1)/μ`, and what one unit of velocity is: the inertia's share that `φ` bears.
@@ -117,7 +117,7 @@ struct Following<'a> {
     s: [DVector<f64>; 3],
 }
 
-impl<'a> Following<'a> {
+impl<'a> ReferenceFollowing<'a> {
     fn of(matrix: &'a StateMatrix, feed_forward: bool) -> Option<Self> {
         let (a, t) = (matrix.matrix(), matrix.period());
         let n = a.nrows();
@@ -137,7 +137,7 @@ impl<'a> Following<'a> {
         &self,
         entry: usize,
         (horizon, size): (Horizon, f64),
-        mut of: impl FnMut(&Row<'_>) -> f64,
+        mut of: impl FnMut(&OutputRow<'_>) -> f64,
     ) -> f64 {
         let mut row = DVector::zeros(self.a.nrows());
         row[entry] = if entry == 0 { 1.0 } else { self.borne.1 };
@@ -175,8 +175,9 @@ impl<'a> Following<'a> {
         };
         let (late, middle, early) = (at(0.0), at(0.5), at(1.0));
         let size = late.amax().max(middle.amax()).max(early.amax());
-        let mean =
-            |row: &Row<'_>| t * mean_of_parabola(row.dot(&early), row.dot(&middle), row.dot(&late));
+        let mean = |row: &OutputRow<'_>| {
+            t * mean_of_parabola(row.dot(&early), row.dot(&middle), row.dot(&late))
+        };
         Some(self.sum(entry, (horizon, t * size), mean))
     }
 }

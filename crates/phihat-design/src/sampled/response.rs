@@ -42,14 +42,14 @@ impl Horizon {
 }
 
 /// A row `c A^j`, as a column.
-pub(crate) type Row<'a> = DVectorView<'a, f64>;
+pub(crate) type OutputRow<'a> = DVectorView<'a, f64>;
 
 /// Shows `c A^j` and `c A^(j+1)` for `j = 0 … N−1`; gives `Σ ‖c A^j‖₁`.
 pub(crate) fn sweep(
     a: &DMatrix<f64>,
     row: &DVector<f64>,
     horizon: Horizon,
-    mut visit: impl FnMut(&Row<'_>, &Row<'_>),
+    mut visit: impl FnMut(&OutputRow<'_>, &OutputRow<'_>),
 ) -> f64 {
     match a.nrows() {
         0..=8 => Padded::<8>::of(a).sweep(row, horizon, visit),
@@ -123,7 +123,7 @@ impl<const W: usize> Padded<W> {
         &self,
         row: &DVector<f64>,
         horizon: Horizon,
-        mut visit: impl FnMut(&Row<'_>, &Row<'_>),
+        mut visit: impl FnMut(&OutputRow<'_>, &OutputRow<'_>),
     ) -> f64 {
         let n = self.rows.len();
         let seen = |row: &Aligned<W>| -> f64 { row.0[..n].iter().map(|v| v.abs()).sum() };
@@ -131,7 +131,7 @@ impl<const W: usize> Padded<W> {
         let mut total = 0.0;
         for _ in 0..horizon.samples {
             let next = self.times(&now);
-            visit(&Row::from_slice(&now.0, n), &Row::from_slice(&next.0, n));
+            visit(&OutputRow::from_slice(&now.0, n), &OutputRow::from_slice(&next.0, n));
             total += seen(&now);
             now = next;
         }
@@ -141,13 +141,13 @@ impl<const W: usize> Padded<W> {
 
 /// Torque (in units of `M̄`) after a unit impulse of an input: `h_0, h_1, …`, and a bound on the rest.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Response {
+pub(crate) struct SampledResponse {
     pub(crate) samples: Vec<f64>,
     /// Bounds `Σ |h_k|` beyond the samples.
     pub(crate) tail: f64,
 }
 
-impl Response {
+impl SampledResponse {
     /// `None` when the loop is unstable.
     pub(crate) fn of(matrix: &StateMatrix, reaction: &Reaction) -> Option<Self> {
         let horizon = Horizon::of(matrix.matrix())?;
@@ -210,7 +210,7 @@ pub(crate) fn ratios(low: f64, high: f64, count: u32) -> impl Iterator<Item = f6
 mod tests {
     use super::*;
 
-    fn bits(row: &Row<'_>) -> Vec<u64> {
+    fn bits(row: &OutputRow<'_>) -> Vec<u64> {
         row.iter().map(|v| v.to_bits()).collect()
     }
 

@@ -20,7 +20,7 @@ pub(crate) struct Input {
 }
 
 /// One sample of the loop.
-pub(crate) struct Sample {
+pub(crate) struct SampledLoop {
     side: ControlSide,
     period: f64,
     mu: f64,
@@ -30,7 +30,7 @@ pub(crate) struct Sample {
     powers: Vec<i8>,
 }
 
-impl Sample {
+impl SampledLoop {
     pub(crate) fn new(gains: &JointRecord, model: &LoopModel, mu: f64) -> Self {
         let side = ControlSide::unit(gains, model);
         let powers = side.powers();

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, RowDVector, Schur};
 use phihat_certificate::extremes::Extremes as _;
 
 use super::model::LoopModel;
-use super::sample::{Input, Sample};
+use super::sample::{Input, SampledLoop};
 use crate::JointRecord;
 
 /// Reaction of the torque to an input: `u_k = state·x_k + direct·input_k`,
@@ -44,7 +44,7 @@ pub struct StateMatrix {
 impl StateMatrix {
     /// The loop at inertia ratio `mu`.
     pub fn new(gains: &JointRecord, model: &LoopModel, mu: f64) -> Self {
-        let sample = Sample::new(gains, model, mu);
+        let sample = SampledLoop::new(gains, model, mu);
         let n = sample.length();
         let mut a = DMatrix::zeros(n, n);
         let mut torque = RowDVector::zeros(n);

@@ -6,7 +6,7 @@ use phihat_certificate::extremes::smaller;
 
 use super::model::LoopModel;
 use super::refutation::{plausible, plausible_loop, plausible_ratios, refuse};
-use super::response::{Response, ratios};
+use super::response::{SampledResponse, ratios};
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
 use crate::claims::Refutation;
@@ -52,7 +52,7 @@ fn over(gains: &JointRecord, model: &LoopModel, mu: Vec<f64>) -> Result<LargestS
     let (mut torque, mut change) = (0.0_f64, 0.0_f64);
     for mu in &mu {
         let matrix = StateMatrix::new(gains, model, *mu);
-        let Some(response) = Response::of(&matrix, &matrix.reference()[0]) else {
+        let Some(response) = SampledResponse::of(&matrix, &matrix.reference()[0]) else {
             return Err(refuse(CLAIM, "A^k → 0 (stable loop), μ", *mu, 1.0));
         };
         torque = torque.max(response.step_peak());

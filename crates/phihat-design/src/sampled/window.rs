@@ -7,7 +7,7 @@ pub use phihat_certificate::InertiaWindow;
 
 use super::model::LoopModel;
 use super::open_loop::OpenLoop;
-use super::polynomial::{Polynomial, on_circle};
+use super::polynomial::{SampledPolynomial, on_circle};
 use super::refutation::{plausible, plausible_loop, refuse};
 use crate::JointRecord;
 use crate::claims::Refutation;
@@ -158,7 +158,7 @@ fn stable_at_one(open: &OpenLoop) -> Result<(), Refutation> {
 /// `Im(N Δ*)`, whose sign is that of `Im L`.
 fn turned_side(open: &OpenLoop, theta: f64) -> f64 {
     let w = on_circle(theta, 1.0);
-    let at = |p: &Polynomial| p.at(w);
+    let at = |p: &SampledPolynomial| p.at(w);
     (at(&open.numerator) * at(&open.denominator).conj()).im
 }
 

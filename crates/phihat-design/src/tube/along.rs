@@ -1,21 +1,21 @@
 //! The linear loop along one slice's run, as a sweep reads it.
 
 use super::basis::Slice;
-use super::kernel::Course;
-use super::nominal::Nominal;
-use super::segments::Segment;
-use super::shapes::Shape;
+use super::kernel::InputCourse;
+use super::nominal::NominalRun;
+use super::segments::TubeSegment;
+use super::shapes::LinearRun;
 
 /// Everything that a sweep reads.
 pub(super) struct Along<'a> {
-    pub(super) course: &'a Course<'a>,
-    pub(super) nominal: &'a Nominal,
+    pub(super) course: &'a InputCourse<'a>,
+    pub(super) nominal: &'a NominalRun,
     pub(super) slice: Option<&'a Slice>,
     /// Shapes of the payload's parameters, per sample `ε, w` and per interval the command, one column each.
-    pub(super) shapes: &'a [Option<Shape>],
+    pub(super) shapes: &'a [Option<LinearRun>],
     pub(super) bins: usize,
     /// Remainder of earlier inputs at each segment's start, and its effect in the segment.
-    pub(super) segments: &'a [Segment],
+    pub(super) segments: &'a [TubeSegment],
 }
 
 impl Along<'_> {
@@ -26,7 +26,7 @@ impl Along<'_> {
     }
 
     /// Largest size of what the payload's parameters do, from what each of them does; 0 without a payload.
-    pub(super) fn pushed(&self, unit: impl Fn(&Shape) -> f64) -> f64 {
+    pub(super) fn pushed(&self, unit: impl Fn(&LinearRun) -> f64) -> f64 {
         self.slice.map_or(0.0, |slice| {
             slice.size(&core::array::from_fn(|d| self.shapes[d].as_ref().map_or(0.0, &unit)))
         })

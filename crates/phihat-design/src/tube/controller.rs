@@ -13,7 +13,7 @@ pub(super) struct SampledLaw {
     joints: Vec<ControlSide>,
     /// Sample at which the law begins; before it the command is zero.
     first: usize,
-    /// The first command is the torque that held the arm before: [`Control::holding`].
+    /// The first command is the torque that held the arm before: [`TubeControl::holding`].
     takes_over: bool,
 }
 
@@ -54,7 +54,7 @@ impl SampledLaw {
 
 /// The state of all joints' control sides, for `W` runs at once.
 #[derive(Debug, Clone)]
-pub(super) struct Control<const W: usize> {
+pub(super) struct TubeControl<const W: usize> {
     joints: Vec<ControlState<W>>,
     /// Torque command of the law at this sample \[N·m\].
     pub(super) command: Vec<Lane<W>>,
@@ -66,7 +66,7 @@ pub(super) struct Control<const W: usize> {
     pub(super) bulge: Vec<Lane<W>>,
 }
 
-impl<const W: usize> Control<W> {
+impl<const W: usize> TubeControl<W> {
     pub(super) fn new(law: &SampledLaw) -> Self {
         let zero = vec![Lane::ZERO; law.joints.len()];
         Self {
@@ -145,7 +145,7 @@ impl<const W: usize> Control<W> {
     }
 }
 
-impl Control<1> {
+impl TubeControl<1> {
     /// Torque of a drive some time into the interval.
     pub(super) fn torque(&self, law: &SampledLaw, i: usize, elapsed: f64) -> f64 {
         self.joints[i].torque(&law.joints[i], elapsed)[0]

@@ -1,7 +1,7 @@
 //! Linear runs around the nominal one, several at a time.
 
-use super::controller::{Control, Jet};
-use super::linear::Interval;
+use super::controller::{Jet, TubeControl};
+use super::linear::StepInterval;
 use super::scene::Scene;
 use crate::lanes::{Lane, add_product};
 
@@ -10,7 +10,7 @@ use crate::lanes::{Lane, add_product};
 pub(super) struct Deviation<const W: usize> {
     /// `[ε; w]`.
     pub(super) state: Vec<Lane<W>>,
-    pub(super) control: Control<W>,
+    pub(super) control: TubeControl<W>,
     /// Readings of position and velocity.
     sensed: [Vec<Lane<W>>; 2],
     torque: Vec<Lane<W>>,
@@ -28,7 +28,7 @@ impl<const W: usize> Deviation<W> {
         let zero = vec![Lane::ZERO; n];
         Self {
             state: vec![Lane::ZERO; 2 * n],
-            control: Control::new(&scene.law),
+            control: TubeControl::new(&scene.law),
             sensed: [zero.clone(), zero.clone()],
             torque: zero,
             next: vec![Lane::ZERO; 2 * n],
@@ -62,7 +62,7 @@ impl<const W: usize> Deviation<W> {
     pub(super) fn step(
         &mut self,
         scene: &Scene<'_>,
-        at: (usize, &Interval),
+        at: (usize, &StepInterval),
         torque: impl Fn(usize) -> Lane<W>,
     ) {
         let (position, velocity) = self.state.split_at(scene.n);
@@ -74,7 +74,7 @@ impl<const W: usize> Deviation<W> {
     pub(super) fn step_misread(
         &mut self,
         scene: &Scene<'_>,
-        at: (usize, &Interval),
+        at: (usize, &StepInterval),
         misread: impl Fn(usize) -> [Lane<W>; 2],
     ) {
         for i in 0..scene.n {
@@ -91,7 +91,7 @@ impl<const W: usize> Deviation<W> {
     }
 
     /// Goes on by one sample that nothing pushes.
-    pub(super) fn step_free(&mut self, scene: &Scene<'_>, at: (usize, &Interval)) {
+    pub(super) fn step_free(&mut self, scene: &Scene<'_>, at: (usize, &StepInterval)) {
         self.step(scene, at, |_| Lane::ZERO);
     }
 
@@ -99,7 +99,7 @@ impl<const W: usize> Deviation<W> {
     fn move_on(
         &mut self,
         scene: &Scene<'_>,
-        interval: &Interval,
+        interval: &StepInterval,
         torque: impl Fn(usize) -> Lane<W>,
     ) {
         let n = scene.n;

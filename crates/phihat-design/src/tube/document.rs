@@ -1,7 +1,7 @@
 //! The envelope as the certificate holds it: coarser bins, numbers rounded outward.
 
 use phihat_certificate::extremes::{Extremes as _, hull};
-use phihat_certificate::{Gains, PayloadSet, Tube, TubeJoint};
+use phihat_certificate::{Gains, Tube, TubeJoint, TubePayloadSet};
 use phihat_study::Study;
 
 use super::desired::Desired;
@@ -99,7 +99,7 @@ fn document(
         duration_s: study.duration,
         settle_s: study.spec.settle,
         slices: envelope.slices,
-        payload: PayloadSet::from(&study.design.payload),
+        payload: TubePayloadSet::from(&study.design.payload),
         coulomb_nm: study.design.coulomb.clone(),
         quantum_rad: (0..gains.joints.len()).map(quantum).collect(),
         joints,
@@ -124,8 +124,8 @@ fn joint(name: &str, own: &JointEnvelope) -> TubeJoint {
     let most = |values: &[f64]| outward(values.iter().copied().largest());
     TubeJoint {
         name: name.to_owned(),
-        error_max_rad: f64::INFINITY,
-        velocity_error_max_rad_s: f64::INFINITY,
+        error_bound_rad: f64::INFINITY,
+        velocity_error_bound_rad_s: f64::INFINITY,
         error_low_rad,
         error_high_rad,
         velocity_low_rad_s,

@@ -7,11 +7,11 @@ use super::basis::Direction;
 use super::kernel::Kernel;
 use super::linear::middle;
 use super::moved::Moved;
-use super::tensors::{Looked, Tensors};
+use super::tensors::{SliceModels, Tensors};
 use super::within::Within;
 
 /// Data shared by one group of bins.
-pub(super) struct Group {
+pub(super) struct BinGroup {
     /// The first of its bins, and the one after the last.
     pub(super) bins: (usize, usize),
     pub(super) kernel: Kernel,
@@ -47,12 +47,12 @@ impl Groups<'_> {
         self.along.bins.div_ceil(self.bins)
     }
 
-    pub(super) fn group(&self, g: usize) -> Group {
+    pub(super) fn group(&self, g: usize) -> BinGroup {
         let of = |rows: &[Vec<f64>]| rows.get(g).cloned().unwrap_or_default();
         let [m, d, k] = &self.moved.matrices;
         let bins = (g * self.bins, ((g + 1) * self.bins).min(self.along.bins));
         let within = |b: usize| Within::of(self.along, self.along.samples(b));
-        Group {
+        BinGroup {
             bins,
             kernel: self.kernel(g),
             tensors: self.tensors(g),
@@ -77,7 +77,7 @@ impl Groups<'_> {
     fn tensors(&self, g: usize) -> Tensors {
         let Along { course, nominal, slice, .. } = *self.along;
         let (bin, samples) = (course.bin, course.intervals.len());
-        let mut looked = Looked::new(self.ends, self.directions);
+        let mut looked = SliceModels::new(self.ends, self.directions);
         let first = g * self.bins * bin + self.looks / 2;
         let mut at = |k: usize| looked.at(&middle(course.scene, nominal, k), slice);
         let mut tensors = at(first.min(samples - 1));

@@ -2,8 +2,8 @@
 
 use phihat_model::Model;
 
-use super::linear::{Differences, Interval};
-use super::nominal::Nominal;
+use super::linear::{Differences, StepInterval};
+use super::nominal::NominalRun;
 use super::refusal::TubeRefusal;
 use super::scene::Scene;
 use crate::parallel::parallel;
@@ -14,17 +14,17 @@ const TOGETHER: usize = 256;
 /// Derivatives and steps of every interval, around the nominal run of a model.
 pub(super) fn intervals(
     scene: &Scene<'_>,
-    nominal: &Nominal,
+    nominal: &NominalRun,
     model: &Model,
     threads: usize,
-) -> Result<Vec<Interval>, TubeRefusal> {
+) -> Result<Vec<StepInterval>, TubeRefusal> {
     let starts: Vec<usize> = (0..scene.samples).step_by(TOGETHER).collect();
     let parts = parallel(&starts, threads, |start| {
         let mut differences = Differences::new(model);
         let mut bare = Differences::new(&scene.bare);
         (start..(start + TOGETHER).min(scene.samples))
-            .map(|k| Interval::new(scene, nominal, k, &mut differences, &mut bare))
-            .collect::<Option<Vec<Interval>>>()
+            .map(|k| StepInterval::new(scene, nominal, k, &mut differences, &mut bare))
+            .collect::<Option<Vec<StepInterval>>>()
     });
     let mut all = Vec::with_capacity(scene.samples);
     for part in parts {

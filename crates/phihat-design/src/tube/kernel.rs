@@ -3,7 +3,7 @@
 use phihat_certificate::extremes::{Extremes as _, larger};
 
 use super::deviation::Deviation;
-use super::linear::Interval;
+use super::linear::StepInterval;
 use super::scene::Scene;
 use crate::lanes::{Lane, WIDE, add_product, add_size, add_size_of_line};
 
@@ -11,9 +11,9 @@ use crate::lanes::{Lane, WIDE, add_product, add_size, add_size_of_line};
 const QUIET: f64 = 0.03;
 
 /// Data from which kernels are computed.
-pub(super) struct Course<'a> {
+pub(super) struct InputCourse<'a> {
     pub(super) scene: &'a Scene<'a>,
-    pub(super) intervals: &'a [Interval],
+    pub(super) intervals: &'a [StepInterval],
     /// `6 × n` per sample where a payload is carried: the twist of the middle of its box, in the frame's axes.
     pub(super) jacobians: &'a [Vec<f64>],
     /// Samples per bin.
@@ -23,13 +23,13 @@ pub(super) struct Course<'a> {
 /// Places of the inputs in a kernel: torque, momentum (`x`), position reading, payload's momentum, velocity
 /// reading.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Inputs {
+pub(super) struct KernelInputs {
     pub(super) n: usize,
     pub(super) twist: usize,
     pub(super) speed: usize,
 }
 
-impl Inputs {
+impl KernelInputs {
     #[allow(clippy::unused_self, reason = "a place like the others")]
     pub(super) fn torque(self) -> usize {
         0
@@ -51,31 +51,31 @@ impl Inputs {
     }
 
     /// First place of the inputs of a kind.
-    fn first(self, kind: Kind) -> usize {
+    fn first(self, kind: InputKind) -> usize {
         match kind {
-            Kind::TorqueAtEnd | Kind::TorqueAtStart => self.torque(),
-            Kind::Momentum => self.momentum(),
-            Kind::Position => self.reading(),
-            Kind::Payload => self.payload(),
-            Kind::Velocity => self.velocity(),
+            InputKind::TorqueAtEnd | InputKind::TorqueAtStart => self.torque(),
+            InputKind::Momentum => self.momentum(),
+            InputKind::Position => self.reading(),
+            InputKind::Payload => self.payload(),
+            InputKind::Velocity => self.velocity(),
         }
     }
 
     /// Packs of runs, kind after kind.
-    fn places(self) -> Vec<Place> {
+    fn places(self) -> Vec<KernelInput> {
         let n = self.n;
         [
-            (Kind::TorqueAtEnd, n),
-            (Kind::TorqueAtStart, n),
-            (Kind::Momentum, n),
-            (Kind::Position, n),
-            (Kind::Payload, self.twist),
-            (Kind::Velocity, self.speed),
+            (InputKind::TorqueAtEnd, n),
+            (InputKind::TorqueAtStart, n),
+            (InputKind::Momentum, n),
+            (InputKind::Position, n),
+            (InputKind::Payload, self.twist),
+            (InputKind::Velocity, self.speed),
         ]
         .into_iter()
         .flat_map(|(kind, count)| {
             let firsts = (0..count).step_by(WIDE);
-            firsts.map(move |first| Place { kind, first, width: WIDE.min(count - first) })
+            firsts.map(move |first| KernelInput { kind, first, width: WIDE.min(count - first) })
         })
         .collect()
     }
@@ -91,7 +91,7 @@ impl Inputs {
 
 /// Kind of an input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum InputKind {
     /// A pulse of torque as late as it can be in an interval.
     TorqueAtEnd,
     /// One as early as it can be.
@@ -106,7 +106,7 @@ enum Kind {
     Velocity,
 }
 
-impl Kind {
+impl InputKind {
     /// Unit of the input over the unit that is launched: boxes on torque and momentum hold over a sample.
     fn per(self, period: f64) -> f64 {
         match self {
@@ -118,8 +118,8 @@ impl Kind {
 
 /// Inputs of one kind that are stepped together.
 #[derive(Debug, Clone, Copy)]
-struct Place {
-    kind: Kind,
+struct KernelInput {
+    kind: InputKind,
     first: usize,
     width: usize,
 }
@@ -158,9 +158,9 @@ impl Kernel {
     }
 }
 
-impl<'a> Course<'a> {
+impl<'a> InputCourse<'a> {
     /// The interval from sample `t`; beyond the run, the last one goes on.
-    pub(super) fn interval(&self, t: usize) -> &'a Interval {
+    pub(super) fn interval(&self, t: usize) -> &'a StepInterval {
         &self.intervals[t.min(self.intervals.len() - 1)]
     }
 
@@ -174,10 +174,10 @@ impl<'a> Course<'a> {
         2 * self.scene.n + self.scene.law.states()
     }
 
-    pub(super) fn inputs(&self) -> Inputs {
+    pub(super) fn inputs(&self) -> KernelInputs {
         let n = self.scene.n;
         let twist = if self.jacobians.is_empty() { 0 } else { 6 };
-        Inputs { n, twist, speed: if self.scene.measured_velocity { n } else { 0 } }
+        KernelInputs { n, twist, speed: if self.scene.measured_velocity { n } else { 0 } }
     }
 
     /// The runs just after interval `s`, whose inputs were 1.
@@ -197,25 +197,30 @@ impl<'a> Course<'a> {
             };
             let mut run = Deviation::<WIDE>::new(scene);
             run.step_misread(scene, (s, interval), |i| {
-                [column(i, place.kind == Kind::Position), column(i, place.kind == Kind::Velocity)]
+                [
+                    column(i, place.kind == InputKind::Position),
+                    column(i, place.kind == InputKind::Velocity),
+                ]
             });
             for c in 0..place.width {
                 let j = place.first + c;
                 for i in 0..n {
                     match place.kind {
-                        Kind::TorqueAtEnd => run.state[n + i][c] += interval.inverse[i * n + j],
-                        Kind::TorqueAtStart => {
+                        InputKind::TorqueAtEnd => {
+                            run.state[n + i][c] += interval.inverse[i * n + j]
+                        }
+                        InputKind::TorqueAtStart => {
                             run.state[i][c] += start(i, j);
                             run.state[n + i][c] += start(n + i, j);
                         }
-                        Kind::Momentum => run.state[i][c] += interval.inverse[i * n + j],
-                        Kind::Payload => {
+                        InputKind::Momentum => run.state[i][c] += interval.inverse[i * n + j],
+                        InputKind::Payload => {
                             let twist = &jacobian[j * n..(j + 1) * n];
                             let inverse = &interval.inverse[i * n..(i + 1) * n];
                             run.state[i][c] +=
                                 inverse.iter().zip(twist).map(|(m, t)| m * t).sum::<f64>();
                         }
-                        Kind::Position | Kind::Velocity => {}
+                        InputKind::Position | InputKind::Velocity => {}
                     }
                 }
             }
@@ -268,10 +273,10 @@ impl<'a> Course<'a> {
         &self,
         (s, end): (usize, usize),
         left: &mut [f64],
-        mut each: impl FnMut(usize, &mut Sums, &Packs),
+        mut each: impl FnMut(usize, &mut PackSums, &Packs),
     ) {
         let mut packs = self.launched(s);
-        let mut sums = Sums::new(self, &packs);
+        let mut sums = PackSums::new(self, &packs);
         sums.add_commands(&packs);
         each(s, &mut sums, &packs);
         for t in s + 1..=end {
@@ -418,12 +423,12 @@ impl<'a> Course<'a> {
 struct Packs {
     runs: Vec<Deviation<WIDE>>,
     /// Inputs in each of them.
-    places: Vec<Place>,
+    places: Vec<KernelInput>,
 }
 
 /// Sums over inputs' packs of every row of the outputs.
-struct Sums {
-    inputs: Inputs,
+struct PackSums {
+    inputs: KernelInputs,
     period: f64,
     /// `[row][pack]`; torque is summed where its end is.
     rows: Vec<Lane<WIDE>>,
@@ -435,8 +440,8 @@ struct Sums {
     twist: Vec<[Lane<WIDE>; 6]>,
 }
 
-impl Sums {
-    fn new(course: &Course<'_>, packs: &Packs) -> Self {
+impl PackSums {
+    fn new(course: &InputCourse<'_>, packs: &Packs) -> Self {
         let inputs = course.inputs();
         let count = packs.runs.len();
         Self {
@@ -444,7 +449,7 @@ impl Sums {
             period: course.scene.period,
             rows: vec![Lane::ZERO; inputs.rows() * count],
             before: vec![vec![Lane::ZERO; inputs.n]; count],
-            torque: packs.places.iter().filter(|p| p.kind == Kind::TorqueAtEnd).count(),
+            torque: packs.places.iter().filter(|p| p.kind == InputKind::TorqueAtEnd).count(),
             twist: vec![[Lane::ZERO; 6]; count],
         }
     }
@@ -499,7 +504,7 @@ impl Sums {
             for (place, sum) in packs.places.iter().zip(sums) {
                 let unit = place.kind.per(self.period);
                 let at = from + self.inputs.first(place.kind) + place.first;
-                if place.kind != Kind::TorqueAtStart {
+                if place.kind != InputKind::TorqueAtStart {
                     for (out, sum) in out[at..at + place.width].iter_mut().zip(sum.iter()) {
                         *out = up(unit * sum);
                     }

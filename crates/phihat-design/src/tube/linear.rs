@@ -3,9 +3,9 @@
 use nalgebra::DMatrix;
 use phihat_model::{Lanes, Model, Scalar as _, Workspace};
 
-use super::nominal::Nominal;
+use super::nominal::NominalRun;
 use super::scene::Scene;
-use crate::square::{Square, product};
+use crate::square::{StateSquare, product};
 
 /// Steps of the differences in position and velocity.
 const STEP: f64 = 1e-5;
@@ -13,9 +13,9 @@ const STEP: f64 = 1e-5;
 /// Derivatives of inverse dynamics at one state: `M`, by velocity, by position.
 #[derive(Debug, Clone)]
 pub(super) struct Derivatives {
-    pub(super) m: Square,
-    pub(super) d: Square,
-    pub(super) k: Square,
+    pub(super) m: StateSquare,
+    pub(super) d: StateSquare,
+    pub(super) k: StateSquare,
 }
 
 /// Differences of a model's inverse dynamics.
@@ -79,9 +79,9 @@ impl<'a> Differences<'a> {
 
 /// Linear loop over one sample: the derivatives in its middle and the exact step of the linear plant.
 #[derive(Debug)]
-pub(super) struct Interval {
+pub(super) struct StepInterval {
     /// `M⁻¹`.
-    pub(super) inverse: Square,
+    pub(super) inverse: StateSquare,
     pub(super) derivatives: Derivatives,
     /// `[ε; w]` one sample on, `2n × 2n`.
     pub(super) step: Vec<f64>,
@@ -92,7 +92,7 @@ pub(super) struct Interval {
 }
 
 /// State and acceleration in the middle of an interval.
-pub(super) fn middle(scene: &Scene<'_>, run: &Nominal, k: usize) -> [Vec<f64>; 3] {
+pub(super) fn middle(scene: &Scene<'_>, run: &NominalRun, k: usize) -> [Vec<f64>; 3] {
     let n = scene.n;
     let (now, next) = (k * n, (k + 1) * n);
     let t = scene.period;
@@ -102,10 +102,10 @@ pub(super) fn middle(scene: &Scene<'_>, run: &Nominal, k: usize) -> [Vec<f64>; 3
     [q, v, a]
 }
 
-impl Interval {
+impl StepInterval {
     pub(super) fn new(
         scene: &Scene<'_>,
-        run: &Nominal,
+        run: &NominalRun,
         k: usize,
         differences: &mut Differences<'_>,
         bare: &mut Differences<'_>,
@@ -138,7 +138,7 @@ impl Interval {
 }
 
 /// Inverse of a positive definite matrix; `None` where it is not.
-fn inverse(m: &[f64], n: usize) -> Option<Square> {
+fn inverse(m: &[f64], n: usize) -> Option<StateSquare> {
     let inverse = DMatrix::from_row_slice(n, n, m).cholesky()?.inverse();
     Some(inverse.as_slice().to_vec())
 }

@@ -2,7 +2,7 @@
 
 use phihat_certificate::extremes::{hull, larger, smaller};
 
-use super::kernel::Course;
+use super::kernel::InputCourse;
 
 /// Largest moves of the matrices, entry by entry, one row per group of bins.
 pub(super) struct Moved {
@@ -17,7 +17,7 @@ pub(super) struct Moved {
 }
 
 impl Moved {
-    pub(super) fn new(course: &Course<'_>, group: usize) -> Self {
+    pub(super) fn new(course: &InputCourse<'_>, group: usize) -> Self {
         let n = course.scene.n;
         let blocks = Blocks::new(course, group);
         let (samples, square) = (blocks.samples, n * n);
@@ -58,7 +58,7 @@ struct Blocks {
 }
 
 impl Blocks {
-    fn new(course: &Course<'_>, group: usize) -> Self {
+    fn new(course: &InputCourse<'_>, group: usize) -> Self {
         let (samples, bin) = (course.intervals.len(), course.bin);
         let reach = group * bin / 2 + bin + 1;
         let groups = samples.div_ceil(group * bin);

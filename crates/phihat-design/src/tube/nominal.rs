@@ -3,7 +3,7 @@
 use phihat_certificate::extremes::hull;
 use phihat_model::{Model, Workspace};
 
-use super::controller::Control;
+use super::controller::TubeControl;
 use super::refusal::TubeRefusal;
 use super::scene::{Scene, dry};
 use crate::lanes::Lane;
@@ -13,7 +13,7 @@ const DIVERGED: f64 = 1e3;
 
 /// The nominal run, one row of `n` per sample; states have one row more.
 #[derive(Debug)]
-pub(super) struct Nominal {
+pub(super) struct NominalRun {
     pub(super) q: Vec<f64>,
     pub(super) dq: Vec<f64>,
     /// Command of each sample.
@@ -28,7 +28,7 @@ pub(super) struct Nominal {
     pub(super) defect: [Vec<f64>; 2],
 }
 
-impl Nominal {
+impl NominalRun {
     /// Simulates `samples` intervals with a model (payload in the middle) and dry friction in the middle.
     pub(super) fn run(scene: &Scene<'_>, model: &Model) -> Result<Self, TubeRefusal> {
         let n = scene.n;
@@ -42,10 +42,10 @@ impl Nominal {
             sign_at: Vec::with_capacity(rows * n),
             defect: [Vec::with_capacity(rows * n), Vec::with_capacity(rows * n)],
         };
-        let mut plant = Plant::new(scene, model);
+        let mut plant = NominalArm::new(scene, model);
         // The study's simulator is one of the two: the finer one, unless it has one step.
         let (fine, coarse) = (scene.substeps.max(2), scene.substeps.div_ceil(2));
-        let mut control = Control::<1>::new(&scene.law).holding(&scene.held);
+        let mut control = TubeControl::<1>::new(&scene.law).holding(&scene.held);
         let (mut q, mut dq) = scene.start.clone();
         let mut last = scene.held.clone();
         for k in 0..rows {
@@ -94,7 +94,7 @@ impl Nominal {
 }
 
 /// The plant between two samples.
-struct Plant<'a> {
+struct NominalArm<'a> {
     scene: &'a Scene<'a>,
     model: &'a Model,
     workspace: Workspace<f64>,
@@ -109,7 +109,7 @@ struct Plant<'a> {
     work: [Vec<f64>; 6],
 }
 
-impl<'a> Plant<'a> {
+impl<'a> NominalArm<'a> {
     fn new(scene: &'a Scene<'a>, model: &'a Model) -> Self {
         let zero = vec![0.0; scene.n];
         Self {
@@ -146,7 +146,7 @@ impl<'a> Plant<'a> {
     fn advance(
         &mut self,
         k: usize,
-        control: &Control<1>,
+        control: &TubeControl<1>,
         (q, dq): (&mut [f64], &mut [f64]),
         steps: u32,
     ) {

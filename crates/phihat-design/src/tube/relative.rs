@@ -3,7 +3,7 @@
 use phihat_certificate::extremes::{hull, larger};
 
 use super::envelope::{Envelope, JointEnvelope};
-use super::nominal::Nominal;
+use super::nominal::NominalRun;
 use super::refusal::TubeRefusal;
 use super::scene::Scene;
 use super::sweep::Bin;
@@ -11,7 +11,7 @@ use super::sweep::Bin;
 /// Bounds relative to the reference, and that no limit acts.
 pub(super) fn relative(
     scene: &Scene<'_>,
-    nominal: &Nominal,
+    nominal: &NominalRun,
     bin: usize,
     results: &[Bin],
 ) -> Result<Envelope, TubeRefusal> {

@@ -19,7 +19,7 @@ const ALIGNED: f64 = 1e-6;
 
 /// Smooth friction of one joint, and its interval of dry friction.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Friction {
+pub(super) struct SceneFriction {
     pub(super) viscous: f64,
     pub(super) sigmoid: Option<Sigmoid>,
     /// Least and largest Coulomb level \[N·m\].
@@ -40,7 +40,7 @@ pub(super) fn dry(v: f64) -> f64 {
     share / (1.0 + share * share).sqrt()
 }
 
-impl Friction {
+impl SceneFriction {
     pub(super) fn smooth(&self, v: f64) -> f64 {
         self.viscous * v + self.sigmoid.map_or(0.0, |law| law.torque(v))
     }
@@ -105,7 +105,7 @@ pub(super) struct Scene<'a> {
     pub(super) substeps: u32,
     pub(super) names: Vec<String>,
     pub(super) law: SampledLaw,
-    pub(super) friction: Vec<Friction>,
+    pub(super) friction: Vec<SceneFriction>,
     pub(super) pushes: &'a [Push],
     /// Edges of pushes between steps.
     pub(super) edges: Vec<Edge>,
@@ -152,7 +152,7 @@ impl<'a> Scene<'a> {
             let own = study.robot.joints[i].friction;
             let acts =
                 if study.world.robot_friction { own } else { phihat_model::Friction::default() };
-            Friction {
+            SceneFriction {
                 viscous: acts.viscous + study.world.extra_viscous[i],
                 sigmoid: acts.sigmoid,
                 level: (low[i], high[i]),

@@ -2,7 +2,7 @@
 
 use phihat_certificate::extremes::larger;
 
-use super::kernel::Course;
+use super::kernel::InputCourse;
 use crate::parallel::parallel;
 
 /// Bins of a segment whose rows are bounded together.
@@ -10,7 +10,7 @@ const BLOCK: usize = 4;
 
 /// Response in a segment to a state that is left over at its start, by each of its numbers, of size 1 there.
 #[derive(Debug, Clone)]
-pub(super) struct Segment {
+pub(super) struct TubeSegment {
     /// Bin that it begins with, and the one after its last.
     bins: (usize, usize),
     pub(super) from: usize,
@@ -28,10 +28,10 @@ pub(super) struct Segment {
 
 /// Responses to a state left at the start of each segment, moved by so many bins at most.
 pub(super) fn segments(
-    course: &Course<'_>,
+    course: &InputCourse<'_>,
     (length, reach): (usize, usize),
     threads: usize,
-) -> Vec<Segment> {
+) -> Vec<TubeSegment> {
     let samples = course.intervals.len();
     let starts: Vec<usize> = (length..samples).step_by(length).collect();
     parallel(&starts, threads, |from| {
@@ -44,7 +44,7 @@ pub(super) fn segments(
             hull(&blocks[low..=high.min(blocks.len() - 1)])
         };
         let count = blocks.len();
-        Segment {
+        TubeSegment {
             bins,
             from,
             around: (0..count).map(near).collect(),
@@ -72,7 +72,7 @@ fn add_times(out: &mut [f64], matrix: &[f64], x: &[f64]) {
     }
 }
 
-impl Segment {
+impl TubeSegment {
     /// Remainder at its end of a state at its start.
     pub(super) fn left_of(&self, state: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; state.len()];

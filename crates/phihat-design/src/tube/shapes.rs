@@ -2,14 +2,14 @@
 
 use super::basis::Direction;
 use super::deviation::Deviation;
-use super::kernel::Course;
+use super::kernel::InputCourse;
 use super::linear::{Differences, middle};
-use super::nominal::Nominal;
+use super::nominal::NominalRun;
 use crate::lanes::{Lane, WIDE};
 
 /// One linear run, recorded.
 #[derive(Debug, Clone)]
-pub(super) struct Shape {
+pub(super) struct LinearRun {
     /// `n` per sample.
     pub(super) e: Vec<f64>,
     pub(super) v: Vec<f64>,
@@ -19,7 +19,7 @@ pub(super) struct Shape {
     torque: Vec<f64>,
 }
 
-impl Shape {
+impl LinearRun {
     /// Change of the torque that drives joint `i`, from the interval before `k` to `k` \[N·m per unit\].
     pub(super) fn change(&self, k: usize, (i, n): (usize, usize)) -> f64 {
         if k == 0 { 0.0 } else { self.torque[k * n + i] - self.torque[(k - 1) * n + i] }
@@ -28,10 +28,10 @@ impl Shape {
 
 /// The linear runs of the payload's parameters.
 pub(super) fn shapes(
-    course: &Course<'_>,
-    nominal: &Nominal,
+    course: &InputCourse<'_>,
+    nominal: &NominalRun,
     directions: &[Option<Direction>],
-) -> Vec<Option<Shape>> {
+) -> Vec<Option<LinearRun>> {
     let scene = course.scene;
     let n = scene.n;
     if directions.is_empty() {
@@ -43,8 +43,8 @@ pub(super) fn shapes(
             d.as_ref().map(|d| (Differences::new(&d.plus), Differences::new(&d.minus), d.scale))
         })
         .collect();
-    let empty = Shape { e: vec![0.0; n], v: vec![0.0; n], command: vec![], torque: vec![] };
-    let mut shapes: Vec<Option<Shape>> =
+    let empty = LinearRun { e: vec![0.0; n], v: vec![0.0; n], command: vec![], torque: vec![] };
+    let mut shapes: Vec<Option<LinearRun>> =
         directions.iter().map(|d| d.as_ref().map(|_| empty.clone())).collect();
     let mut runs = [Deviation::<WIDE>::new(scene), Deviation::<WIDE>::new(scene)];
     let (mut plus, mut minus) = (vec![0.0; n], vec![0.0; n]);

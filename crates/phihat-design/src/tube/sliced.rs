@@ -5,15 +5,15 @@ use super::basis::Slice;
 use super::envelope::Envelope;
 use super::group::Groups;
 use super::intervals::intervals;
-use super::kernel::Course;
+use super::kernel::InputCourse;
 use super::moved::Moved;
-use super::nominal::Nominal;
+use super::nominal::NominalRun;
 use super::refusal::TubeRefusal;
 use super::relative::relative;
 use super::scene::Scene;
 use super::segments::segments;
 use super::shapes::shapes;
-use super::sweep::{Bin, Sweep};
+use super::sweep::{Bin, TubeSweep};
 use super::twist::jacobians;
 use crate::parallel::{both, parallel};
 
@@ -49,14 +49,14 @@ pub(super) fn sliced(
         Some(slice) => slice.model(scene)?,
         None => scene.bare.clone(),
     };
-    let nominal = Nominal::run(scene, &model)?;
+    let nominal = NominalRun::run(scene, &model)?;
     let intervals = intervals(scene, &nominal, &model, threads)?;
     let jacobians = match slice {
         Some(slice) => jacobians(scene, &nominal, (&model, &slice.off)),
         None => Vec::new(),
     };
     let bin = whole(BIN / scene.period, 1);
-    let course = Course { scene, intervals: &intervals, jacobians: &jacobians, bin };
+    let course = InputCourse { scene, intervals: &intervals, jacobians: &jacobians, bin };
     let memory = course.pilot(if scene.expects { FORGOTTEN_SEEN } else { FORGOTTEN });
     let group = bins_of_group(scene, bin, memory);
     let samples = intervals.len();
@@ -92,7 +92,7 @@ pub(super) fn sliced(
         looks: whole(LOOK / scene.period, 1),
         length,
     };
-    let sweeps = misreads.iter().map(|misread| Sweep::new(&along, misread, &first)).collect();
+    let sweeps = misreads.iter().map(|misread| TubeSweep::new(&along, misread, &first)).collect();
     let swept = swept(sweeps, &groups, threads);
     Ok(swept.into_iter().map(|bins| relative(scene, &nominal, bin, &bins?)).collect())
 }
@@ -100,13 +100,13 @@ pub(super) fn sliced(
 /// Goes through all bins, whose groups are made in parallel, a few per thread at a time, while the sweeps go
 /// through those before.
 fn swept(
-    sweeps: Vec<Sweep<'_>>,
+    sweeps: Vec<TubeSweep<'_>>,
     groups: &Groups<'_>,
     threads: usize,
 ) -> Vec<Result<Vec<Bin>, TubeRefusal>> {
     let count = groups.count();
     let chunk = 4 * threads;
-    let mut sweeps: Vec<Result<Sweep<'_>, TubeRefusal>> = sweeps.into_iter().map(Ok).collect();
+    let mut sweeps: Vec<Result<TubeSweep<'_>, TubeRefusal>> = sweeps.into_iter().map(Ok).collect();
     let make = |start: usize| {
         let list: Vec<usize> = (start..(start + chunk).min(count)).collect();
         parallel(&list, threads, |g| groups.group(g))

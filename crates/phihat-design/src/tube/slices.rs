@@ -78,7 +78,7 @@ fn no_mass() -> TubeRefusal {
 }
 
 /// The search for one list of reading errors.
-struct Search {
+struct SliceSearch {
     misread: Vec<f64>,
     /// The union of what has closed.
     whole: Option<Envelope>,
@@ -101,7 +101,7 @@ fn found(
             .unwrap_or_else(|why| vec![Err(why); misreads.len()]);
     };
     let first = Slice::all(set, parts);
-    let search = |misread| Search {
+    let search = |misread| SliceSearch {
         misread,
         whole: None,
         slices: 0,
@@ -109,7 +109,7 @@ fn found(
         probed: false,
         refused: None,
     };
-    let mut all: Vec<Search> = misreads.into_iter().map(search).collect();
+    let mut all: Vec<SliceSearch> = misreads.into_iter().map(search).collect();
     while let Some(next) = all.iter().find(|one| !one.open.is_empty()) {
         // As many side by side as there are threads; what each does inside is theirs to share.
         let now: Vec<Slice> = next.open.iter().take(threads).cloned().collect();
@@ -130,10 +130,10 @@ fn found(
             }
         }
     }
-    all.into_iter().map(Search::ended).collect()
+    all.into_iter().map(SliceSearch::ended).collect()
 }
 
-impl Search {
+impl SliceSearch {
     /// Takes what became of a slice.
     fn hear(
         &mut self,

@@ -47,15 +47,15 @@ impl Tensors {
 }
 
 /// Changes of `D` and `K` by a direction.
-type Change = (Vec<f64>, Vec<f64>);
+type TensorChange = (Vec<f64>, Vec<f64>);
 
 /// Models to look at: the ends of a slice, and the directions in it.
-pub(super) struct Looked<'a> {
+pub(super) struct SliceModels<'a> {
     pub(super) ends: Vec<Differences<'a>>,
     pub(super) directions: Vec<Option<(Differences<'a>, Differences<'a>, f64)>>,
 }
 
-impl<'a> Looked<'a> {
+impl<'a> SliceModels<'a> {
     pub(super) fn new(
         ends: &'a [phihat_model::Model],
         directions: &'a [Option<Direction>],
@@ -106,7 +106,7 @@ impl<'a> Looked<'a> {
             }
         }
         if let Some(slice) = slice {
-            let mut by: Vec<Option<Change>> = Vec::with_capacity(10);
+            let mut by: Vec<Option<TensorChange>> = Vec::with_capacity(10);
             for direction in &mut self.directions {
                 by.push(direction.as_mut().map(|(plus, minus, scale)| {
                     let (p, m) = (plus.at((q, v, a)), minus.at((q, v, a)));
@@ -117,7 +117,7 @@ impl<'a> Looked<'a> {
                 }));
             }
             for ij in 0..n * n {
-                let unit = |pick: fn(&Change) -> &Vec<f64>| {
+                let unit = |pick: fn(&TensorChange) -> &Vec<f64>| {
                     core::array::from_fn(|d| by[d].as_ref().map_or(0.0, |pair| pick(pair)[ij]))
                 };
                 out.payload_damping[ij] = slice.size(&unit(|pair| &pair.0));

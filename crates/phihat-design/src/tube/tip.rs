@@ -35,7 +35,7 @@ pub fn tip_along(study: &Study, desired: &Desired, tube: &Tube) -> Option<TubeTi
         }
     }
     let frame = robot.tip.clone();
-    Some(TubeTip { frame, turns, lever_m: levers, error_max_m: 0.0, angle_max_rad: 0.0 })
+    Some(TubeTip { frame, turns, lever_m: levers, error_bound_m: 0.0, angle_max_rad: 0.0 })
 }
 
 /// A size with a few digits, not smaller; of nothing a hair.

@@ -2,13 +2,13 @@
 
 use phihat_model::{Model, Workspace};
 
-use super::nominal::Nominal;
+use super::nominal::NominalRun;
 use super::scene::{Scene, centre};
 
 /// Twist of the middle of the payload's box per joint velocity, in the frame's axes, at every sample.
 pub(super) fn jacobians(
     scene: &Scene<'_>,
-    nominal: &Nominal,
+    nominal: &NominalRun,
     (model, off): (&Model, &[f64; 3]),
 ) -> Vec<Vec<f64>> {
     let Some(set) = &scene.payload else { return Vec::new() };

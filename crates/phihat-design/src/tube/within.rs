@@ -4,7 +4,7 @@ use phihat_certificate::extremes::{Extremes as _, larger};
 
 use super::along::Along;
 use super::linear::Derivatives;
-use super::shapes::Shape;
+use super::shapes::LinearRun;
 
 /// Largest change of what is held, from sample to sample in a bin.
 ///
@@ -25,11 +25,11 @@ impl Within {
     pub(super) fn of(along: &Along<'_>, (from, to): (usize, usize)) -> Self {
         let (n, intervals) = (along.course.scene.n, along.course.intervals);
         let end = (to + 1).min(intervals.len());
-        let change = |shape: &Shape, k: usize, i: usize| shape.change(k, (i, n));
+        let change = |shape: &LinearRun, k: usize, i: usize| shape.change(k, (i, n));
         let slope =
             |i: usize| (from..end).map(|k| along.pushed(|shape| change(shape, k, i))).largest();
         let bend = |i: usize| {
-            let twice = |shape: &Shape, k: usize| change(shape, k, i) - change(shape, k - 1, i);
+            let twice = |shape: &LinearRun, k: usize| change(shape, k, i) - change(shape, k - 1, i);
             (from.max(2)..end).map(|k| along.pushed(|shape| twice(shape, k))).largest()
         };
         let moved = |of: fn(&Derivatives) -> &[f64]| -> Vec<f64> {

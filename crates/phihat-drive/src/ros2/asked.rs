@@ -20,25 +20,25 @@ pub(super) enum Refused {
 }
 
 /// A joint: its name and its position limits \[rad, m\].
-pub(super) type Joint = (String, (f64, f64));
+pub(super) type NamedJoint = (String, (f64, f64));
 
 /// Positions at times since the start \[ns\].
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Way {
+pub(super) struct TimedPositions {
     points: Vec<(u64, Vec<f64>)>,
 }
 
-impl Way {
+impl TimedPositions {
     /// To a position, at once: the supervisor's limits decide how fast.
-    pub(super) fn to(joints: &[Joint], q: Vec<f64>) -> Result<Self, Refused> {
+    pub(super) fn to(joints: &[NamedJoint], q: Vec<f64>) -> Result<Self, Refused> {
         inside(joints, 0, &q)?;
         Ok(Self { points: vec![(0, q)] })
     }
 
     /// Along a trajectory.
-    pub(super) fn along(joints: &[Joint], told: &JointTrajectory) -> Result<Self, Refused> {
+    pub(super) fn along(joints: &[NamedJoint], told: &JointTrajectory) -> Result<Self, Refused> {
         let wrong = || Refused::Joints(told.joint_names.join(", "));
-        let place = |(name, _): &Joint| {
+        let place = |(name, _): &NamedJoint| {
             told.joint_names.iter().position(|other| other == name).ok_or_else(wrong)
         };
         let places = joints.iter().map(place).collect::<Result<Vec<_>, _>>()?;
@@ -76,7 +76,7 @@ impl Way {
     }
 }
 
-fn inside(joints: &[Joint], point: usize, q: &[f64]) -> Result<(), Refused> {
+fn inside(joints: &[NamedJoint], point: usize, q: &[f64]) -> Result<(), Refused> {
     if q.len() != joints.len() {
         return Err(Refused::Length(point));
     }

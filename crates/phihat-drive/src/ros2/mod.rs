@@ -35,8 +35,8 @@ use rtrb::{Producer, RingBuffer};
 
 use crate::hooks::{Tap, Targets};
 use crate::tape::{Arrival, Cycle};
-use node::Node;
-use told::{JOINTS_MOST, Shown, Snapshot};
+use node::DriveNode;
+use told::{JOINTS_MOST, JointSample, Snapshot};
 pub use told::{RosCounts, RosError, RosOptions};
 
 /// Samples that the node may be behind before they are left out.
@@ -58,9 +58,9 @@ impl Tap for RosTap {
         if !(self.count - 1).is_multiple_of(self.every) {
             return;
         }
-        let mut joints = [Shown::default(); JOINTS_MOST];
+        let mut joints = [JointSample::default(); JOINTS_MOST];
         for (shown, row) in joints.iter_mut().zip(rows) {
-            *shown = Shown {
+            *shown = JointSample {
                 q: row.measurement.q,
                 dq: row.measurement.dq,
                 tau: row.measurement.tau_applied,
@@ -106,7 +106,7 @@ impl RosNode {
         }
         let targets = takes_targets.then(|| Arc::new(Targets::new(joints.len())));
         let (ring, read) = RingBuffer::new(RING);
-        let mut node = Node::new(joints, options, read, targets.clone())?;
+        let mut node = DriveNode::new(joints, options, read, targets.clone())?;
         let thread = thread::Builder::new().name("phihat-ros2".to_owned());
         let thread = thread.spawn(move || node.run()).map_err(|e| RosError::Node(e.to_string()))?;
         let every = options.every.max(1);

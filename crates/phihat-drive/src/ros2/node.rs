@@ -13,11 +13,11 @@ use ros2_client::{
 use rtrb::Consumer;
 use serde::Serialize;
 
-use super::asked::{Joint, Refused, Way};
+use super::asked::{NamedJoint, Refused, TimedPositions};
 use super::messages::{
     Array, DiagnosticArray, DiagnosticStatus, Header, JointState, JointTrajectory, KeyValue, Text,
 };
-use super::told::{RosCounts, RosError, RosOptions, Shown, Snapshot};
+use super::told::{JointSample, RosCounts, RosError, RosOptions, Snapshot};
 use crate::hooks::Targets;
 
 /// Sleep of the node where there is nothing to do.
@@ -33,8 +33,8 @@ const DISCOVERY: Duration = Duration::from_secs(1);
 const DIAGNOSTICS_NS: u64 = 1_000_000_000;
 
 /// Signal of a joint; below, each topic with its position, velocity and effort.
-type Signal = fn(&Shown) -> f64;
-const STATES: [(&str, &str, [Option<Signal>; 3]); 5] = [
+type JointSignal = fn(&JointSample) -> f64;
+const STATES: [(&str, &str, [Option<JointSignal>; 3]); 5] = [
     ("/", "joint_states", [Some(|j| j.q), Some(|j| j.dq), Some(|j| j.tau)]),
     ("/phihat", "reference", [Some(|j| j.q_desired), Some(|j| j.dq_desired), None]),
     ("/phihat", "error", [Some(|j| j.q - j.q_desired), Some(|j| j.dq - j.dq_desired), None]),
@@ -42,15 +42,15 @@ const STATES: [(&str, &str, [Option<Signal>; 3]); 5] = [
     ("/phihat", "phi_hat", [None, None, Some(|j| j.phi_hat)]),
 ];
 
-pub(super) struct Node {
+pub(super) struct DriveNode {
     /// Others know of what is published and received by it.
     _known: ros2_client::Node,
-    joints: Vec<Joint>,
+    joints: Vec<NamedJoint>,
     read: Consumer<Snapshot>,
     states: Vec<Publisher<JointState>>,
     modes: Publisher<Text>,
     diagnostics: Publisher<DiagnosticArray>,
-    asked: Option<Asked>,
+    asked: Option<NodeSubscriptions>,
     counts: RosCounts,
     mode: Option<&'static str>,
     told_ns: Option<u64>,
@@ -58,12 +58,12 @@ pub(super) struct Node {
 }
 
 /// Subscriptions, and the way that they request.
-struct Asked {
+struct NodeSubscriptions {
     targets: Arc<Targets>,
     commands: Subscription<Array>,
     trajectories: Subscription<JointTrajectory>,
     /// Current way, its begin \[ns\], and the positions where it began.
-    way: Option<(Way, u64, Vec<f64>)>,
+    way: Option<(TimedPositions, u64, Vec<f64>)>,
 }
 
 fn failed(why: impl std::fmt::Display) -> RosError {
@@ -82,9 +82,9 @@ fn kept() -> QosProfile {
     qos().durability(Durability::TransientLocal).history(History::KeepLast { depth: 1 })
 }
 
-impl Node {
+impl DriveNode {
     pub(super) fn new(
-        joints: Vec<Joint>,
+        joints: Vec<NamedJoint>,
         options: &RosOptions,
         read: Consumer<Snapshot>,
         targets: Option<Arc<Targets>>,
@@ -112,7 +112,7 @@ impl Node {
                 let commands = subscription(&mut node, "commands", array)?;
                 let along = ("trajectory_msgs", "JointTrajectory");
                 let trajectories = subscription(&mut node, "joint_trajectory", along)?;
-                Some(Asked { targets, commands, trajectories, way: None })
+                Some(NodeSubscriptions { targets, commands, trajectories, way: None })
             }
         };
         let (counts, mode, told_ns, refusal) = (RosCounts::default(), None, None, None);
@@ -212,12 +212,12 @@ impl Node {
         let mut newest = None;
         while let Ok(Some((command, _))) = asked.commands.take() {
             self.counts.commands += 1;
-            newest = Some(Way::to(&self.joints, command.data));
+            newest = Some(TimedPositions::to(&self.joints, command.data));
             self.counts.refused += u64::from(newest.as_ref().is_some_and(Result::is_err));
         }
         while let Ok(Some((along, _))) = asked.trajectories.take() {
             self.counts.trajectories += 1;
-            newest = Some(Way::along(&self.joints, &along));
+            newest = Some(TimedPositions::along(&self.joints, &along));
             self.counts.refused += u64::from(newest.as_ref().is_some_and(Result::is_err));
         }
         let t_ns = shown.cycle.t_ns;

@@ -54,7 +54,7 @@ pub enum RosError {
 
 /// One joint of a sample.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Shown {
+pub(super) struct JointSample {
     pub(super) q: f64,
     pub(super) dq: f64,
     pub(super) tau: f64,
@@ -70,5 +70,5 @@ pub(super) struct Snapshot {
     pub(super) cycle: Cycle,
     pub(super) lost: u64,
     pub(super) dropped: u64,
-    pub(super) joints: [Shown; JOINTS_MOST],
+    pub(super) joints: [JointSample; JOINTS_MOST],
 }

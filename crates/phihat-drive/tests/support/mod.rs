@@ -18,7 +18,7 @@ seed = 7
 name = "planar3r"
 [spec]
 settle_s = 1.0
-error_max_rad = 1.0
+error_bound_rad = 1.0
 [gains]
 order = 1
 bandwidth_rad_s = 15.0
@@ -71,7 +71,7 @@ duration_s = 2.0
 name = "planar3r"
 [spec]
 settle_s = 1.0
-error_max_rad = 1.0
+error_bound_rad = 1.0
 [gains]
 order = 1
 bandwidth_rad_s = 15.0

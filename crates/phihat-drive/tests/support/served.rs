@@ -4,7 +4,9 @@ use std::net::Ipv4Addr;
 use std::time::Duration;
 
 use phihat_drive::{FrankaAddress, On};
-use phihat_fci::{Ending, FciError, Host, Pace, Packets, RobotSide, Rules, Sensed, World};
+use phihat_fci::{
+    Ending, FciError, Host, Pace, Packets, RobotRules, RobotSide, StateSensed, World,
+};
 use phihat_sim::WorldSide;
 
 /// Motion and network of a drive of an hour and more, with losses on both ways.
@@ -28,7 +30,7 @@ frequency_hz = 0.3
 /// A simulated arm behind the interface.
 pub(crate) struct Served {
     side: WorldSide,
-    sensed: Sensed,
+    sensed: StateSensed,
     due: bool,
     last: Option<u64>,
     /// End of the motion.
@@ -38,7 +40,7 @@ pub(crate) struct Served {
 impl Served {
     /// The arm of a study.
     pub(crate) fn of(side: WorldSide) -> Self {
-        Self { side, sensed: Sensed::default(), due: true, last: None, ended: None }
+        Self { side, sensed: StateSensed::default(), due: true, last: None, ended: None }
     }
 }
 
@@ -49,7 +51,7 @@ impl World for Served {
         Ok(())
     }
 
-    fn sensed(&mut self) -> Sensed {
+    fn sensed(&mut self) -> StateSensed {
         if core::mem::take(&mut self.due)
             && let Some(sensed) = self.side.sense()
         {
@@ -98,6 +100,6 @@ pub(crate) fn patient(link: &str) -> On {
 /// Waits for a client of either version on the loopback, in lock-step.
 pub(crate) fn listening() -> Host {
     let pace = Pace::LockStep { patience: Duration::from_mins(1) };
-    let rules = Rules { torque_step_max: Some(1.0), losses_max: Some(20), ..Rules::NONE };
+    let rules = RobotRules { torque_step_max: Some(1.0), losses_max: Some(20), ..RobotRules::NONE };
     Host::listen(Ipv4Addr::LOCALHOST.into(), 0, pace, RobotSide::new(rules, String::new())).unwrap()
 }

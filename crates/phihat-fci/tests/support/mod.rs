@@ -1,7 +1,7 @@
 //! Messages as a client writes them, laid out here by hand, and a world of seven free masses.
 #![allow(dead_code, reason = "each test file uses its part")]
 
-use phihat_fci::{Ending, FciError, Packets, Protocol, Sensed, World};
+use phihat_fci::{Ending, FciError, Packets, Protocol, StateSensed, World};
 
 /// Request: number, id, and the payload.
 pub(crate) fn request(command: u32, id: u32, payload: &[u8]) -> Vec<u8> {
@@ -70,8 +70,14 @@ impl World for Masses {
         Ok(())
     }
 
-    fn sensed(&mut self) -> Sensed {
-        Sensed { q: self.q, dq: self.dq, tau_j: self.told, tau_j_d: self.told, ..Sensed::default() }
+    fn sensed(&mut self) -> StateSensed {
+        StateSensed {
+            q: self.q,
+            dq: self.dq,
+            tau_j: self.told,
+            tau_j_d: self.told,
+            ..StateSensed::default()
+        }
     }
 
     fn step(&mut self, torque: &[f64; 7]) {

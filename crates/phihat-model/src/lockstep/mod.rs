@@ -5,12 +5,12 @@ pub(crate) mod sweep;
 
 use thiserror::Error;
 
-use crate::description::Motion;
-use crate::shape::Shape;
+use crate::description::JointMotion;
+use crate::shape::SegmentShape;
 use crate::straight::Kernel;
 use crate::vector::Vec3;
 use crate::{Lanes, Model};
-use part::{Part, in_lanes};
+use part::{LockstepSegment, in_lanes};
 
 /// Most segments of a chain: joints, and what stands between two nearly parallel axes.
 const MOST: usize = 12;
@@ -55,7 +55,7 @@ const MOST: usize = 12;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Lockstep {
-    parts: Vec<Part<Lanes>>,
+    parts: Vec<LockstepSegment<Lanes>>,
     joints: usize,
     /// Code written out for their structure.
     kernel: Option<Kernel>,
@@ -109,12 +109,13 @@ impl Lockstep {
             }
         }
         let lift = |axis: usize| in_lanes(models, |model| model.lift()[axis]);
-        let parts: Vec<_> = (0..first.len()).filter_map(|i| Part::of(models, i)).collect();
-        let plain = first.iter().all(|segment| segment.motion == Motion::Revolute);
-        let shapes: Vec<Shape> = parts.iter().map(|part| part.shape).collect();
+        let parts: Vec<_> =
+            (0..first.len()).filter_map(|i| LockstepSegment::of(models, i)).collect();
+        let plain = first.iter().all(|segment| segment.motion == JointMotion::Revolute);
+        let shapes: Vec<SegmentShape> = parts.iter().map(|part| part.shape).collect();
         Ok(Self {
             parts,
-            joints: first.iter().filter(|segment| segment.motion != Motion::Fixed).count(),
+            joints: first.iter().filter(|segment| segment.motion != JointMotion::Fixed).count(),
             kernel: if plain { Kernel::of(&shapes) } else { None },
             lift: Vec3::new(lift(0), lift(1), lift(2)),
         })

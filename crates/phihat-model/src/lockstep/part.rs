@@ -1,29 +1,29 @@
 //! One segment of many arms: numbers in lanes, structure shared.
 
-use crate::description::Motion;
-use crate::inertia::Inertia;
+use crate::description::JointMotion;
+use crate::inertia::LinkInertia;
 use crate::segment::Segment;
-use crate::shape::{Shape, Tilt};
+use crate::shape::{SegmentShape, Tilt};
 use crate::vector::{Turn, Vec3};
 use crate::{Lanes, Model, Scalar};
 
 /// One segment of every arm.
 #[derive(Debug, Clone)]
-pub(crate) struct Part<S> {
-    pub(crate) motion: Motion,
+pub(crate) struct LockstepSegment<S> {
+    pub(crate) motion: JointMotion,
     /// The first coordinate of this segment and all that hangs on it.
     pub(crate) first: usize,
-    pub(crate) shape: Shape,
+    pub(crate) shape: SegmentShape,
     pub(crate) turn: Turn<S>,
     pub(crate) a: S,
     pub(crate) d: S,
     pub(crate) theta: S,
     pub(crate) armature: S,
-    pub(crate) matter: Inertia<S>,
+    pub(crate) matter: LinkInertia<S>,
     pub(crate) sigma: [S; 6],
 }
 
-impl Part<Lanes> {
+impl LockstepSegment<Lanes> {
     /// Segment number `i` of arms of one structure; where there are fewer arms than lanes, the last one fills the rest.
     pub(crate) fn of(models: &[&Model], i: usize) -> Option<Self> {
         let own = models.first()?.segments().get(i)?;
@@ -34,19 +34,19 @@ impl Part<Lanes> {
         };
         let joint = own.joint;
         let armature = |model: &Model| match own.motion {
-            Motion::Fixed => 0.0,
+            JointMotion::Fixed => 0.0,
             _ => model.armature().get(joint).copied().unwrap_or(0.0),
         };
         Some(Self {
             motion: own.motion,
             first: own.coordinates.0,
-            shape: Shape::shared(&segments),
+            shape: SegmentShape::shared(&segments),
             turn: Turn { c: lanes(&|s| s.cos_alpha), s: lanes(&|s| s.sin_alpha) },
             a: lanes(&|s| s.a),
             d: lanes(&|s| s.d),
             theta: in_lanes(models, |model| model.compiled().theta.get(i).copied().unwrap_or(0.0)),
             armature: in_lanes(models, armature),
-            matter: Inertia {
+            matter: LinkInertia {
                 m: lanes(&|s| s.m),
                 h: Vec3::new(lanes(&|s| s.h[0]), lanes(&|s| s.h[1]), lanes(&|s| s.h[2])),
                 xx: lanes(&|s| s.i[0]),
@@ -61,7 +61,7 @@ impl Part<Lanes> {
     }
 }
 
-impl<S: Scalar> Part<S> {
+impl<S: Scalar> LockstepSegment<S> {
     /// `Rx v`: from the tilted axes to those before.
     #[inline(always)]
     pub(crate) fn tilt_out(&self, v: Vec3<S>) -> Vec3<S> {
@@ -86,8 +86,8 @@ impl<S: Scalar> Part<S> {
 
     /// `inertia` seen from the frame before `Rx Tx(a)`.
     #[inline(always)]
-    pub(crate) fn inertia_out_x(&self, inertia: &Inertia<S>) -> Inertia<S> {
-        let Inertia { m, h, xx, yy, zz, xy, xz, yz } = *inertia;
+    pub(crate) fn inertia_out_x(&self, inertia: &LinkInertia<S>) -> LinkInertia<S> {
+        let LinkInertia { m, h, xx, yy, zz, xy, xz, yz } = *inertia;
         let (yy, zz, yz, xy, xz) = match self.shape.tilt {
             Tilt::Level => (yy, zz, yz, xy, xz),
             Tilt::Up => (zz, yy, -yz, -xz, xy),
@@ -96,12 +96,12 @@ impl<S: Scalar> Part<S> {
         };
         let h = self.tilt_out(h);
         if !self.shape.reaches {
-            return Inertia { m, h, xx, yy, zz, xy, xz, yz };
+            return LinkInertia { m, h, xx, yy, zz, xy, xz, yz };
         }
         let a = self.a;
         let am = a * m;
         let k = a * (h.x + h.x + am);
-        Inertia {
+        LinkInertia {
             m,
             h: Vec3::new(h.x + am, h.y, h.z),
             xx,

@@ -1,14 +1,14 @@
 //! The recursions of `Model::forward_dynamics` for chains, one arm per lane of the number type.
 
-use super::part::Part;
+use super::part::LockstepSegment;
 use crate::Scalar;
-use crate::description::Motion;
-use crate::inertia::Inertia;
+use crate::description::JointMotion;
+use crate::inertia::LinkInertia;
 use crate::inverse_dynamics::Gamma;
 use crate::vector::{Turn, Vec3};
 
 /// Force and moment.
-type Wrench<S> = (Vec3<S>, Vec3<S>);
+type WrenchLanes<S> = (Vec3<S>, Vec3<S>);
 
 /// Result of the recursions: the upper triangle of `M`, and `bias − τ`.
 struct System<S, const N: usize> {
@@ -17,7 +17,7 @@ struct System<S, const N: usize> {
 }
 
 /// Sines and shifts of the second screws at the positions of the moment.
-pub(crate) struct Screws<S, const N: usize> {
+pub(crate) struct ScrewLanes<S, const N: usize> {
     pub(crate) sines: [S; N],
     pub(crate) cosines: [S; N],
     pub(crate) shifts: [S; N],
@@ -26,19 +26,19 @@ pub(crate) struct Screws<S, const N: usize> {
 /// Accelerations of chains of at most `N` segments.
 #[inline(always)]
 pub(super) fn forward<S: Scalar, const N: usize>(
-    (parts, lift): (&[Part<S>], Vec3<S>),
+    (parts, lift): (&[LockstepSegment<S>], Vec3<S>),
     [q, dq, tau]: [&[S]; 3],
     ddq: &mut [S],
 ) {
-    let screws = Screws::<S, N>::at(parts, q);
+    let screws = ScrewLanes::<S, N>::at(parts, q);
     placed((parts, lift), &screws, [dq, tau], ddq);
 }
 
 /// Rest of [`forward`] once sines and shifts are known.
 #[inline(always)]
 pub(crate) fn placed<S: Scalar, const N: usize>(
-    (parts, lift): (&[Part<S>], Vec3<S>),
-    screws: &Screws<S, N>,
+    (parts, lift): (&[LockstepSegment<S>], Vec3<S>),
+    screws: &ScrewLanes<S, N>,
     [dq, tau]: [&[S]; 2],
     ddq: &mut [S],
 ) {
@@ -47,9 +47,9 @@ pub(crate) fn placed<S: Scalar, const N: usize>(
     eliminate(&mut system, ddq);
 }
 
-impl<S: Scalar, const N: usize> Screws<S, N> {
+impl<S: Scalar, const N: usize> ScrewLanes<S, N> {
     #[inline(always)]
-    fn at(parts: &[Part<S>], q: &[S]) -> Self {
+    fn at(parts: &[LockstepSegment<S>], q: &[S]) -> Self {
         let mut screws = Self {
             sines: [S::splat(0.0); N],
             cosines: [S::splat(0.0); N],
@@ -57,11 +57,11 @@ impl<S: Scalar, const N: usize> Screws<S, N> {
         };
         for (i, part) in parts.iter().enumerate() {
             let angle = match part.motion {
-                Motion::Revolute => q[part.first] + part.theta,
+                JointMotion::Revolute => q[part.first] + part.theta,
                 _ => part.theta,
             };
             (screws.sines[i], screws.cosines[i]) = angle.sin_cos();
-            let slides = part.motion == Motion::Prismatic;
+            let slides = part.motion == JointMotion::Prismatic;
             screws.shifts[i] = if slides { q[part.first] + part.d } else { part.d };
         }
         screws
@@ -76,10 +76,10 @@ impl<S: Scalar, const N: usize> Screws<S, N> {
 /// From base to tips: the wrench that every segment's own matter takes at `q̈ = 0`.
 #[inline(always)]
 fn out<S: Scalar, const N: usize>(
-    (parts, lift): (&[Part<S>], Vec3<S>),
-    screws: &Screws<S, N>,
+    (parts, lift): (&[LockstepSegment<S>], Vec3<S>),
+    screws: &ScrewLanes<S, N>,
     dq: &[S],
-) -> [Wrench<S>; N] {
+) -> [WrenchLanes<S>; N] {
     let nothing = Vec3::<S>::zero();
     let mut wrenches = [(nothing, nothing); N];
     let (mut omega, mut alpha, mut acc) = (nothing, nothing, lift);
@@ -93,17 +93,17 @@ fn out<S: Scalar, const N: usize>(
         let inward = |v| turn.into_z(part.tilt_in(v));
         (omega, alpha, acc) = (inward(omega), inward(alpha), inward(acc));
         match part.motion {
-            Motion::Revolute => {
+            JointMotion::Revolute => {
                 let dq = dq[part.first];
                 alpha.x += omega.y * dq;
                 alpha.y += -(omega.x * dq);
                 omega.z += dq;
             }
-            Motion::Prismatic => {
+            JointMotion::Prismatic => {
                 let twice = dq[part.first] + dq[part.first];
                 acc += Vec3::new(omega.y * twice, -(omega.x * twice), S::splat(0.0));
             }
-            Motion::Fixed => {}
+            JointMotion::Fixed => {}
         }
         let g = Gamma::of(omega, alpha);
         if part.shape.slides {
@@ -123,25 +123,25 @@ fn out<S: Scalar, const N: usize>(
 /// From tips to base: composite inertias, the columns of `M`, and the bias as one more column.
 #[inline(always)]
 fn back<S: Scalar, const N: usize>(
-    parts: &[Part<S>],
-    screws: &Screws<S, N>,
-    wrenches: &[Wrench<S>; N],
+    parts: &[LockstepSegment<S>],
+    screws: &ScrewLanes<S, N>,
+    wrenches: &[WrenchLanes<S>; N],
     tau: &[S],
 ) -> System<S, N> {
     let n = tau.len();
     let nothing = (Vec3::zero(), Vec3::zero());
     let (mut columns, mut bias) = ([nothing; N], nothing);
     let mut system = System { m: [[S::splat(0.0); N]; N], rhs: [S::splat(0.0); N] };
-    let mut inertia = Inertia::default();
+    let mut inertia = LinkInertia::default();
     for (i, part) in parts.iter().enumerate().rev() {
         let first = part.first;
         let last = i + 1 == parts.len();
         inertia = if last { part.matter } else { inertia.plus(&part.matter) };
         bias.0 += wrenches[i].0;
         bias.1 += wrenches[i].1;
-        let slides = part.motion == Motion::Prismatic;
-        if part.motion != Motion::Fixed {
-            let along = |(force, moment): &Wrench<S>| if slides { force.z } else { moment.z };
+        let slides = part.motion == JointMotion::Prismatic;
+        if part.motion != JointMotion::Fixed {
+            let along = |(force, moment): &WrenchLanes<S>| if slides { force.z } else { moment.z };
             columns[first] = unit_wrench(slides, &inertia);
             for j in first..n {
                 system.m[first][j] = along(&columns[j]);
@@ -154,7 +154,7 @@ fn back<S: Scalar, const N: usize>(
         }
         let (turn, d) = (screws.turn(i), screws.shifts[i]);
         let moved = part.inertia_out_x(&inertia.out_z((turn, d)));
-        let outward = |(force, mut moment): Wrench<S>| {
+        let outward = |(force, mut moment): WrenchLanes<S>| {
             if part.shape.slides {
                 moment.x -= d * force.y;
                 moment.y += d * force.x;
@@ -178,7 +178,7 @@ fn back<S: Scalar, const N: usize>(
 
 /// The wrench that accelerates `inertia` at unit rate along its joint.
 #[inline(always)]
-fn unit_wrench<S: Scalar>(slides: bool, inertia: &Inertia<S>) -> Wrench<S> {
+fn unit_wrench<S: Scalar>(slides: bool, inertia: &LinkInertia<S>) -> WrenchLanes<S> {
     let h = inertia.h;
     if slides {
         (Vec3::new(S::splat(0.0), S::splat(0.0), inertia.m), Vec3::new(h.y, -h.x, S::splat(0.0)))

@@ -14,7 +14,7 @@ const NODES_MAX: u32 = 200_000;
 const DEPTH_MAX: usize = 64;
 
 /// `x ↦ m x + p`, scales included.
-type Affine = ([[f64; 3]; 3], [f64; 3]);
+type MeshAffine = ([[f64; 3]; 3], [f64; 3]);
 
 /// Elements by their `id`.
 type Ids<'a, 'x> = BTreeMap<&'a str, Node<'a, 'x>>;
@@ -30,7 +30,7 @@ pub(super) fn read(bytes: &[u8], room: usize) -> Result<Soup> {
         root.descendants().filter_map(|node| Some((node.attribute("id")?, node))).collect();
     let unit = child(root, "asset").and_then(|asset| child(asset, "unit"));
     let unit = unit.and_then(|unit| unit.attribute("meter")?.parse().ok()).unwrap_or(1.0);
-    let whole: Affine = ([[unit, 0.0, 0.0], [0.0, unit, 0.0], [0.0, 0.0, unit]], [0.0; 3]);
+    let whole: MeshAffine = ([[unit, 0.0, 0.0], [0.0, unit, 0.0], [0.0, 0.0, unit]], [0.0; 3]);
     let scene = child(root, "scene").and_then(|scene| child(scene, "instance_visual_scene"));
     let scene = scene.and_then(|scene| target(&ids, scene, "url"));
     let scene = scene.or_else(|| root.descendants().find(|node| node.has_tag_name("visual_scene")));
@@ -88,7 +88,7 @@ struct Walk<'a, 'x> {
 }
 
 impl<'a, 'x> Walk<'a, 'x> {
-    fn node(&mut self, node: Node<'a, 'x>, at: Affine, depth: usize) -> Result<()> {
+    fn node(&mut self, node: Node<'a, 'x>, at: MeshAffine, depth: usize) -> Result<()> {
         if depth == 0 || self.left == 0 {
             return Err("its nodes go on without end".into());
         }
@@ -114,7 +114,7 @@ impl<'a, 'x> Walk<'a, 'x> {
         Ok(())
     }
 
-    fn geometry(&mut self, geometry: Node<'a, 'x>, at: Affine) -> Result<()> {
+    fn geometry(&mut self, geometry: Node<'a, 'x>, at: MeshAffine) -> Result<()> {
         let Some(mesh) = child(geometry, "mesh") else { return Ok(()) };
         for part in mesh.children() {
             if matches!(part.tag_name().name(), "triangles" | "polylist" | "polygons") {
@@ -128,7 +128,7 @@ impl<'a, 'x> Walk<'a, 'x> {
     }
 
     /// The faces of one list, with the points that they have.
-    fn faces(&mut self, part: Node<'a, 'x>, at: Affine) -> Result<()> {
+    fn faces(&mut self, part: Node<'a, 'x>, at: MeshAffine) -> Result<()> {
         let inputs = part
             .children()
             .filter(|node| node.has_tag_name("input") || node.tag_name().name() == "input");
@@ -198,7 +198,7 @@ impl<'a, 'x> Walk<'a, 'x> {
 }
 
 /// Transform of one element of a node.
-fn step(node: Node<'_, '_>) -> Result<Affine> {
+fn step(node: Node<'_, '_>) -> Result<MeshAffine> {
     const ONE: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let n = numbers(node)?;
     match (node.tag_name().name(), &n[..]) {
@@ -215,11 +215,11 @@ fn step(node: Node<'_, '_>) -> Result<Affine> {
     }
 }
 
-fn apply((m, p): &Affine, x: [f64; 3]) -> [f64; 3] {
+fn apply((m, p): &MeshAffine, x: [f64; 3]) -> [f64; 3] {
     crate::placement::add(*p, crate::placement::apply(m, x))
 }
 
 /// First `inner`, then `outer`.
-fn then(outer: &Affine, inner: &Affine) -> Affine {
+fn then(outer: &MeshAffine, inner: &MeshAffine) -> MeshAffine {
     (crate::placement::mul(&outer.0, &inner.0), apply(outer, inner.1))
 }

@@ -29,14 +29,14 @@ mod reduce;
 mod soup;
 mod stl;
 
-pub use soup::Shape;
+pub use soup::LinkShape;
 use soup::{Result, Soup, TRIANGLES_MAX, Unread, plain};
 
 /// Shapes of a robot, as far as its files describe them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Look {
     /// One for each link that has one.
-    pub shapes: Vec<Shape>,
+    pub shapes: Vec<LinkShape>,
     /// Links whose shape could not be read, and why, in words.
     pub missing: Vec<(String, String)>,
     /// Triangles of all files, before they became fewer.

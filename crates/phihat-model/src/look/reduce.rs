@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::soup::{Shape, Soup};
+use super::soup::{LinkShape, Soup};
 
 /// Halvings of the range of cells.
 const STEPS: usize = 10;
@@ -10,7 +10,7 @@ const STEPS: usize = 10;
 const CELLS: [f64; 2] = [1e-5, 0.3];
 
 /// The shapes of all links in at most so many triangles, all with cells of one size.
-pub(super) fn reduced(soups: &[(String, Soup)], most: usize) -> Vec<Shape> {
+pub(super) fn reduced(soups: &[(String, Soup)], most: usize) -> Vec<LinkShape> {
     let sizes = soups.iter().map(|(_, soup)| diagonal(&soup.points));
     let size = sizes.max_by(f64::total_cmp).unwrap_or(0.0);
     if size <= 0.0 {
@@ -40,7 +40,7 @@ pub(super) fn reduced(soups: &[(String, Soup)], most: usize) -> Vec<Shape> {
         }
     }
     let fits = count(&best) <= most;
-    let shape = |(link, soup): (String, Soup)| Shape {
+    let shape = |(link, soup): (String, Soup)| LinkShape {
         link,
         points: soup.points,
         triangles: soup.triangles,

@@ -34,7 +34,7 @@ pub(super) const TRIANGLES_MAX: usize = 3_000_000;
 
 /// Shape of one link.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shape {
+pub struct LinkShape {
     /// The link.
     pub link: String,
     /// Points \[m\], in the link's axes.

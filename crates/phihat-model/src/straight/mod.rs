@@ -20,16 +20,16 @@ mod planar3r;
 #[rustfmt::skip]
 mod ur5;
 
-use crate::inertia::Inertia;
-use crate::lockstep::part::Part;
+use crate::inertia::LinkInertia;
+use crate::lockstep::part::LockstepSegment;
 use crate::segment::Segment;
-use crate::shape::{Shape, Tilt};
+use crate::shape::{SegmentShape, Tilt};
 use crate::trig;
 use crate::vector::Vec3;
 use crate::{Lanes, Model, Scalar};
 
 /// The numbers of an arm and its state, by segment.
-pub(crate) trait Numbers<S> {
+pub(crate) trait ArmNumbers<S> {
     fn sine(&self, i: usize) -> S;
     fn cosine(&self, i: usize) -> S;
     fn dq(&self, i: usize) -> S;
@@ -50,10 +50,10 @@ pub(crate) trait Numbers<S> {
 /// Forward dynamics of chains of `N` joints, written out.
 trait Code<const N: usize> {
     /// Structures that a chain may have, joint by joint.
-    const SHAPES: [Shape; N];
+    const SHAPES: [SegmentShape; N];
 
     /// Accelerations.
-    fn forward<S: Scalar>(arm: &impl Numbers<S>) -> [S; N];
+    fn forward<S: Scalar>(arm: &impl ArmNumbers<S>) -> [S; N];
 }
 
 /// The numbers of one arm.
@@ -68,8 +68,8 @@ struct Alone<'a, const N: usize> {
 }
 
 /// The numbers of many arms, one per lane.
-struct Beside<'a, const N: usize> {
-    parts: &'a [Part<Lanes>; N],
+struct ArmLanes<'a, const N: usize> {
+    parts: &'a [LockstepSegment<Lanes>; N],
     lift: &'a Vec3<Lanes>,
     sines: [Lanes; N],
     cosines: [Lanes; N],
@@ -77,7 +77,7 @@ struct Beside<'a, const N: usize> {
     tau: &'a [Lanes; N],
 }
 
-impl<const N: usize> Numbers<f64> for Alone<'_, N> {
+impl<const N: usize> ArmNumbers<f64> for Alone<'_, N> {
     #[inline(always)]
     fn sine(&self, i: usize) -> f64 {
         self.sines[i]
@@ -136,7 +136,7 @@ impl<const N: usize> Numbers<f64> for Alone<'_, N> {
     }
 }
 
-impl<const N: usize> Numbers<Lanes> for Beside<'_, N> {
+impl<const N: usize> ArmNumbers<Lanes> for ArmLanes<'_, N> {
     #[inline(always)]
     fn sine(&self, i: usize) -> Lanes {
         self.sines[i]
@@ -188,7 +188,7 @@ impl<const N: usize> Numbers<Lanes> for Beside<'_, N> {
     }
     #[inline(always)]
     fn inertia(&self, i: usize, k: usize) -> Lanes {
-        let Inertia { xx, yy, zz, xy, xz, yz, .. } = self.parts[i].matter;
+        let LinkInertia { xx, yy, zz, xy, xz, yz, .. } = self.parts[i].matter;
         match k {
             0 => xx,
             1 => yy,
@@ -222,7 +222,7 @@ macro_rules! kernels {
 
         impl Kernel {
             /// The code for a chain of revolute joints of these shapes, if there is any.
-            pub(crate) fn of(shapes: &[Shape]) -> Option<Self> {
+            pub(crate) fn of(shapes: &[SegmentShape]) -> Option<Self> {
                 $(if serves(&<$file::Chain as Code<$joints>>::SHAPES, shapes) { return Some(Self::$kernel); })*
                 None
             }
@@ -240,7 +240,7 @@ macro_rules! kernels {
             #[inline]
             pub(crate) fn beside(
                 self,
-                arms: (&[Part<Lanes>], Vec3<Lanes>),
+                arms: (&[LockstepSegment<Lanes>], Vec3<Lanes>),
                 state: [&[Lanes]; 3],
                 ddq: &mut [Lanes],
             ) -> bool {
@@ -266,8 +266,8 @@ kernels! {
 
 /// Returns true if the code for one structure serves an arm of the other: the arm has no part that the code
 /// leaves out.
-fn serves(code: &[Shape], arm: &[Shape]) -> bool {
-    let part = |(i, (code, arm)): (usize, (&Shape, &Shape))| {
+fn serves(code: &[SegmentShape], arm: &[SegmentShape]) -> bool {
+    let part = |(i, (code, arm)): (usize, (&SegmentShape, &SegmentShape))| {
         let tilt = code.tilt == Tilt::Any || code.tilt == arm.tilt;
         // The first screw of the first segment is the base's, and turning about an axis is the same all along it.
         tilt && (i == 0 || (code.reaches || !arm.reaches) && (code.slides || !arm.slides))
@@ -300,22 +300,22 @@ fn alone<const N: usize, C: Code<N>>(
 /// Many arms, by the code of their structure; `None`: they have other joints.
 #[inline(never)]
 fn beside<const N: usize, C: Code<N>>(
-    (parts, lift): (&[Part<Lanes>], Vec3<Lanes>),
+    (parts, lift): (&[LockstepSegment<Lanes>], Vec3<Lanes>),
     [q, dq, tau]: [&[Lanes]; 3],
     ddq: &mut [Lanes],
 ) -> Option<()> {
-    let parts: &[Part<Lanes>; N] = parts.try_into().ok()?;
+    let parts: &[LockstepSegment<Lanes>; N] = parts.try_into().ok()?;
     let (sines, cosines) = sines_beside(parts, q.try_into().ok()?);
     let (dq, tau) = (dq.try_into().ok()?, tau.try_into().ok()?);
     let ddq: &mut [Lanes; N] = ddq.try_into().ok()?;
-    *ddq = C::forward(&Beside { parts, lift: &lift, sines, cosines, dq, tau });
+    *ddq = C::forward(&ArmLanes { parts, lift: &lift, sines, cosines, dq, tau });
     Some(())
 }
 
 /// Sines and cosines of the angles of many arms.
 #[inline(always)]
 fn sines_beside<const N: usize>(
-    parts: &[Part<Lanes>; N],
+    parts: &[LockstepSegment<Lanes>; N],
     q: &[Lanes; N],
 ) -> ([Lanes; N], [Lanes; N]) {
     let (mut sines, mut cosines) = ([Lanes::default(); N], [Lanes::default(); N]);

@@ -1,6 +1,6 @@
 //! Chains of a tree that could be arms.
 
-use super::part::Whole;
+use super::part::WholeDescription;
 use super::travel::Moves;
 use crate::part::Chain;
 
@@ -20,7 +20,7 @@ const FINGER_MAX: usize = 5;
 /// An arm of so many joints can end in fingers without a name.
 const ARM_MIN: usize = 3;
 
-impl Whole<'_, '_, '_> {
+impl WholeDescription<'_, '_, '_> {
     /// Chains from the root to a link that only fingers continue; the longest first, else in the order of the
     /// file.
     pub(super) fn chains(&self) -> Vec<Chain> {

@@ -12,12 +12,12 @@ use crate::placement::{Placement, from_rpy};
 const NAME_MAX: usize = 1024;
 
 /// Name of the file in errors, and notes on its deviations from the format and how they were read.
-pub(super) struct Source<'s> {
+pub(super) struct ElementSource<'s> {
     pub(super) origin: &'s str,
     notes: RefCell<Vec<String>>,
 }
 
-impl<'s> Source<'s> {
+impl<'s> ElementSource<'s> {
     pub(super) fn of(origin: &'s str) -> Self {
         Self { origin, notes: RefCell::new(Vec::new()) }
     }
@@ -40,11 +40,11 @@ impl<'s> Source<'s> {
 pub(super) struct Element<'a, 'x> {
     pub(super) node: Node<'a, 'x>,
     pub(super) name: &'a str,
-    source: &'a Source<'a>,
+    source: &'a ElementSource<'a>,
 }
 
 impl<'a, 'x> Element<'a, 'x> {
-    pub(super) fn of(node: Node<'a, 'x>, source: &'a Source<'a>) -> Result<Self> {
+    pub(super) fn of(node: Node<'a, 'x>, source: &'a ElementSource<'a>) -> Result<Self> {
         let unnamed = Self { node, name: "", source };
         match node.attribute("name") {
             Some(name) if name.len() > NAME_MAX => {

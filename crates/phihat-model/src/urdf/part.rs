@@ -20,14 +20,14 @@ pub(super) struct Cut {
 }
 
 /// Description that a part is cut out of.
-pub(super) struct Whole<'e, 'a, 'x> {
+pub(super) struct WholeDescription<'e, 'a, 'x> {
     pub(super) links: &'e [LinkElement<'a, 'x>],
     pub(super) joints: &'e [JointElement<'a, 'x>],
     pub(super) tree: &'e Tree,
     pub(super) origin: &'a str,
 }
 
-impl Whole<'_, '_, '_> {
+impl WholeDescription<'_, '_, '_> {
     /// Cuts a part; what is locked or held without having been asked for is warned about.
     pub(super) fn cut(&self, part: &Part, warnings: &mut Vec<String>) -> Result<Cut> {
         let mut driven = self.asked(part)?;

@@ -5,13 +5,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::{Document, Node};
 
-use super::element::{Element, Source};
-use super::part::Whole;
+use super::element::{Element, ElementSource};
+use super::part::WholeDescription;
 use super::travel::{Moves, read_limits, read_moves};
 use super::tree::{JointElement, LinkElement, Tree};
 use super::{Result, Urdf, scan};
-use crate::body::{Body, Lumped};
-use crate::description::{JointOf, Motion};
+use crate::body::{Body, LumpedBody};
+use crate::description::{JointMotion, JointOf};
 use crate::error::RobotError;
 use crate::joint::JointKind;
 use crate::part::{Chain, Part};
@@ -33,10 +33,10 @@ pub(crate) fn read(text: &str, part: &Part, origin: &str) -> Result<Urdf> {
     let text = &readable(text, origin)?;
     let document = document(text, origin)?;
     let root = robot_element(&document, origin)?;
-    let (mut warnings, source) = (Vec::new(), Source::of(origin));
+    let (mut warnings, source) = (Vec::new(), ElementSource::of(origin));
     let (mut links, mut joints) = elements(root, &source, &mut warnings)?;
     let tree = Tree::of(&links, &joints, origin)?;
-    let whole = Whole { links: &links, joints: &joints, tree: &tree, origin };
+    let whole = WholeDescription { links: &links, joints: &joints, tree: &tree, origin };
     let cut = whole.cut(part, &mut warnings)?;
     let moving = cut.driven.iter().filter(|driven| **driven).count();
     if moving > MOVING_MAX {
@@ -52,7 +52,7 @@ pub(crate) fn read(text: &str, part: &Part, origin: &str) -> Result<Urdf> {
     }
     let mut held = BTreeMap::new();
     for (at, joint) in joints.iter_mut().enumerate().filter(|(at, _)| !cut.driven[*at]) {
-        if joint.joint.motion != Motion::Fixed {
+        if joint.joint.motion != JointMotion::Fixed {
             held.insert(joint.element.name.to_owned(), cut.at[at]);
         }
         joint.joint.hold(cut.at[at]);
@@ -78,10 +78,10 @@ pub(crate) fn chains(text: &str, origin: &str) -> Result<Vec<Chain>> {
     let text = &readable(text, origin)?;
     let document = document(text, origin)?;
     let root = robot_element(&document, origin)?;
-    let source = Source::of(origin);
+    let source = ElementSource::of(origin);
     let (links, joints) = elements(root, &source, &mut Vec::new())?;
     let tree = Tree::of(&links, &joints, origin)?;
-    Ok(Whole { links: &links, joints: &joints, tree: &tree, origin }.chains())
+    Ok(WholeDescription { links: &links, joints: &joints, tree: &tree, origin }.chains())
 }
 
 fn too_many(moving: usize, proposed: Option<&Chain>, origin: &str) -> RobotError {
@@ -160,7 +160,7 @@ fn robot_element<'a, 'x>(document: &'a Document<'x>, origin: &str) -> Result<Nod
 
 fn elements<'a, 'x>(
     root: Node<'a, 'x>,
-    source: &'a Source<'a>,
+    source: &'a ElementSource<'a>,
     warnings: &mut Vec<String>,
 ) -> Result<Elements<'a, 'x>> {
     Ok((read_links(root, source)?, read_joints(root, source, warnings)?))
@@ -171,14 +171,14 @@ fn matter(
     links: &mut [LinkElement<'_, '_>],
     (tree, driven): (&Tree, &[bool]),
     warnings: &mut Vec<String>,
-) -> Result<Vec<Lumped>> {
+) -> Result<Vec<LumpedBody>> {
     let mut moved = vec![false; links.len()];
     for at in &tree.order {
         let Some(joint) = tree.hangs[*at] else { continue };
         moved[*at] = driven[joint] || moved[tree.parent_of_joint[joint]];
     }
     let one = |(link, moved): (&mut LinkElement<'_, '_>, bool)| {
-        let read = std::mem::replace(&mut link.matter, Ok((Lumped::default(), Vec::new())));
+        let read = std::mem::replace(&mut link.matter, Ok((LumpedBody::default(), Vec::new())));
         match read {
             Ok((matter, odd)) => {
                 if moved {
@@ -189,7 +189,7 @@ fn matter(
             Err(why) if moved => Err(why),
             Err(why) => {
                 warnings.push(format!("{why} (nothing moves it, so it is not needed)"));
-                Ok(Lumped::default())
+                Ok(LumpedBody::default())
             }
         }
     };
@@ -220,7 +220,7 @@ fn unmoved(model: &Model) -> Option<usize> {
 
 fn read_links<'a, 'x>(
     root: Node<'a, 'x>,
-    source: &'a Source<'a>,
+    source: &'a ElementSource<'a>,
 ) -> Result<Vec<LinkElement<'a, 'x>>> {
     let nodes = || root.children().filter(|child| child.has_tag_name("link"));
     at_most(source.origin, "links", nodes().count(), LINKS_MAX)?;
@@ -237,9 +237,9 @@ fn read_links<'a, 'x>(
 }
 
 /// Mass properties in a link's `<inertial>`, and its oddities.
-fn read_matter(link: &Element<'_, '_>) -> Result<(Lumped, Vec<String>)> {
+fn read_matter(link: &Element<'_, '_>) -> Result<(LumpedBody, Vec<String>)> {
     let mut all = link.node.children().filter(|child| child.has_tag_name("inertial"));
-    let Some(inertial) = all.next() else { return Ok((Lumped::default(), Vec::new())) };
+    let Some(inertial) = all.next() else { return Ok((LumpedBody::default(), Vec::new())) };
     let mut odd = Vec::new();
     if all.next().is_some() {
         let name = link.name;
@@ -282,7 +282,7 @@ fn read_matter(link: &Element<'_, '_>) -> Result<(Lumped, Vec<String>)> {
 
 fn read_joints<'a, 'x>(
     root: Node<'a, 'x>,
-    source: &'a Source<'a>,
+    source: &'a ElementSource<'a>,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<JointElement<'a, 'x>>> {
     let mut names = BTreeSet::new();
@@ -318,9 +318,9 @@ fn read_joint<'a, 'x>(
         Some(_) => read_axis(&element, warnings)?,
     };
     let motion = match kind {
-        None => Motion::Fixed,
-        Some(JointKind::Prismatic) => Motion::Prismatic,
-        Some(_) => Motion::Revolute,
+        None => JointMotion::Fixed,
+        Some(JointKind::Prismatic) => JointMotion::Prismatic,
+        Some(_) => JointMotion::Revolute,
     };
     let placement = element.placement(node)?;
     let joint = JointOf { name: element.name.to_owned(), motion, parent: 0, placement, axis };

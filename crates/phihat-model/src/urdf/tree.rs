@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 use super::Result;
 use super::element::Element;
 use super::travel::Moves;
-use crate::body::Lumped;
-use crate::description::{Description, JointOf, Link};
+use crate::body::LumpedBody;
+use crate::description::{DescribedLink, Description, JointOf};
 use crate::error::RobotError;
 
 pub(super) struct LinkElement<'a, 'x> {
     pub(super) element: Element<'a, 'x>,
     /// With what is odd about it. What it says of its mass may be wrong, which counts where a joint moves it.
-    pub(super) matter: Result<(Lumped, Vec<String>)>,
+    pub(super) matter: Result<(LumpedBody, Vec<String>)>,
 }
 
 pub(super) struct JointElement<'a, 'x> {
@@ -94,7 +94,7 @@ impl Tree {
         &self,
         links: &[LinkElement<'_, '_>],
         joints: &[JointElement<'_, '_>],
-        matter: &[Lumped],
+        matter: &[LumpedBody],
     ) -> (Description, Vec<usize>) {
         let mut description = Description { links: Vec::new() };
         let (mut order, mut places) = (Vec::new(), vec![0; links.len()]);
@@ -105,7 +105,7 @@ impl Tree {
                 JointOf { parent: places[self.parent_of_joint[j]], ..joints[j].joint.clone() }
             });
             let name = links[*at].element.name.to_owned();
-            description.links.push(Link { name, matter: matter[*at], joint });
+            description.links.push(DescribedLink { name, matter: matter[*at], joint });
         }
         (description, order)
     }

@@ -4,12 +4,12 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::{Program, Step, Written, scattered};
-use crate::description::Motion;
-use crate::inertia::Inertia;
-use crate::lockstep::part::Part;
-use crate::lockstep::sweep::{Screws, placed};
-use crate::shape::{Shape, Tilt};
+use super::{Program, Written, WrittenStep, scattered};
+use crate::description::JointMotion;
+use crate::inertia::LinkInertia;
+use crate::lockstep::part::LockstepSegment;
+use crate::lockstep::sweep::{ScrewLanes, placed};
+use crate::shape::{SegmentShape, Tilt};
 use crate::straight::Kernel;
 use crate::vector::{Turn, Vec3};
 use crate::{Lanes, Model, Robot, Scalar, Workspace};
@@ -21,19 +21,19 @@ const INDENT: &str = "        ";
 
 /// Inputs of a program under construction, each with what the written code calls it.
 #[derive(Default)]
-struct Inputs(Vec<String>);
+struct ProgramInputs(Vec<String>);
 
-impl Inputs {
+impl ProgramInputs {
     fn take(&mut self, name: String) -> Written {
         self.0.push(name);
-        Written::put(Step::Input(self.0.len() - 1))
+        Written::put(WrittenStep::Input(self.0.len() - 1))
     }
 
     fn array<const K: usize>(&mut self, name: impl Fn(usize) -> String) -> [Written; K] {
         core::array::from_fn(|k| self.take(name(k)))
     }
 
-    fn part(&mut self, i: usize, shape: Shape) -> Part<Written> {
+    fn part(&mut self, i: usize, shape: SegmentShape) -> LockstepSegment<Written> {
         let zero = Written::splat(0.0);
         let mut one = |name: &str| self.take(format!("arm.{name}({i})"));
         let a = if shape.reaches { one("a") } else { zero };
@@ -43,9 +43,9 @@ impl Inputs {
         let [hx, hy, hz] = self.array(|k| format!("arm.h({i}, {k})"));
         let [xx, yy, zz, xy, xz, yz] = self.array(|k| format!("arm.inertia({i}, {k})"));
         let sigma = self.array(|k| format!("arm.sigma({i}, {k})"));
-        let matter = Inertia { m, h: Vec3::new(hx, hy, hz), xx, yy, zz, xy, xz, yz };
-        Part {
-            motion: Motion::Revolute,
+        let matter = LinkInertia { m, h: Vec3::new(hx, hy, hz), xx, yy, zz, xy, xz, yz };
+        LockstepSegment {
+            motion: JointMotion::Revolute,
             first: i,
             shape,
             turn,
@@ -60,8 +60,8 @@ impl Inputs {
 }
 
 /// Forward dynamics of a chain of so many revolute joints, written down.
-fn written<const N: usize>(shapes: &[Shape]) -> (Program, Vec<String>) {
-    let mut inputs = Inputs::default();
+fn written<const N: usize>(shapes: &[SegmentShape]) -> (Program, Vec<String>) {
+    let mut inputs = ProgramInputs::default();
     let program = Program::of(0, |_| {
         let parts: Vec<_> =
             shapes.iter().enumerate().map(|(i, shape)| inputs.part(i, *shape)).collect();
@@ -71,7 +71,7 @@ fn written<const N: usize>(shapes: &[Shape]) -> (Program, Vec<String>) {
         let [sines, cosines, dq, tau] = ["sine", "cosine", "dq", "tau"].map(&mut side);
         let shifts = core::array::from_fn(|i| parts[i].d);
         let mut ddq = [Written::splat(0.0); N];
-        let screws = Screws { sines, cosines, shifts };
+        let screws = ScrewLanes { sines, cosines, shifts };
         placed((&parts, lift), &screws, [&dq, &tau], &mut ddq);
         ddq.to_vec()
     });
@@ -79,20 +79,20 @@ fn written<const N: usize>(shapes: &[Shape]) -> (Program, Vec<String>) {
 }
 
 /// The program as Rust.
-fn rust<const N: usize>(title: &str, shapes: &[Shape]) -> String {
+fn rust<const N: usize>(title: &str, shapes: &[SegmentShape]) -> String {
     let (program, names) = written::<N>(shapes);
     let name = |k: usize| format!("v{k}");
     let mut statements = Vec::new();
     for k in program.order() {
         let value = match program.steps[k] {
-            Step::Constant(bits) => format!("S::splat({:?})", f64::from_bits(bits)),
-            Step::Input(input) => names[input].clone(),
-            Step::Minus(a) => format!("-{}", name(a)),
-            Step::Plus(a, b) => format!("{} + {}", name(a), name(b)),
-            Step::Less(a, b) => format!("{} - {}", name(a), name(b)),
-            Step::Times(a, b) => format!("{} * {}", name(a), name(b)),
-            Step::Over(a, b) => format!("{} / {}", name(a), name(b)),
-            Step::Sine(_) | Step::Cosine(_) => panic!("sines are inputs"),
+            WrittenStep::Constant(bits) => format!("S::splat({:?})", f64::from_bits(bits)),
+            WrittenStep::Input(input) => names[input].clone(),
+            WrittenStep::Minus(a) => format!("-{}", name(a)),
+            WrittenStep::Plus(a, b) => format!("{} + {}", name(a), name(b)),
+            WrittenStep::Less(a, b) => format!("{} - {}", name(a), name(b)),
+            WrittenStep::Times(a, b) => format!("{} * {}", name(a), name(b)),
+            WrittenStep::Over(a, b) => format!("{} / {}", name(a), name(b)),
+            WrittenStep::Sine(_) | WrittenStep::Cosine(_) => panic!("sines are inputs"),
         };
         statements.push(format!("let {} = {value};", name(k)));
     }
@@ -109,7 +109,7 @@ fn rust<const N: usize>(title: &str, shapes: &[Shape]) -> String {
          impl Code<{N}> for Chain {{\n    const SHAPES: [Shape; {N}] = [\n",
         program.operations()
     );
-    for Shape { tilt, reaches, slides } in shapes {
+    for SegmentShape { tilt, reaches, slides } in shapes {
         let _ = writeln!(
             text,
             "        Shape {{ tilt: Tilt::{tilt:?}, reaches: {reaches}, slides: {slides} }},"
@@ -137,14 +137,14 @@ fn rust<const N: usize>(title: &str, shapes: &[Shape]) -> String {
     text
 }
 
-fn shapes(model: &Model) -> Vec<Shape> {
-    model.segments().iter().map(|segment| Shape::shared(&[segment])).collect()
+fn shapes(model: &Model) -> Vec<SegmentShape> {
+    model.segments().iter().map(|segment| SegmentShape::shared(&[segment])).collect()
 }
 
 /// Any chain of so many joints.
-fn any(joints: usize) -> Vec<Shape> {
-    let first = Shape { tilt: Tilt::Level, reaches: false, slides: true };
-    let further = Shape { tilt: Tilt::Any, reaches: true, slides: true };
+fn any(joints: usize) -> Vec<SegmentShape> {
+    let first = SegmentShape { tilt: Tilt::Level, reaches: false, slides: true };
+    let further = SegmentShape { tilt: Tilt::Any, reaches: true, slides: true };
     (0..joints).map(|i| if i == 0 { first } else { further }).collect()
 }
 
@@ -240,7 +240,7 @@ fn what_is_written_out_gives_the_bits_of_the_recursions_for_any_arm() {
 
 #[test]
 fn code_serves_what_has_no_more_than_it() {
-    let shape = |tilt, reaches, slides| Shape { tilt, reaches, slides };
+    let shape = |tilt, reaches, slides| SegmentShape { tilt, reaches, slides };
     let panda = shapes(&Robot::named("panda").unwrap().model);
     let mut less = panda.clone();
     less[3].reaches = false;

@@ -10,7 +10,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use crate::{Quad, Scalar};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Step {
+pub(crate) enum WrittenStep {
     /// Bits of a number.
     Constant(u64),
     Input(usize),
@@ -24,20 +24,20 @@ pub(crate) enum Step {
 }
 
 #[derive(Debug, Default)]
-struct Tape {
-    steps: Vec<Step>,
-    known: HashMap<Step, usize>,
+struct WrittenTape {
+    steps: Vec<WrittenStep>,
+    known: HashMap<WrittenStep, usize>,
     performed: usize,
 }
 
-thread_local!(static TAPE: RefCell<Tape> = RefCell::default());
+thread_local!(static TAPE: RefCell<WrittenTape> = RefCell::default());
 
 /// A number that is written down; 0 is the constant zero on every tape.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Written(pub(crate) usize);
 
 impl Written {
-    pub(crate) fn put(step: Step) -> Self {
+    pub(crate) fn put(step: WrittenStep) -> Self {
         TAPE.with_borrow_mut(|tape| {
             let next = tape.steps.len();
             let at = *tape.known.entry(step).or_insert(next);
@@ -48,13 +48,13 @@ impl Written {
         })
     }
 
-    fn step(self) -> Step {
+    fn step(self) -> WrittenStep {
         TAPE.with_borrow(|tape| tape.steps[self.0])
     }
 
     fn constant(self) -> Option<f64> {
         match self.step() {
-            Step::Constant(bits) => Some(f64::from_bits(bits)),
+            WrittenStep::Constant(bits) => Some(f64::from_bits(bits)),
             _ => None,
         }
     }
@@ -62,7 +62,7 @@ impl Written {
     /// The number that this is the negative of.
     fn negated(self) -> Option<Self> {
         match self.step() {
-            Step::Minus(of) => Some(Self(of)),
+            WrittenStep::Minus(of) => Some(Self(of)),
             _ => None,
         }
     }
@@ -75,7 +75,7 @@ impl Written {
             _ => match (self.negated(), other.negated()) {
                 (_, Some(b)) => self.difference(b),
                 (Some(a), _) => other.difference(a),
-                _ => Self::put(Step::Plus(self.0.min(other.0), self.0.max(other.0))),
+                _ => Self::put(WrittenStep::Plus(self.0.min(other.0), self.0.max(other.0))),
             },
         }
     }
@@ -88,7 +88,7 @@ impl Written {
             _ if self.0 == other.0 => Self::splat(0.0),
             _ => match other.negated() {
                 Some(b) => self.sum(b),
-                None => Self::put(Step::Less(self.0, other.0)),
+                None => Self::put(WrittenStep::Less(self.0, other.0)),
             },
         }
     }
@@ -107,7 +107,7 @@ impl Written {
             (_, Some(1.0)) => self,
             (Some(-1.0), _) => -other,
             (_, Some(-1.0)) => -self,
-            _ => Self::put(Step::Times(self.0.min(other.0), self.0.max(other.0))),
+            _ => Self::put(WrittenStep::Times(self.0.min(other.0), self.0.max(other.0))),
         }
     }
 }
@@ -144,7 +144,7 @@ impl Div for Written {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         performed();
-        Self::put(Step::Over(self.0, other.0))
+        Self::put(WrittenStep::Over(self.0, other.0))
     }
 }
 
@@ -154,7 +154,7 @@ impl Neg for Written {
         match (self.constant(), self.negated()) {
             (Some(value), _) => Self::splat(-value),
             (_, Some(of)) => of,
-            _ => Self::put(Step::Minus(self.0)),
+            _ => Self::put(WrittenStep::Minus(self.0)),
         }
     }
 }
@@ -176,17 +176,17 @@ impl Scalar for Written {
 
     fn splat(value: f64) -> Self {
         // Of both zeros one: folding does not tell them apart.
-        Self::put(Step::Constant((value + 0.0).to_bits()))
+        Self::put(WrittenStep::Constant((value + 0.0).to_bits()))
     }
 
     fn sin_cos(self) -> (Self, Self) {
-        (Self::put(Step::Sine(self.0)), Self::put(Step::Cosine(self.0)))
+        (Self::put(WrittenStep::Sine(self.0)), Self::put(WrittenStep::Cosine(self.0)))
     }
 }
 
 /// Recorded operations, and which of them the results need.
 pub(crate) struct Program {
-    pub(crate) steps: Vec<Step>,
+    pub(crate) steps: Vec<WrittenStep>,
     pub(crate) live: Vec<bool>,
     pub(crate) results: Vec<usize>,
     performed: usize,
@@ -195,11 +195,11 @@ pub(crate) struct Program {
 impl Program {
     /// Writes down what `work` does with so many inputs.
     pub(crate) fn of(inputs: usize, work: impl FnOnce(&[Written]) -> Vec<Written>) -> Self {
-        TAPE.with_borrow_mut(|tape| *tape = Tape::default());
+        TAPE.with_borrow_mut(|tape| *tape = WrittenTape::default());
         let _ = Written::splat(0.0);
-        let inputs: Vec<_> = (0..inputs).map(|k| Written::put(Step::Input(k))).collect();
+        let inputs: Vec<_> = (0..inputs).map(|k| Written::put(WrittenStep::Input(k))).collect();
         let results: Vec<usize> = work(&inputs).iter().map(|result| result.0).collect();
-        let Tape { steps, performed, .. } = TAPE.take();
+        let WrittenTape { steps, performed, .. } = TAPE.take();
         let mut live = vec![false; steps.len()];
         for k in &results {
             live[*k] = true;
@@ -209,9 +209,14 @@ impl Program {
                 continue;
             }
             match steps[k] {
-                Step::Constant(_) | Step::Input(_) => (),
-                Step::Sine(a) | Step::Cosine(a) | Step::Minus(a) => live[a] = true,
-                Step::Plus(a, b) | Step::Less(a, b) | Step::Times(a, b) | Step::Over(a, b) => {
+                WrittenStep::Constant(_) | WrittenStep::Input(_) => (),
+                WrittenStep::Sine(a) | WrittenStep::Cosine(a) | WrittenStep::Minus(a) => {
+                    live[a] = true
+                }
+                WrittenStep::Plus(a, b)
+                | WrittenStep::Less(a, b)
+                | WrittenStep::Times(a, b)
+                | WrittenStep::Over(a, b) => {
                     (live[a], live[b]) = (true, true);
                 }
             }
@@ -230,9 +235,12 @@ impl Program {
         };
         for (k, step) in self.steps.iter().enumerate().filter(|(k, _)| self.live[*k]) {
             match *step {
-                Step::Constant(_) | Step::Input(_) => continue,
-                Step::Sine(a) | Step::Cosine(a) | Step::Minus(a) => put(a),
-                Step::Plus(a, b) | Step::Less(a, b) | Step::Times(a, b) | Step::Over(a, b) => {
+                WrittenStep::Constant(_) | WrittenStep::Input(_) => continue,
+                WrittenStep::Sine(a) | WrittenStep::Cosine(a) | WrittenStep::Minus(a) => put(a),
+                WrittenStep::Plus(a, b)
+                | WrittenStep::Less(a, b)
+                | WrittenStep::Times(a, b)
+                | WrittenStep::Over(a, b) => {
                     put(a);
                     put(b);
                 }
@@ -243,8 +251,14 @@ impl Program {
     }
 
     fn operations(&self) -> usize {
-        let counted = |step: &Step| {
-            matches!(step, Step::Plus(..) | Step::Less(..) | Step::Times(..) | Step::Over(..))
+        let counted = |step: &WrittenStep| {
+            matches!(
+                step,
+                WrittenStep::Plus(..)
+                    | WrittenStep::Less(..)
+                    | WrittenStep::Times(..)
+                    | WrittenStep::Over(..)
+            )
         };
         self.steps.iter().zip(&self.live).filter(|(step, live)| **live && counted(step)).count()
     }
@@ -254,15 +268,15 @@ impl Program {
         let mut values: Vec<f64> = Vec::with_capacity(self.steps.len());
         for step in &self.steps {
             let value = match *step {
-                Step::Constant(bits) => f64::from_bits(bits),
-                Step::Input(k) => inputs[k],
-                Step::Sine(a) => <f64 as Scalar>::sin_cos(values[a]).0,
-                Step::Cosine(a) => <f64 as Scalar>::sin_cos(values[a]).1,
-                Step::Minus(a) => -values[a],
-                Step::Plus(a, b) => values[a] + values[b],
-                Step::Less(a, b) => values[a] - values[b],
-                Step::Times(a, b) => values[a] * values[b],
-                Step::Over(a, b) => values[a] / values[b],
+                WrittenStep::Constant(bits) => f64::from_bits(bits),
+                WrittenStep::Input(k) => inputs[k],
+                WrittenStep::Sine(a) => <f64 as Scalar>::sin_cos(values[a]).0,
+                WrittenStep::Cosine(a) => <f64 as Scalar>::sin_cos(values[a]).1,
+                WrittenStep::Minus(a) => -values[a],
+                WrittenStep::Plus(a, b) => values[a] + values[b],
+                WrittenStep::Less(a, b) => values[a] - values[b],
+                WrittenStep::Times(a, b) => values[a] * values[b],
+                WrittenStep::Over(a, b) => values[a] / values[b],
             };
             values.push(value);
         }

@@ -2,7 +2,7 @@
 
 use super::run::Run;
 use super::runs::Runs;
-use super::studies::Setting;
+use super::studies::GainSetting;
 use crate::part::PartError;
 use crate::record::Verdict;
 use phihat::Form;
@@ -15,8 +15,8 @@ pub(crate) const BOUNDS: [f64; 4] = [1e-4, 1e-3, 1e-2, 1e-1];
 const ONE_CURVE: f64 = 0.01;
 
 /// Returns true if the steady part satisfies (48) for m = 1, (49) for m = 2; integrals count alike in either form.
-pub(crate) fn keeps_bounds(run: &Run, setting: Setting) -> bool {
-    let first = usize::from(setting == Setting::First);
+pub(crate) fn keeps_bounds(run: &Run, setting: GainSetting) -> bool {
+    let first = usize::from(setting == GainSetting::First);
     run.steady().is_some_and(|steady| {
         steady.iter().zip(BOUNDS).skip(first).all(|(value, bound)| *value <= bound)
     })
@@ -54,7 +54,7 @@ pub(crate) fn same_torque(a: &Run, b: &Run) -> bool {
 }
 
 /// A statement on settings: whether it holds for a setting in a form.
-pub(crate) type Holds = fn(&Runs, Setting, Form) -> Result<bool, PartError>;
+pub(crate) type Holds = fn(&Runs, GainSetting, Form) -> Result<bool, PartError>;
 
 /// A statement that is decided on every surrogate.
 #[derive(Debug)]
@@ -64,7 +64,7 @@ pub(crate) struct Claim {
     /// True if it is about (48) or (49).
     pub(crate) bounds: bool,
     /// The settings it is about.
-    pub(crate) settings: &'static [Setting],
+    pub(crate) settings: &'static [GainSetting],
     /// Test of the statement for one setting and form.
     pub(crate) holds: Holds,
 }
@@ -74,31 +74,31 @@ pub(crate) const SIMULATED: &[Claim] = &[
     Claim {
         says: "m = 2 overshoots more than m = 1 (Figs. 5, 6)",
         bounds: false,
-        settings: &Setting::SECOND,
+        settings: &GainSetting::SECOND,
         holds: |runs, setting, form| {
-            Ok(peaks_more(runs.get(setting, form)?, runs.get(Setting::First, form)?))
+            Ok(peaks_more(runs.get(setting, form)?, runs.get(GainSetting::First, form)?))
         },
     },
     Claim {
         says: "the error keeps (48), (49) (Fig. 7)",
         bounds: true,
-        settings: &Setting::ALL,
+        settings: &GainSetting::ALL,
         holds: keeps,
     },
     Claim {
         says: "m = 2 leaves less mismatch than m = 1 (Fig. 8)",
         bounds: false,
-        settings: &Setting::SECOND,
+        settings: &GainSetting::SECOND,
         holds: |runs, setting, form| {
-            Ok(estimates_better(runs.get(setting, form)?, runs.get(Setting::First, form)?))
+            Ok(estimates_better(runs.get(setting, form)?, runs.get(GainSetting::First, form)?))
         },
     },
     Claim {
         says: "torques of m = 1 and 2 are one curve (50)",
         bounds: false,
-        settings: &Setting::SECOND,
+        settings: &GainSetting::SECOND,
         holds: |runs, setting, form| {
-            Ok(same_torque(runs.get(setting, form)?, runs.get(Setting::First, form)?))
+            Ok(same_torque(runs.get(setting, form)?, runs.get(GainSetting::First, form)?))
         },
     },
 ];
@@ -108,25 +108,25 @@ pub(crate) const EXPERIMENTED: &[Claim] = &[
     Claim {
         says: "the arm settles in spite of saturation, m = 1 (Figs. 9, 10)",
         bounds: false,
-        settings: &[Setting::First],
+        settings: &[GainSetting::First],
         holds: settles,
     },
     Claim {
         says: "the arm settles in spite of saturation, m = 2 (Figs. 9, 10)",
         bounds: false,
-        settings: &Setting::SECOND,
+        settings: &GainSetting::SECOND,
         holds: settles,
     },
     Claim {
         says: "the error keeps (48) on the second turn, m = 1 (Fig. 11)",
         bounds: true,
-        settings: &[Setting::First],
+        settings: &[GainSetting::First],
         holds: keeps,
     },
     Claim {
         says: "the error keeps (49) on the second turn, m = 2 (Fig. 11)",
         bounds: true,
-        settings: &Setting::SECOND,
+        settings: &GainSetting::SECOND,
         holds: keeps,
     },
 ];
@@ -143,11 +143,11 @@ pub(crate) const SIMULATED_AS: [(&str, usize); 6] = [
 /// Places in [`EXPERIMENTED`]: (48), (49).
 pub(crate) const KEEPS: [usize; 2] = [2, 3];
 
-fn settles(runs: &Runs, setting: Setting, form: Form) -> Result<bool, PartError> {
+fn settles(runs: &Runs, setting: GainSetting, form: Form) -> Result<bool, PartError> {
     Ok(runs.get(setting, form)?.settled_at().is_some())
 }
 
-fn keeps(runs: &Runs, setting: Setting, form: Form) -> Result<bool, PartError> {
+fn keeps(runs: &Runs, setting: GainSetting, form: Form) -> Result<bool, PartError> {
     Ok(keeps_bounds(runs.get(setting, form)?, setting))
 }
 

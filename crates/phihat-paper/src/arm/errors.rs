@@ -4,7 +4,7 @@ use phihat_sim::DIVERGED;
 
 use super::claims::BOUNDS;
 use super::runs::{FORMS, Runs, form_name};
-use super::studies::Setting;
+use super::studies::GainSetting;
 use crate::compose::{axis, axis_over, bound, curve, figure, lines, three};
 use crate::part::PartError;
 use phihat_report::kit::figure::Figure;
@@ -16,7 +16,7 @@ const SMALL_RAD: f64 = 1.0;
 pub(crate) fn errors_figure(id: &str, title: &str, runs: &Runs) -> Result<Figure, PartError> {
     let (mut panels, mut ended) = (Vec::new(), Vec::new());
     for form in FORMS {
-        for setting in [Setting::First, Setting::H3] {
+        for setting in [GainSetting::First, GainSetting::H3] {
             let run = runs.get(setting, form)?;
             let from = run.steady_from();
             let errors = || run.joints().iter().flat_map(|joint| joint.e.iter().skip(from));

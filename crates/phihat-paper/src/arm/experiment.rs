@@ -5,12 +5,12 @@ use phihat::Form;
 use super::run::Run;
 use super::runs::{Runs, form_name};
 use super::start_map::StartMap;
-use super::studies::{Kind, Setting, Studies, path_of};
+use super::studies::{GainSetting, Studies, StudyKind, path_of};
 use super::transient::SHOWN_S;
 use super::variations::unlimited;
 use super::{assumptions, errors, phi_hat, saturation, steady, surrogates, transient};
 use crate::compose::{axis, curve, figure, lines, rests_on, section};
-use crate::part::{Extent, Part, PartError};
+use crate::part::{Extent, PaperPart, PartError};
 use phihat_report::kit::figure::{Figure, Panel};
 
 /// Samples from one point of a drawn path to the next.
@@ -25,11 +25,11 @@ pub fn experiment(
     studies: &Studies,
     extent: Extent,
     progress: &dyn Fn(f64),
-) -> Result<Part, PartError> {
-    let limited_runs = Runs::of(studies, Kind::Experiment, |study| study, || ())?;
+) -> Result<PaperPart, PartError> {
+    let limited_runs = Runs::of(studies, StudyKind::Experiment, |study| study, || ())?;
     progress(0.03);
-    let free = Runs::of(studies, Kind::Experiment, unlimited, || ())?;
-    let left = phi_hat::Left::of(studies)?;
+    let free = Runs::of(studies, StudyKind::Experiment, unlimited, || ())?;
+    let left = phi_hat::RemainingMismatch::of(studies)?;
     progress(0.06);
     let map = StartMap::of(studies, extent, &|share| progress(0.06 + 0.54 * share))?;
     let varied = surrogates::experimented(studies, extent, &|share| progress(0.6 + 0.4 * share))?;
@@ -45,11 +45,11 @@ pub fn experiment(
     );
     let open = Some((&varied, &map));
     section.statements.extend([
-        saturation::long_transient(&map, &[Setting::First]),
-        saturation::long_transient(&map, &Setting::SECOND),
+        saturation::long_transient(&map, &[GainSetting::First]),
+        saturation::long_transient(&map, &GainSetting::SECOND),
         saturation::in_phi(&free, &map)?,
-        steady::kept(&limited_runs, steady::EXPERIMENTED, &[Setting::First], open)?,
-        steady::kept(&limited_runs, steady::EXPERIMENTED, &Setting::SECOND, open)?,
+        steady::kept(&limited_runs, steady::EXPERIMENTED, &[GainSetting::First], open)?,
+        steady::kept(&limited_runs, steady::EXPERIMENTED, &GainSetting::SECOND, open)?,
         phi_hat::to_zero(&limited_runs, &left)?,
     ]);
     section.tables.push(steady::steady_table(&limited_runs, steady::EXPERIMENTED));
@@ -66,13 +66,14 @@ pub fn experiment(
         saturation::map_figure(&map),
     ]);
     section.figures.extend(saturation::near_figure(studies, &map)?);
-    let paths: Vec<String> = Setting::ALL.iter().map(|s| path_of(Kind::Experiment, *s)).collect();
+    let paths: Vec<String> =
+        GainSetting::ALL.iter().map(|s| path_of(StudyKind::Experiment, *s)).collect();
     rests_on(&mut section, assumptions::EXPERIMENT, &paths);
-    let mut part = Part { assumptions: assumptions::all(), sections: vec![section] };
-    part.sections.push(varied.section(Kind::Experiment, &paths));
+    let mut part = PaperPart { assumptions: assumptions::all(), sections: vec![section] };
+    part.sections.push(varied.section(StudyKind::Experiment, &paths));
     varied.tell(&mut part.assumptions);
     for assumption in part.assumptions.iter_mut().filter(|a| ["path", "world"].contains(&&*a.id)) {
-        let start = saturation::turning(&map, &Setting::ALL);
+        let start = saturation::turning(&map, &GainSetting::ALL);
         assumption.influence = format!("{} {start}", assumption.influence);
     }
     Ok(part)
@@ -85,13 +86,13 @@ fn tip_figure(runs: &Runs) -> Result<Figure, PartError> {
         if run.settled_at().is_some() { samples } else { run.outcome.trace.index_at(SHOWN_S) }
     };
     let panel = |form: Form| -> Result<_, PartError> {
-        let tips = |setting: Setting| -> Result<_, PartError> {
+        let tips = |setting: GainSetting| -> Result<_, PartError> {
             let run = runs.get(setting, form)?;
             let tips = run.tips(STRIDE)?;
             Ok((tips, shown(run).div_ceil(STRIDE)))
         };
         let ((first, first_shown), (second, second_shown)) =
-            (tips(Setting::First)?, tips(Setting::H3)?);
+            (tips(GainSetting::First)?, tips(GainSetting::H3)?);
         let series = vec![
             curve("desired", first.iter().map(|[_, wanted]| *wanted)),
             curve("m = 1", first.iter().take(first_shown).map(|[tip, _]| *tip)),

@@ -9,12 +9,12 @@ use phihat_study::LawRequest;
 use super::claims::{estimates_better, keeps_bounds, peaks_more, same_torque};
 use super::run::Run;
 use super::runs::Runs;
-use super::studies::{Kind, Setting, Studies};
+use super::studies::{GainSetting, Studies, StudyKind};
 use crate::compose::{number, statement, three};
 use crate::gains::{K_TILDE, law, second_h4};
 use crate::item::{self, Item};
 use crate::part::PartError;
-use crate::record::{Number, Statement, Verdict};
+use crate::record::{PaperNumber, Statement, Verdict};
 
 /// Other `a_0` beside that of the double pole \[1/s²\].
 const OTHERS: [f64; 3] = [600.0, 1800.0, 2390.0];
@@ -27,7 +27,7 @@ const AGAIN: f64 = 1e-2;
 fn figures(run: &Run, first: &Run) -> [bool; 4] {
     [
         peaks_more(run, first),
-        keeps_bounds(run, Setting::H4),
+        keeps_bounds(run, GainSetting::H4),
         estimates_better(run, first),
         same_torque(run, first),
     ]
@@ -59,7 +59,7 @@ fn largest() -> Result<f64, PartError> {
 
 /// Returns true if all statements of [`figures`] hold with another `a_0`.
 fn other(studies: &Studies, first: &Run, a_0: f64) -> Result<bool, PartError> {
-    let mut study = studies.study(Kind::Simulation, Setting::H4, Form::Literal)?;
+    let mut study = studies.study(StudyKind::Simulation, GainSetting::H4, Form::Literal)?;
     if let Some(LawRequest::Coefficients { a, .. }) =
         study.gains.as_mut().map(|gains| &mut gains.law)
     {
@@ -71,7 +71,7 @@ fn other(studies: &Studies, first: &Run, a_0: f64) -> Result<bool, PartError> {
 /// The hypothesis against everything that is printed of m = 2.
 pub(crate) fn hypothesis(runs: &Runs, studies: &Studies) -> Result<Statement, PartError> {
     let (first, run) =
-        (runs.get(Setting::First, Form::Literal)?, runs.get(Setting::H4, Form::Literal)?);
+        (runs.get(GainSetting::First, Form::Literal)?, runs.get(GainSetting::H4, Form::Literal)?);
     let law = second_h4();
     let (conditions, drawn) = (proved(&law)?, figures(run, first));
     let all = drawn.iter().all(|holds| *holds);
@@ -125,7 +125,10 @@ pub(crate) fn hypothesis(runs: &Runs, studies: &Studies) -> Result<Statement, Pa
         .ours())
 }
 
-fn numbers([first, run]: [&Run; 2], (q44, gamma, bound): (Option<f64>, f64, f64)) -> Vec<Number> {
+fn numbers(
+    [first, run]: [&Run; 2],
+    (q44, gamma, bound): (Option<f64>, f64, f64),
+) -> Vec<PaperNumber> {
     let left = |run: &Run| run.mismatch()[1];
     vec![
         number("Q_44 at the printed K̃", "", q44, 1e-9),

@@ -3,7 +3,7 @@
 use super::claims::{estimates_better, same_torque, torque_difference, verdict};
 use super::run::Run;
 use super::runs::{Runs, form_name};
-use super::studies::Setting;
+use super::studies::GainSetting;
 use crate::compose::{
     axis_over, curve, figure, lines, log_axis, number, section, statement, table, three,
 };
@@ -30,15 +30,15 @@ pub(crate) fn mismatch(runs: &Runs) -> Result<Section, PartError> {
 }
 
 fn order_helps(runs: &Runs) -> Result<Statement, PartError> {
-    let first = runs.get(Setting::First, Form::Literal)?;
+    let first = runs.get(GainSetting::First, Form::Literal)?;
     let rms =
-        |setting: Setting| Ok::<_, PartError>(runs.get(setting, Form::Literal)?.mismatch()[1]);
-    let better = |setting: Setting| {
+        |setting: GainSetting| Ok::<_, PartError>(runs.get(setting, Form::Literal)?.mismatch()[1]);
+    let better = |setting: GainSetting| {
         Ok::<_, PartError>(estimates_better(runs.get(setting, Form::Literal)?, first))
     };
-    let same_rate = better(Setting::H2)? && better(Setting::H3)?;
-    let half_rate = better(Setting::H1)? && better(Setting::H4)?;
-    let values = Setting::ALL.into_iter().map(rms).collect::<Result<Vec<_>, PartError>>()?;
+    let same_rate = better(GainSetting::H2)? && better(GainSetting::H3)?;
+    let half_rate = better(GainSetting::H1)? && better(GainSetting::H4)?;
+    let values = GainSetting::ALL.into_iter().map(rms).collect::<Result<Vec<_>, PartError>>()?;
     let why = match (same_rate, half_rate) {
         (true, true) => {
             "H2 and H3 converge at the rate of m = 1, H1 and H4 at half of it: the order helps in all four. A \
@@ -52,7 +52,7 @@ fn order_helps(runs: &Runs) -> Result<Statement, PartError> {
             "At the same rate of convergence the order does not help for every hypothesis."
         }
     };
-    let name = |(setting, value): (Setting, &f64)| {
+    let name = |(setting, value): (GainSetting, &f64)| {
         number(&format!("mismatch, rms, {}", setting.label()), "N·m", *value, AGAIN)
     };
     Ok(statement(
@@ -71,18 +71,18 @@ fn order_helps(runs: &Runs) -> Result<Statement, PartError> {
             ),
             why.to_owned(),
         ),
-        Setting::ALL.into_iter().zip(&values).map(name).collect(),
+        GainSetting::ALL.into_iter().zip(&values).map(name).collect(),
     )
     .read_as("Printed form: root mean square of φ̂ − φ over the steady part, of the worst joint; H2 and H3, which converge at the rate of m = 1.")
     .covering(&[Item { kind: Kind::Figure, number: 8 }]))
 }
 
 fn vanishes(runs: &Runs) -> Result<Statement, PartError> {
-    let share = |setting: Setting| -> Result<f64, PartError> {
+    let share = |setting: GainSetting| -> Result<f64, PartError> {
         let run = runs.get(setting, Form::Literal)?;
         Ok(run.mismatch()[0] / run.phi_max())
     };
-    let shares = Setting::ALL.into_iter().map(share).collect::<Result<Vec<_>, _>>()?;
+    let shares = GainSetting::ALL.into_iter().map(share).collect::<Result<Vec<_>, _>>()?;
     let (most, least) = (
         shares.iter().copied().fold(0.0, f64::max),
         shares.iter().copied().fold(f64::INFINITY, f64::min),
@@ -113,10 +113,10 @@ fn vanishes(runs: &Runs) -> Result<Statement, PartError> {
 }
 
 fn torque(runs: &Runs) -> Result<Statement, PartError> {
-    let first = runs.get(Setting::First, Form::Literal)?;
+    let first = runs.get(GainSetting::First, Form::Literal)?;
     let mut shares = Vec::new();
     let mut same = true;
-    for setting in Setting::SECOND {
+    for setting in GainSetting::SECOND {
         let run = runs.get(setting, Form::Literal)?;
         same &= same_torque(run, first);
         shares.push(torque_difference(run, first));
@@ -159,16 +159,16 @@ fn torque(runs: &Runs) -> Result<Statement, PartError> {
 }
 
 fn mismatch_table(runs: &Runs) -> Result<Table, PartError> {
-    let row = |(setting, form, run): (Setting, Form, &Run)| -> Result<Vec<String>, PartError> {
+    let row = |(setting, form, run): (GainSetting, Form, &Run)| -> Result<Vec<String>, PartError> {
         let [most, rms] = run.mismatch();
-        let apart = torque_difference(run, runs.get(Setting::First, form)?);
+        let apart = torque_difference(run, runs.get(GainSetting::First, form)?);
         Ok(vec![
             setting.label().to_owned(),
             form_name(form).to_owned(),
             three(Some(most)),
             three(Some(rms)),
             three(Some(run.phi_max())),
-            if setting == Setting::First {
+            if setting == GainSetting::First {
                 String::new()
             } else {
                 three(apart.map(|share| share * 1e2))
@@ -192,7 +192,7 @@ fn mismatch_table(runs: &Runs) -> Result<Table, PartError> {
 }
 
 fn mismatch_figure(runs: &Runs) -> Result<Figure, PartError> {
-    let gap = |setting: Setting| -> Result<_, PartError> {
+    let gap = |setting: GainSetting| -> Result<_, PartError> {
         let run = runs.get(setting, Form::Literal)?;
         let size = |k: usize| {
             run.joints().iter().map(|j| (j.phi_hat[k] - j.phi[k]).powi(2)).sum::<f64>().sqrt()
@@ -201,8 +201,8 @@ fn mismatch_figure(runs: &Runs) -> Result<Figure, PartError> {
         let points = run.times().enumerate().map(|(k, t)| [t, size(k).max(1e-6)]);
         Ok(curve(setting.label(), points))
     };
-    let series = Setting::ALL.into_iter().map(gap).collect::<Result<_, _>>()?;
-    let torque = |setting: Setting| -> Result<_, PartError> {
+    let series = GainSetting::ALL.into_iter().map(gap).collect::<Result<_, _>>()?;
+    let torque = |setting: GainSetting| -> Result<_, PartError> {
         let run = runs.get(setting, Form::Literal)?;
         let from = run.steady_from();
         Ok(curve(
@@ -210,7 +210,7 @@ fn mismatch_figure(runs: &Runs) -> Result<Figure, PartError> {
             run.times().zip(&run.joints()[1].tau_applied).skip(from).map(|(t, tau)| [t, *tau]),
         ))
     };
-    let torques = [Setting::First, Setting::H1, Setting::H3]
+    let torques = [GainSetting::First, GainSetting::H1, GainSetting::H3]
         .into_iter()
         .map(torque)
         .collect::<Result<_, _>>()?;

@@ -31,5 +31,5 @@ pub(crate) use run::Run;
 pub use run::resized;
 pub use simulation::simulation;
 pub(crate) use studies::SHIPPED;
-pub use studies::{Kind, Setting, Studies};
+pub use studies::{GainSetting, Studies, StudyKind};
 pub use switching::order_switching;

@@ -25,12 +25,12 @@ struct OrderSwitch {
     /// Velocity at the last sample.
     dq: Vec<f64>,
     period: f64,
-    stage: Stage,
+    stage: SwitchStage,
 }
 
 /// Law in use.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Stage {
+enum SwitchStage {
     /// The first; every mismatch has been settled for so many samples.
     First(u32),
     Second,
@@ -52,23 +52,23 @@ impl Driver for OrderSwitch {
     fn drive(&mut self, moment: &Moment<'_>, tau: &mut [f64]) {
         let calm = self.settled(moment);
         let joints = &moment.sample.joints;
-        let gains = if self.stage == Stage::Second { &self.second } else { &self.first };
+        let gains = if self.stage == SwitchStage::Second { &self.second } else { &self.first };
         update_joints(gains, &mut self.states, joints, moment.references, &mut self.commands);
         for (i, measured) in joints.iter().enumerate() {
             tau[i] = self.commands[i].tau;
             self.dq[i] = measured.dq;
         }
         self.stage = match self.stage {
-            Stage::First(samples) if calm && samples >= DWELL => {
+            SwitchStage::First(samples) if calm && samples >= DWELL => {
                 for (i, measured) in joints.iter().enumerate() {
                     let reference = &moment.references[i];
                     self.second[i].resume(&mut self.states[i], measured, reference, tau[i]);
                 }
-                Stage::Second
+                SwitchStage::Second
             }
-            Stage::First(samples) if calm => Stage::First(samples + 1),
-            Stage::First(_) => Stage::First(0),
-            Stage::Second => Stage::Second,
+            SwitchStage::First(samples) if calm => SwitchStage::First(samples + 1),
+            SwitchStage::First(_) => SwitchStage::First(0),
+            SwitchStage::Second => SwitchStage::Second,
         };
     }
 }
@@ -92,7 +92,7 @@ pub(crate) fn switched(first: &Study, second: &Study) -> Result<Run, PartError> 
         commands: vec![Command::default(); joints],
         dq: vec![0.0; joints],
         period: second.control.period_ns as f64 * 1e-9,
-        stage: Stage::First(0),
+        stage: SwitchStage::First(0),
     });
     let simulation = Simulation::driven(second, driver, &inertia);
     let simulation =

@@ -6,7 +6,7 @@ use phihat_model::Workspace;
 use super::claims::verdict;
 use super::run::Run;
 use super::runs::{Runs, form_name};
-use super::studies::Setting;
+use super::studies::GainSetting;
 use crate::compose::{axis, figure, lines, marks, number, section, statement, way};
 use crate::item::{Item, Kind};
 use crate::part::PartError;
@@ -18,7 +18,7 @@ const AGAIN: f64 = 1e-3;
 
 /// Fig. 4.
 pub(crate) fn path(runs: &Runs) -> Result<Section, PartError> {
-    let run = runs.get(Setting::First, Form::Observer)?;
+    let run = runs.get(GainSetting::First, Form::Observer)?;
     let tips = run.tips(1)?;
     let (Some([start, begin]), Some([_, end])) = (tips.first(), tips.last()) else {
         return Err(PartError::Missing("the run has no sample"));
@@ -87,7 +87,7 @@ fn radial_rate(run: &Run) -> Result<f64, PartError> {
 }
 
 fn path_figure(runs: &Runs) -> Result<Figure, PartError> {
-    let panel = |setting: Setting, form: Form| -> Result<_, PartError> {
+    let panel = |setting: GainSetting, form: Form| -> Result<_, PartError> {
         let tips = runs.get(setting, form)?.tips(1)?;
         let series = vec![
             way("desired", tips.iter().map(|[_, wanted]| *wanted)),
@@ -99,10 +99,10 @@ fn path_figure(runs: &Runs) -> Result<Figure, PartError> {
         Ok(Panel { equal: true, ..panel })
     };
     let panels = [
-        panel(Setting::First, Form::Literal)?,
-        panel(Setting::H1, Form::Literal)?,
-        panel(Setting::First, Form::Observer)?,
-        panel(Setting::H1, Form::Observer)?,
+        panel(GainSetting::First, Form::Literal)?,
+        panel(GainSetting::H1, Form::Literal)?,
+        panel(GainSetting::First, Form::Observer)?,
+        panel(GainSetting::H1, Form::Observer)?,
     ];
     let caption = "The paper's law as printed (top) and in observer form (bottom), without torque limits. \
                    The printed form goes past the path because its integrals must come back to zero; the \

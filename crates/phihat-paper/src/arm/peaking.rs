@@ -7,7 +7,7 @@ use phihat_study::{LawRequest, Push, Study};
 
 use super::run::Run;
 use super::runs::{FORMS, form_name};
-use super::studies::{Kind, Setting, Studies};
+use super::studies::{GainSetting, Studies, StudyKind};
 use crate::compose::{number, statement, table, three};
 use crate::item::{self, Item};
 use crate::part::PartError;
@@ -28,7 +28,7 @@ const ANSWER_S: f64 = 0.3;
 const GONE: f64 = 0.1;
 
 /// One order in one form.
-struct Tried {
+struct PeakingRun {
     order: usize,
     form: Form,
     /// Largest overshoot of a joint after the start off the path: lying flat, and upright under gravity.
@@ -48,14 +48,14 @@ struct Pushed {
 
 /// Runs them all.
 #[derive(Default)]
-pub(crate) struct Peaking(Vec<Tried>);
+pub(crate) struct Peaking(Vec<PeakingRun>);
 
 impl Peaking {
     pub(crate) fn of(studies: &Studies) -> Result<Self, PartError> {
         let mut all = Vec::new();
         for order in ORDERS {
             for form in FORMS {
-                let mut study = studies.study(Kind::Simulation, Setting::First, form)?;
+                let mut study = studies.study(StudyKind::Simulation, GainSetting::First, form)?;
                 study.duration = DURATION_S;
                 if let Some(LawRequest::Coefficients { a, .. }) =
                     study.gains.as_mut().map(|gains| &mut gains.law)
@@ -63,13 +63,13 @@ impl Peaking {
                     *a = estimator_at(order, RATE);
                 }
                 let start = [flat(&study)?, upright(&study)?];
-                all.push(Tried { order, form, start, push: Pushed::of(study)? });
+                all.push(PeakingRun { order, form, start, push: Pushed::of(study)? });
             }
         }
         Ok(Self(all))
     }
 
-    fn by(&self, form: Form) -> impl Iterator<Item = &Tried> {
+    fn by(&self, form: Form) -> impl Iterator<Item = &PeakingRun> {
         self.0.iter().filter(move |tried| tried.form == form)
     }
 
@@ -79,10 +79,10 @@ impl Peaking {
         let ours = starts(Form::Observer).fold(0.0, f64::max);
         let printed = starts(Form::Literal).fold(f64::INFINITY, f64::min);
         let gone = ours < GONE * printed;
-        let list = |form, of: fn(&Tried) -> String| -> String {
+        let list = |form, of: fn(&PeakingRun) -> String| -> String {
             self.by(form).map(of).collect::<Vec<_>>().join(", ")
         };
-        let percent = |tried: &Tried| format!("{:.0}", tried.start[0] * 1e2);
+        let percent = |tried: &PeakingRun| format!("{:.0}", tried.start[0] * 1e2);
         let begin = if gone {
             "In observer form, with the same gains and closed-loop poles, the start off the path makes no \
              order overshoot, lying flat or upright under gravity: that peaking is of the φ̂(0) that the \
@@ -130,7 +130,7 @@ impl Peaking {
         .covering(&[Item { kind: item::Kind::Remark, number: 4 }])
     }
 
-    fn numbers(&self, ours: f64) -> Vec<crate::record::Number> {
+    fn numbers(&self, ours: f64) -> Vec<crate::record::PaperNumber> {
         let largest = "largest overshoot after the start, observer form, m = 1 … 4";
         // It is nearly nothing: what is left of it is of the last digits.
         let mut numbers = vec![number(largest, "", ours, 0.5)];
@@ -152,7 +152,7 @@ impl Peaking {
 
     pub(crate) fn table(&self) -> Table {
         let percent = |share: f64| format!("{:.2}", share * 1e2);
-        let row = |tried: &Tried| {
+        let row = |tried: &PeakingRun| {
             vec![
                 format!("m = {}", tried.order),
                 form_name(tried.form).to_owned(),

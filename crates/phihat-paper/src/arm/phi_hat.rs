@@ -2,11 +2,11 @@
 
 use super::run::Run;
 use super::runs::{Runs, form_name};
-use super::studies::{Kind, Setting, Studies};
+use super::studies::{GainSetting, Studies, StudyKind};
 use super::variations::unlimited;
 use crate::compose::{number, statement, table, three};
 use crate::part::PartError;
-use crate::record::{Number, Statement, Table, Verdict};
+use crate::record::{PaperNumber, Statement, Table, Verdict};
 use phihat::{Form, VelocitySource};
 use phihat_study::Study;
 
@@ -49,10 +49,10 @@ impl Sizes {
 }
 
 /// A world that lacks some of the faults of the experiment.
-type Fault = (&'static str, fn(Study) -> Study);
+type PhiFault = (&'static str, fn(Study) -> Study);
 
 /// Each without what the ones before it lack.
-const WORLDS: [Fault; 5] = [
+const WORLDS: [PhiFault; 5] = [
     ("as assumed", |study| study),
     ("no torque noise", quiet),
     ("encoders of 22 bits as well", |study| encoded(quiet(study), 22)),
@@ -83,15 +83,15 @@ fn smooth(mut study: Study) -> Study {
 }
 
 /// Remaining mismatch in every world: m = 1 and H3, both forms, no torque limit.
-pub(crate) struct Left(Vec<(&'static str, Setting, Form, Sizes)>);
+pub(crate) struct RemainingMismatch(Vec<(&'static str, GainSetting, Form, Sizes)>);
 
-impl Left {
+impl RemainingMismatch {
     pub(crate) fn of(studies: &Studies) -> Result<Self, PartError> {
         let mut all = Vec::new();
         for (name, change) in WORLDS {
-            for setting in [Setting::First, Setting::H3] {
+            for setting in [GainSetting::First, GainSetting::H3] {
                 for form in [Form::Literal, Form::Observer] {
-                    let study = studies.study(Kind::Experiment, setting, form)?;
+                    let study = studies.study(StudyKind::Experiment, setting, form)?;
                     let run = Run::of(change(unlimited(study)))?;
                     all.push((name, setting, form, Sizes::of(&run)));
                 }
@@ -101,12 +101,12 @@ impl Left {
     }
 
     /// The printed form's share of φ that φ̂ − φ is, world by world.
-    fn shares(&self, setting: Setting) -> Vec<f64> {
-        let own = |(_, s, f, _): &&(_, Setting, Form, _)| *s == setting && *f == Form::Literal;
+    fn shares(&self, setting: GainSetting) -> Vec<f64> {
+        let own = |(_, s, f, _): &&(_, GainSetting, Form, _)| *s == setting && *f == Form::Literal;
         self.0.iter().filter(own).map(|(.., sizes)| sizes.share()).collect()
     }
 
-    fn numbers(&self) -> Vec<Number> {
+    fn numbers(&self) -> Vec<PaperNumber> {
         let each = self.0.iter().map(|(world, setting, form, sizes)| {
             let (form, label) = (form_name(*form), setting.label());
             number(
@@ -121,7 +121,7 @@ impl Left {
 
     /// The same as a table.
     pub(crate) fn table(&self) -> Table {
-        let row = |(world, setting, form, sizes): &(&str, Setting, Form, Sizes)| {
+        let row = |(world, setting, form, sizes): &(&str, GainSetting, Form, Sizes)| {
             let values = [sizes.phi, sizes.phi_hat, sizes.apart, sizes.share()];
             let cells = values.map(|value| three(Some(value)));
             let names = [(*world).to_owned(), setting.label().into(), form_name(*form).into()];
@@ -137,14 +137,14 @@ impl Left {
 }
 
 /// Without a torque limit, where either form follows; and the printed form under the limit, where it does not.
-pub(crate) fn to_zero(limited: &Runs, left: &Left) -> Result<Statement, PartError> {
-    let wound = limited.get(Setting::First, Form::Literal)?;
+pub(crate) fn to_zero(limited: &Runs, left: &RemainingMismatch) -> Result<Statement, PartError> {
+    let wound = limited.get(GainSetting::First, Form::Literal)?;
     let most = |of: fn(&phihat_sim::JointTrace) -> &Vec<f64>| {
         let values = wound.joints().iter().flat_map(of);
         values.fold(0.0, |most: f64, value| most.max(value.abs()))
     };
     let (phi, phi_hat) = (most(|joint| &joint.phi), most(|joint| &joint.phi_hat));
-    let (first, second) = (left.shares(Setting::First), left.shares(Setting::H3));
+    let (first, second) = (left.shares(GainSetting::First), left.shares(GainSetting::H3));
     let each = || first.iter().zip(&second);
     let as_printed = each().all(|(a, b)| *a < NONE && *b < NONE);
     // With fewer faults there is less, and with exact sensors it is found.

@@ -3,7 +3,7 @@
 use phihat_campaign::statistics::rms;
 use phihat_design::requested_gains;
 use phihat_model::Workspace;
-use phihat_sim::{JointTrace, Outcome, Simulation};
+use phihat_sim::{JointTrace, Simulation, SimulationOutcome};
 use phihat_study::Study;
 
 use crate::part::PartError;
@@ -15,7 +15,7 @@ pub(crate) const SETTLED_RAD: f64 = 1e-2;
 #[derive(Debug)]
 pub(crate) struct Run {
     pub(crate) study: Box<Study>,
-    pub(crate) outcome: Outcome,
+    pub(crate) outcome: SimulationOutcome,
 }
 
 impl Run {

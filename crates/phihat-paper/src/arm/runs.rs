@@ -4,13 +4,13 @@ use phihat::Form;
 use phihat_study::Study;
 
 use super::run::Run;
-use super::studies::{Kind, Setting, Studies};
+use super::studies::{GainSetting, Studies, StudyKind};
 use crate::part::PartError;
 
 /// Every setting in both forms of the law.
 #[derive(Debug)]
 pub(crate) struct Runs {
-    runs: Vec<(Setting, Form, Run)>,
+    runs: Vec<(GainSetting, Form, Run)>,
 }
 
 /// Both forms.
@@ -28,12 +28,12 @@ impl Runs {
     /// Runs all ten, each study changed by `change` before; `done` is told after each.
     pub(crate) fn of(
         studies: &Studies,
-        kind: Kind,
+        kind: StudyKind,
         change: impl Fn(Study) -> Study,
         mut done: impl FnMut(),
     ) -> Result<Self, PartError> {
         let mut runs = Vec::new();
-        for setting in Setting::ALL {
+        for setting in GainSetting::ALL {
             for form in FORMS {
                 let run = Run::of(change(studies.study(kind, setting, form)?))?;
                 runs.push((setting, form, run));
@@ -44,13 +44,13 @@ impl Runs {
     }
 
     /// One of them.
-    pub(crate) fn get(&self, setting: Setting, form: Form) -> Result<&Run, PartError> {
+    pub(crate) fn get(&self, setting: GainSetting, form: Form) -> Result<&Run, PartError> {
         let found = self.runs.iter().find(|(s, f, _)| (*s, *f) == (setting, form));
         found.map(|(.., run)| run).ok_or(PartError::NotRun(setting.label()))
     }
 
     /// All of them, in the order of [`Setting::ALL`], printed form first.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (Setting, Form, &Run)> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (GainSetting, Form, &Run)> {
         self.runs.iter().map(|(setting, form, run)| (*setting, *form, run))
     }
 }

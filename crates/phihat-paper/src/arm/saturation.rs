@@ -2,18 +2,18 @@
 
 use super::run::Run;
 use super::runs::{Runs, form_name};
-use super::start_map::{CLASSES, Cell, LONG, Mapped, NEAREST_M, Outcome, StartMap, nearer};
-use super::studies::{Setting, Studies};
+use super::start_map::{CLASSES, Cell, LONG, Mapped, NEAREST_M, StartMap, StartOutcome, nearer};
+use super::studies::{GainSetting, Studies};
 use super::transient::SHOWN_S;
 use crate::compose::{axis, axis_over, curve, figure, lines, log_axis, number, statement, three};
 use crate::item::{Item, Kind};
 use crate::part::PartError;
-use crate::record::{Number, Statement, Verdict};
+use crate::record::{PaperNumber, Statement, Verdict};
 use phihat::Form;
 use phihat_report::kit::figure::{Content, Figure, Panel};
 
 /// Runs that settled and kept their bounds.
-const GOOD: [Outcome; 2] = [Outcome::Soon, Outcome::Late];
+const GOOD: [StartOutcome; 2] = [StartOutcome::Soon, StartOutcome::Late];
 
 /// Variations of the start and the limit, in words.
 fn varied(map: &StartMap) -> String {
@@ -31,7 +31,7 @@ fn varied(map: &StartMap) -> String {
 
 /// Farthest start from which the printed form settles under the limit of the studies, and the limit that it
 /// needs from their start, in words.
-pub(crate) fn turning(map: &StartMap, settings: &[Setting]) -> String {
+pub(crate) fn turning(map: &StartMap, settings: &[GainSetting]) -> String {
     let (limit, far) = map.assumed;
     let of = |map: &Mapped| {
         let edge = map.edge.map_or_else(
@@ -54,7 +54,7 @@ pub(crate) fn turning(map: &StartMap, settings: &[Setting]) -> String {
 }
 
 /// The thresholds of [`turning`] as numbers.
-pub(crate) fn thresholds(map: &StartMap, settings: &[Setting]) -> Vec<Number> {
+pub(crate) fn thresholds(map: &StartMap, settings: &[GainSetting]) -> Vec<PaperNumber> {
     let (limit, far) = map.assumed;
     let of = |of: &Mapped| {
         let label = of.setting.label();
@@ -69,10 +69,10 @@ pub(crate) fn thresholds(map: &StartMap, settings: &[Setting]) -> Vec<Number> {
 
 /// Nearest start from which the limit of the studies makes the transient of a setting long: its distance \[m\], and
 /// the settling times with the limit and without \[s\].
-fn longest(map: &StartMap, setting: Setting) -> Option<(f64, f64, f64)> {
+fn longest(map: &StartMap, setting: GainSetting) -> Option<(f64, f64, f64)> {
     let late = map.printed(setting)?.rows.iter().filter_map(|row| {
         let at_limit = |cell: &&Cell| {
-            cell.limit.total_cmp(&map.assumed.0).is_eq() && cell.outcome == Outcome::Late
+            cell.limit.total_cmp(&map.assumed.0).is_eq() && cell.outcome == StartOutcome::Late
         };
         let cell = row.cells.iter().find(at_limit)?;
         Some((row.distance, cell.at?, row.free?))
@@ -84,7 +84,7 @@ fn longest(map: &StartMap, setting: Setting) -> Option<(f64, f64, f64)> {
 /// Joint 2 of m = 1 as printed, from the nearest start at which the limit makes the transient long; `None`: there
 /// is no such start.
 pub(crate) fn near_figure(studies: &Studies, map: &StartMap) -> Result<Option<Figure>, PartError> {
-    let Some((distance, ..)) = longest(map, Setting::First) else { return Ok(None) };
+    let Some((distance, ..)) = longest(map, GainSetting::First) else { return Ok(None) };
     let [with, without] = nearer(studies, distance)?;
     let error = |label: &str, run: &Run| {
         let points = run.times().zip(&run.joints()[1].e).map(|(t, e)| [t, *e]);
@@ -104,8 +104,8 @@ pub(crate) fn near_figure(studies: &Studies, map: &StartMap) -> Result<Option<Fi
 }
 
 /// "The long transient is because of the torque saturation".
-pub(crate) fn long_transient(map: &StartMap, settings: &[Setting]) -> Statement {
-    let order = if settings == [Setting::First] { 1 } else { 2 };
+pub(crate) fn long_transient(map: &StartMap, settings: &[GainSetting]) -> Statement {
+    let order = if settings == [GainSetting::First] { 1 } else { 2 };
     let limit = three(Some(map.assumed.0));
     let each = settings.iter().map(|setting| {
         let label = setting.label();
@@ -121,7 +121,7 @@ pub(crate) fn long_transient(map: &StartMap, settings: &[Setting]) -> Statement 
         }
     });
     let each: Vec<String> = each.collect();
-    let holds = map.somewhere(settings, &[Outcome::Late]);
+    let holds = map.somewhere(settings, &[StartOutcome::Late]);
     let mut numbers = Vec::new();
     for setting in settings {
         let found = longest(map, *setting);
@@ -190,7 +190,7 @@ pub(crate) fn in_phi(free: &Runs, map: &StartMap) -> Result<Statement, PartError
         observer as f64,
         0.0,
     ));
-    numbers.extend(thresholds(map, &Setting::ALL));
+    numbers.extend(thresholds(map, &GainSetting::ALL));
     Ok(statement(
         [
             "saturation-in-phi",
@@ -213,12 +213,12 @@ pub(crate) fn in_phi(free: &Runs, map: &StartMap) -> Result<Statement, PartError
         "As a general statement, over all starts and limits tried: the arm settles, and keeps those bounds of (48), (49) that it keeps without a limit.",
     )
     .varying(format!("{} Observer form: at a few of them.", varied(map)))
-    .turning(turning(map, &Setting::ALL)))
+    .turning(turning(map, &GainSetting::ALL)))
 }
 
 fn runs_torque(runs: &Runs, form: Form) -> Result<f64, PartError> {
-    let most = |setting: &Setting| Ok(runs.get(*setting, form)?.torque_max());
-    let all: Vec<f64> = Setting::ALL.iter().map(most).collect::<Result<_, PartError>>()?;
+    let most = |setting: &GainSetting| Ok(runs.get(*setting, form)?.torque_max());
+    let all: Vec<f64> = GainSetting::ALL.iter().map(most).collect::<Result<_, PartError>>()?;
     Ok(all.into_iter().fold(0.0, f64::max))
 }
 
@@ -227,10 +227,10 @@ pub(crate) fn map_figure(map: &StartMap) -> Figure {
     let panel = |map: &Mapped| {
         let cells = map.rows.iter().map(|row| {
             let class = |cell: &Cell| match cell.outcome {
-                Outcome::Lost => 0,
-                Outcome::Spoiled => 1,
-                Outcome::Soon => 2,
-                Outcome::Late => 3,
+                StartOutcome::Lost => 0,
+                StartOutcome::Spoiled => 1,
+                StartOutcome::Soon => 2,
+                StartOutcome::Late => 3,
             };
             row.cells.iter().map(class).collect()
         });

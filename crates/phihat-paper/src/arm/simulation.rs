@@ -3,10 +3,10 @@
 use super::assumptions;
 use super::claims::SIMULATED_AS;
 use super::runs::Runs;
-use super::studies::{Kind, Setting, Studies, path_of};
+use super::studies::{GainSetting, Studies, StudyKind, path_of};
 use super::{fourth, mismatch, path, steady, surrogates, transient};
 use crate::compose::rests_on;
-use crate::part::{Extent, Part, PartError};
+use crate::part::{Extent, PaperPart, PartError};
 
 /// Runs of one kind.
 const RUNS: f64 = 10.0;
@@ -20,11 +20,11 @@ pub fn simulation(
     studies: &Studies,
     extent: Extent,
     progress: &dyn Fn(f64),
-) -> Result<Part, PartError> {
+) -> Result<PaperPart, PartError> {
     let mut done = 0.0;
     let runs = Runs::of(
         studies,
-        Kind::Simulation,
+        StudyKind::Simulation,
         |study| study,
         || {
             done += 0.1 / RUNS;
@@ -40,7 +40,8 @@ pub fn simulation(
     if let Some(last) = sections.last_mut() {
         last.statements.push(fourth::hypothesis(&runs, studies)?);
     }
-    let paths: Vec<String> = Setting::ALL.iter().map(|s| path_of(Kind::Simulation, *s)).collect();
+    let paths: Vec<String> =
+        GainSetting::ALL.iter().map(|s| path_of(StudyKind::Simulation, *s)).collect();
     for section in &mut sections {
         rests_on(section, assumptions::SIMULATION, &paths);
     }
@@ -50,8 +51,8 @@ pub fn simulation(
             *statement = varied.around(statement.clone(), *claim);
         }
     }
-    let mut part = Part { assumptions: assumptions::all(), sections };
-    part.sections.push(varied.section(Kind::Simulation, &paths));
+    let mut part = PaperPart { assumptions: assumptions::all(), sections };
+    part.sections.push(varied.section(StudyKind::Simulation, &paths));
     varied.tell(&mut part.assumptions);
     Ok(part)
 }

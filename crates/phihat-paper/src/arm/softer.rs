@@ -7,7 +7,7 @@ use super::order_switch::switched;
 use super::run::Run;
 use crate::compose::{number, statement, three};
 use crate::part::PartError;
-use crate::record::{Number, Statement};
+use crate::record::{PaperNumber, Statement};
 
 /// `a_0` of the start \[rad/s\].
 const REDUCED: [f64; 3] = [40.0, 20.0, 10.0];
@@ -79,7 +79,7 @@ pub(crate) fn start(full: &Run) -> Result<Statement, PartError> {
     .turning("As printed where the overshoot falls too; with the correction where the torque alone does."))
 }
 
-fn numbers(runs: &[(f64, Run)], full: &Run) -> Vec<Number> {
+fn numbers(runs: &[(f64, Run)], full: &Run) -> Vec<PaperNumber> {
     let mut numbers = Vec::new();
     for (a0, run) in runs.iter().map(|(a0, run)| (Some(*a0), run)).chain([(None, full)]) {
         let name = |what: &str| match a0 {

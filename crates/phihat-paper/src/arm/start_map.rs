@@ -1,11 +1,11 @@
 //! Start distance and torque limit varied together: where the arm settles, how late, and whether it keeps its bounds.
 
 use phihat::Form;
-use phihat_study::{Curve, Reference, Study};
+use phihat_study::{Curve, ReferenceRequest, Study};
 
 use super::claims::keeps_bounds;
 use super::run::Run;
-use super::studies::{Kind, Setting, Studies};
+use super::studies::{GainSetting, Studies, StudyKind};
 use super::variations::{limited, unlimited};
 use crate::part::{Extent, PartError};
 
@@ -24,7 +24,7 @@ const STEPS: u32 = 7;
 
 /// Outcome of a run under a limit, compared with the run without one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Outcome {
+pub(crate) enum StartOutcome {
     /// It does not settle in two turns.
     Lost,
     /// It settles, and does not keep the bounds of (48), (49) that it keeps without the limit.
@@ -35,7 +35,7 @@ pub(crate) enum Outcome {
     Late,
 }
 
-/// Meaning of the classes of the map, in the order of [`Outcome`].
+/// Meaning of the classes of the map, in the order of [`StartOutcome`].
 pub(crate) const CLASSES: [&str; 4] = [
     "does not settle",
     "settles, bounds not kept",
@@ -47,14 +47,14 @@ pub(crate) const CLASSES: [&str; 4] = [
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Cell {
     pub(crate) limit: f64,
-    pub(crate) outcome: Outcome,
+    pub(crate) outcome: StartOutcome,
     /// When it has settled \[s\].
     pub(crate) at: Option<f64>,
 }
 
 /// A start distance \[m\], when the run without a limit has settled \[s\], and the runs with one.
 #[derive(Debug)]
-pub(crate) struct Row {
+pub(crate) struct StartMapRow {
     pub(crate) distance: f64,
     pub(crate) free: Option<f64>,
     pub(crate) cells: Vec<Cell>,
@@ -63,9 +63,9 @@ pub(crate) struct Row {
 /// The map of one setting in one form.
 #[derive(Debug)]
 pub(crate) struct Mapped {
-    pub(crate) setting: Setting,
+    pub(crate) setting: GainSetting,
     pub(crate) form: Form,
-    pub(crate) rows: Vec<Row>,
+    pub(crate) rows: Vec<StartMapRow>,
     /// Farthest start from which the printed form settles and satisfies its bounds under the limit of the
     /// studies \[m\].
     pub(crate) edge: Option<f64>,
@@ -88,7 +88,7 @@ impl StartMap {
         extent: Extent,
         progress: &dyn Fn(f64),
     ) -> Result<Self, PartError> {
-        let own = studies.study(Kind::Experiment, Setting::First, Form::Observer)?;
+        let own = studies.study(StudyKind::Experiment, GainSetting::First, Form::Observer)?;
         let [start, begin] = ends(&own)?;
         let far = (start[0] - begin[0]).hypot(start[1] - begin[1]);
         let limit = own.control.torque_max.as_ref().and_then(|all| all.first());
@@ -98,8 +98,8 @@ impl StartMap {
         let all = if extent.quick { few.clone() } else { (DISTANCES.to_vec(), LIMITS.to_vec()) };
         let mut maps = Vec::new();
         for (form, (distances, limits)) in [(Form::Literal, all), (Form::Observer, few)] {
-            for setting in Setting::ALL {
-                let study = studies.study(Kind::Experiment, setting, form)?;
+            for setting in GainSetting::ALL {
+                let study = studies.study(StudyKind::Experiment, setting, form)?;
                 let own_start = (far > NEAREST_M).then_some(&far);
                 let near = |distance: f64| moved(study.clone(), [start, begin], distance);
                 let at = |distance: &f64| row(&near(*distance), setting, *distance, &limits);
@@ -109,20 +109,20 @@ impl StartMap {
                     Form::Observer | Form::Positions => None,
                 };
                 maps.push(Mapped { setting, form, rows, edge });
-                progress(maps.len() as f64 / (2.0 * Setting::ALL.len() as f64));
+                progress(maps.len() as f64 / (2.0 * GainSetting::ALL.len() as f64));
             }
         }
         Ok(Self { maps, assumed, whole: !extent.quick })
     }
 
     /// The map of a setting in the printed form.
-    pub(crate) fn printed(&self, setting: Setting) -> Option<&Mapped> {
+    pub(crate) fn printed(&self, setting: GainSetting) -> Option<&Mapped> {
         self.maps.iter().find(|map| map.setting == setting && map.form == Form::Literal)
     }
 
     /// Returns true if, for each of some settings in the printed form, a run from some start under the limit of the
     /// studies came to one of these outcomes.
-    pub(crate) fn somewhere(&self, settings: &[Setting], outcomes: &[Outcome]) -> bool {
+    pub(crate) fn somewhere(&self, settings: &[GainSetting], outcomes: &[StartOutcome]) -> bool {
         let of = |map: &Mapped| {
             let cells = map.rows.iter().flat_map(|row| &row.cells);
             let mut here = cells.filter(|cell| cell.limit.total_cmp(&self.assumed.0).is_eq());
@@ -132,7 +132,7 @@ impl StartMap {
     }
 
     /// Number of places of a form with one of these outcomes, and number of all its places.
-    pub(crate) fn count(&self, form: Form, outcomes: &[Outcome]) -> (usize, usize) {
+    pub(crate) fn count(&self, form: Form, outcomes: &[StartOutcome]) -> (usize, usize) {
         let maps = self.maps.iter().filter(|map| map.form == form);
         let cells = || maps.clone().flat_map(|map| &map.rows).flat_map(|row| &row.cells);
         (cells().filter(|cell| outcomes.contains(&cell.outcome)).count(), cells().count())
@@ -143,7 +143,7 @@ impl Mapped {
     /// The smallest limit from which on every run from a distance settles and keeps its bounds \[N·m\].
     pub(crate) fn enough(&self, distance: f64) -> Option<f64> {
         let row = self.rows.iter().find(|row| row.distance.total_cmp(&distance).is_eq())?;
-        let last = row.cells.iter().rposition(|cell| cell.outcome < Outcome::Soon);
+        let last = row.cells.iter().rposition(|cell| cell.outcome < StartOutcome::Soon);
         row.cells.get(last.map_or(0, |k| k + 1)).map(|cell| cell.limit)
     }
 }
@@ -162,7 +162,9 @@ fn moved(mut study: Study, [start, begin]: [[f64; 2]; 2], distance: f64) -> Stud
     let length = away[0].hypot(away[1]);
     // Studies that start on their path are moved towards the base.
     let towards = if length > 1e-9 { away.map(|part| part / length) } else { [-1.0, 0.0] };
-    if let Reference::Cartesian { curve: Curve::Spline { points }, .. } = &mut study.reference {
+    if let ReferenceRequest::Cartesian { curve: Curve::Spline { points }, .. } =
+        &mut study.reference
+    {
         for point in points {
             point[0] += distance * towards[0] - away[0];
             point[2] += distance * towards[1] - away[1];
@@ -172,17 +174,22 @@ fn moved(mut study: Study, [start, begin]: [[f64; 2]; 2], distance: f64) -> Stud
 }
 
 /// Outcome of a run with a limit, compared with the run without one.
-fn outcome(run: &Run, free: &Run, setting: Setting) -> Outcome {
+fn outcome(run: &Run, free: &Run, setting: GainSetting) -> StartOutcome {
     let spoiled = keeps_bounds(free, setting) && !keeps_bounds(run, setting);
     match (run.settled_at(), free.settled_at()) {
-        (None, _) => Outcome::Lost,
-        (Some(_), _) if spoiled => Outcome::Spoiled,
-        (Some(at), Some(free)) if at >= LONG * free => Outcome::Late,
-        (Some(_), _) => Outcome::Soon,
+        (None, _) => StartOutcome::Lost,
+        (Some(_), _) if spoiled => StartOutcome::Spoiled,
+        (Some(at), Some(free)) if at >= LONG * free => StartOutcome::Late,
+        (Some(_), _) => StartOutcome::Soon,
     }
 }
 
-fn row(study: &Study, setting: Setting, distance: f64, limits: &[f64]) -> Result<Row, PartError> {
+fn row(
+    study: &Study,
+    setting: GainSetting,
+    distance: f64,
+    limits: &[f64],
+) -> Result<StartMapRow, PartError> {
     let free = Run::of(unlimited(study.clone()))?;
     let cell = |limit: &f64| {
         let run = Run::of(limited(study.clone(), *limit))?;
@@ -190,12 +197,12 @@ fn row(study: &Study, setting: Setting, distance: f64, limits: &[f64]) -> Result
         Ok(Cell { limit: *limit, outcome, at: run.settled_at() })
     };
     let cells = limits.iter().map(cell).collect::<Result<_, PartError>>()?;
-    Ok(Row { distance, free: free.settled_at(), cells })
+    Ok(StartMapRow { distance, free: free.settled_at(), cells })
 }
 
 /// m = 1 as printed on the study of the experiments, started so far from the path: with the limit and without.
 pub(crate) fn nearer(studies: &Studies, distance: f64) -> Result<[Run; 2], PartError> {
-    let study = studies.study(Kind::Experiment, Setting::First, Form::Literal)?;
+    let study = studies.study(StudyKind::Experiment, GainSetting::First, Form::Literal)?;
     let ends = ends(&study)?;
     let study = moved(study, ends, distance);
     Ok([Run::of(study.clone())?, Run::of(unlimited(study))?])
@@ -204,7 +211,7 @@ pub(crate) fn nearer(studies: &Studies, distance: f64) -> Result<[Run; 2], PartE
 /// The farthest start, by bisection, from which the arm settles and keeps its bounds under a limit; `None`: from none.
 fn edge(
     near: &dyn Fn(f64) -> Study,
-    setting: Setting,
+    setting: GainSetting,
     (limit, far): (f64, f64),
 ) -> Result<Option<f64>, PartError> {
     let holds = |distance: f64| -> Result<bool, PartError> {

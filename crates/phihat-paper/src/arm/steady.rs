@@ -10,13 +10,13 @@ use super::errors::errors_figure;
 use super::run::Run;
 use super::runs::{Runs, form_name};
 use super::saturation::{thresholds, turning};
-use super::start_map::{Outcome, StartMap};
-use super::studies::Setting;
+use super::start_map::{StartMap, StartOutcome};
+use super::studies::GainSetting;
 use super::surrogates::Varied;
 use crate::compose::{number, section, statement, table, three};
 use crate::item::{Item, Kind};
 use crate::part::PartError;
-use crate::record::{Number, Section, Statement, Table};
+use crate::record::{PaperNumber, Section, Statement, Table};
 
 /// Tolerance of our own figures on another machine.
 const AGAIN: f64 = 1e-2;
@@ -26,18 +26,18 @@ const MUCH: f64 = 10.0;
 
 /// One of the paper's two figures.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Shown {
+pub(crate) struct SteadyFigure {
     pub(crate) figure: &'static str,
     pub(crate) id: &'static str,
     pub(crate) table: &'static str,
 }
 
 /// Fig. 7.
-pub(crate) const SIMULATED: Shown =
-    Shown { figure: "Fig. 7", id: "fig7", table: "steady-simulation" };
+pub(crate) const SIMULATED: SteadyFigure =
+    SteadyFigure { figure: "Fig. 7", id: "fig7", table: "steady-simulation" };
 /// Fig. 11.
-pub(crate) const EXPERIMENTED: Shown =
-    Shown { figure: "Fig. 11", id: "fig11", table: "steady-experiment" };
+pub(crate) const EXPERIMENTED: SteadyFigure =
+    SteadyFigure { figure: "Fig. 11", id: "fig11", table: "steady-experiment" };
 
 /// Fig. 7: the bounds, and how much smaller the errors are.
 pub(crate) fn simulated(runs: &Runs) -> Result<Section, PartError> {
@@ -45,8 +45,8 @@ pub(crate) fn simulated(runs: &Runs) -> Result<Section, PartError> {
                 (49), for m = 2, the same and |∬e| ≤ 10⁻⁴ rad·s². They are looked at after the 1.5 s of \
                 the transient, with integrals counted from there on in either form.";
     let mut section = section("figure-7", "Fig. 7: errors in the steady part, simulation", &[text]);
-    section.statements.push(kept(runs, SIMULATED, &[Setting::First], None)?);
-    section.statements.push(kept(runs, SIMULATED, &Setting::SECOND, None)?);
+    section.statements.push(kept(runs, SIMULATED, &[GainSetting::First], None)?);
+    section.statements.push(kept(runs, SIMULATED, &GainSetting::SECOND, None)?);
     section.statements.push(margin(runs)?);
     section.tables.push(steady_table(runs, SIMULATED));
     section.figures.push(errors_figure("fig-07", "Fig. 7: errors in simulation", runs)?);
@@ -61,11 +61,11 @@ const LADDER: [(&str, &str); 4] = [("∬e", "rad·s²"), ("∫e", "rad·s"), ("e
 /// An experiment that fails from every start is open, whatever the observer form does.
 pub(crate) fn kept(
     runs: &Runs,
-    shown: Shown,
-    settings: &[Setting],
+    shown: SteadyFigure,
+    settings: &[GainSetting],
     open: Option<(&Varied, &StartMap)>,
 ) -> Result<Statement, PartError> {
-    let order = if settings == [Setting::First] { 1 } else { 2 };
+    let order = if settings == [GainSetting::First] { 1 } else { 2 };
     let all = |form: Form| -> Result<bool, PartError> {
         let kept = settings.iter().map(|s| Ok(keeps_bounds(runs.get(*s, form)?, *s)));
         Ok(kept.collect::<Result<Vec<_>, PartError>>()?.into_iter().all(|kept| kept))
@@ -83,7 +83,7 @@ pub(crate) fn kept(
     let own = worst(Form::Literal, Run::since_start)?;
     let claim = KEEPS[order - 1];
     let mut numbers = ladder_numbers(order, both, own);
-    let settled = [Outcome::Soon, Outcome::Late];
+    let settled = [StartOutcome::Soon, StartOutcome::Late];
     let elsewhere = open.is_some_and(|(_, map)| map.somewhere(settings, &settled));
     let verdict = verdict(printed || elsewhere, observer && open.is_none());
     let depends = open.map(|(varied, map)| {
@@ -120,7 +120,7 @@ pub(crate) fn kept(
 /// effect of the other assumptions.
 fn read(
     statement: Statement,
-    (order, settings): (usize, &[Setting]),
+    (order, settings): (usize, &[GainSetting]),
     experiment: Option<(&StartMap, String)>,
 ) -> Statement {
     let statement = statement.covering(&[
@@ -146,7 +146,11 @@ fn first_of(order: usize) -> usize {
     2_usize.saturating_sub(order)
 }
 
-fn ladder_numbers(order: usize, both: [Option<[f64; 4]>; 2], own: Option<[f64; 4]>) -> Vec<Number> {
+fn ladder_numbers(
+    order: usize,
+    both: [Option<[f64; 4]>; 2],
+    own: Option<[f64; 4]>,
+) -> Vec<PaperNumber> {
     let names = ["printed form", "observer form"];
     let mut numbers = Vec::new();
     for (form, worst) in names.into_iter().zip(both) {
@@ -213,11 +217,12 @@ fn as_words(order: usize, worst: Option<[f64; 4]>) -> String {
 
 /// "The maximum error is much smaller than the threshold", and what would have been promised.
 fn margin(runs: &Runs) -> Result<Statement, PartError> {
-    let run = runs.get(Setting::First, Form::Literal)?;
-    let most =
-        |setting: &Setting| Ok(runs.get(*setting, Form::Literal)?.steady().map(|steady| steady[2]));
+    let run = runs.get(GainSetting::First, Form::Literal)?;
+    let most = |setting: &GainSetting| {
+        Ok(runs.get(*setting, Form::Literal)?.steady().map(|steady| steady[2]))
+    };
     let errors: Vec<Option<f64>> =
-        Setting::ALL.iter().map(most).collect::<Result<_, PartError>>()?;
+        GainSetting::ALL.iter().map(most).collect::<Result<_, PartError>>()?;
     let worst = errors
         .iter()
         .copied()
@@ -269,17 +274,17 @@ pub(crate) fn error_bound(run: &Run) -> Result<f64, PartError> {
 }
 
 /// The ladder of every run.
-pub(crate) fn steady_table(runs: &Runs, shown: Shown) -> Table {
-    let row = |(setting, form, run): (Setting, Form, &Run)| {
+pub(crate) fn steady_table(runs: &Runs, shown: SteadyFigure) -> Table {
+    let row = |(setting, form, run): (GainSetting, Form, &Run)| {
         let mut row = vec![setting.label().to_owned(), form_name(form).to_owned()];
         match run.steady() {
             Some(steady) => row.extend(steady.iter().enumerate().map(|(i, value)| {
-                let judged = i >= usize::from(setting == Setting::First);
+                let judged = i >= usize::from(setting == GainSetting::First);
                 if judged { three(Some(*value)) } else { "not in (48)".to_owned() }
             })),
             None => row.extend(["diverged", "", "", ""].map(str::to_owned)),
         }
-        let bounds = if setting == Setting::First { "(48)" } else { "(49)" };
+        let bounds = if setting == GainSetting::First { "(48)" } else { "(49)" };
         let kept = if keeps_bounds(run, setting) { "yes" } else { "no" };
         row.push(format!("{bounds}: {kept}"));
         row

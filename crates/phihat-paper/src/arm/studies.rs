@@ -36,7 +36,7 @@ pub(crate) const SHIPPED: &[(&str, &str)] = shipped![
 ///
 /// `K_p` and `K_d` are printed, the coefficients `a_i` are not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Setting {
+pub enum GainSetting {
     /// m = 1.
     First,
     /// m = 2, `a = (4844, 69.6)`.
@@ -49,7 +49,7 @@ pub enum Setting {
     H4,
 }
 
-impl Setting {
+impl GainSetting {
     /// All of them.
     pub const ALL: [Self; 5] = [Self::First, Self::H1, Self::H2, Self::H3, Self::H4];
     /// Those of second order.
@@ -79,7 +79,7 @@ impl Setting {
 
 /// Simulation or experiment, in the paper's words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum StudyKind {
     /// Exact sensors, no limits.
     Simulation,
     /// Encoders, delay, drives, friction, a torque limit.
@@ -116,7 +116,12 @@ impl Studies {
     /// # Errors
     ///
     /// [`PartError`]: there is no such study, or its text is not valid.
-    pub fn study(&self, kind: Kind, setting: Setting, form: Form) -> Result<Study, PartError> {
+    pub fn study(
+        &self,
+        kind: StudyKind,
+        setting: GainSetting,
+        form: Form,
+    ) -> Result<Study, PartError> {
         let mut study = self.read(&name(kind, setting))?;
         study.control.form = form;
         Ok(study)
@@ -135,7 +140,7 @@ impl Studies {
 }
 
 /// Path of the study of a setting in the repository.
-pub(crate) fn path_of(kind: Kind, setting: Setting) -> String {
+pub(crate) fn path_of(kind: StudyKind, setting: GainSetting) -> String {
     path(&name(kind, setting))
 }
 
@@ -144,10 +149,10 @@ pub(crate) fn path(name: &str) -> String {
     format!("studies/paper/{name}.toml")
 }
 
-fn name(kind: Kind, setting: Setting) -> String {
+fn name(kind: StudyKind, setting: GainSetting) -> String {
     let kind = match kind {
-        Kind::Simulation => "simulation",
-        Kind::Experiment => "experiment",
+        StudyKind::Simulation => "simulation",
+        StudyKind::Experiment => "experiment",
     };
     format!("{kind}_{}", setting.stem())
 }

@@ -6,11 +6,11 @@ use phihat_study::Study;
 use super::claims::{Claim, EXPERIMENTED, SIMULATED};
 use super::run::resized;
 use super::runs::Runs;
-use super::studies::{Kind, Studies};
+use super::studies::{Studies, StudyKind};
 use super::variations::{Other, PATHS, WORLDS};
 use crate::compose::{figure, log_axis, number, rests_on, section, table, three};
 use crate::part::{Extent, PartError};
-use crate::record::{Assumption, Number, Section, Statement};
+use crate::record::{Assumption, PaperNumber, Section, Statement};
 use phihat_report::kit::figure::{Content, Panel};
 
 /// Factors on the masses of the links.
@@ -19,7 +19,7 @@ const LINKS: &[f64] = &[0.3, 0.5, 1.0, 2.0, 3.0];
 const ARMATURES: &[f64] = &[0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.6];
 
 /// Truth of each statement on one variation: by claim, in the printed and in the observer form.
-type Answers = Vec<[bool; 2]>;
+type SurrogateAnswers = Vec<[bool; 2]>;
 
 /// The statements of one kind over all variations.
 #[derive(Debug)]
@@ -28,8 +28,8 @@ pub(crate) struct Varied {
     links: Vec<f64>,
     armatures: Vec<f64>,
     /// Row by row of `links`.
-    arms: Vec<Answers>,
-    others: Vec<(&'static str, &'static str, Answers)>,
+    arms: Vec<SurrogateAnswers>,
+    others: Vec<(&'static str, &'static str, SurrogateAnswers)>,
     /// True if all variations were run.
     whole: bool,
 }
@@ -40,7 +40,7 @@ pub(crate) fn simulated(
     extent: Extent,
     progress: &dyn Fn(f64),
 ) -> Result<Varied, PartError> {
-    vary(studies, Kind::Simulation, (SIMULATED, PATHS), extent, progress)
+    vary(studies, StudyKind::Simulation, (SIMULATED, PATHS), extent, progress)
 }
 
 /// Varies what the experiments rest on.
@@ -49,12 +49,12 @@ pub(crate) fn experimented(
     extent: Extent,
     progress: &dyn Fn(f64),
 ) -> Result<Varied, PartError> {
-    vary(studies, Kind::Experiment, (EXPERIMENTED, WORLDS), extent, progress)
+    vary(studies, StudyKind::Experiment, (EXPERIMENTED, WORLDS), extent, progress)
 }
 
 fn vary(
     studies: &Studies,
-    kind: Kind,
+    kind: StudyKind,
     (claims, others): (&'static [Claim], &'static [Other]),
     extent: Extent,
     progress: &dyn Fn(f64),
@@ -67,7 +67,7 @@ fn vary(
     let others = if extent.quick { &others[..1] } else { others };
     let all = (links.len() * armatures.len() + others.len()) as f64;
     let mut done = 0.0;
-    let mut answers = |change: &dyn Fn(Study) -> Study| -> Result<Answers, PartError> {
+    let mut answers = |change: &dyn Fn(Study) -> Study| -> Result<SurrogateAnswers, PartError> {
         let runs = Runs::of(studies, kind, change, || ())?;
         done += 1.0;
         progress(done / all);
@@ -119,7 +119,7 @@ impl Varied {
         let (held, all) = (self.share(claim, 0), self.arms.len());
         let ends =
             |all: &[f64]| [all.first(), all.last()].map(|end| three(end.copied())).join(" to ");
-        let fails = |(k, answers): (usize, &Answers)| {
+        let fails = |(k, answers): (usize, &SurrogateAnswers)| {
             let (row, column) = (k / self.armatures.len(), k % self.armatures.len());
             (!answers[claim][0]).then(|| {
                 let place = [self.links.get(row), self.armatures.get(column)];
@@ -142,7 +142,7 @@ impl Varied {
     }
 
     /// Under how many single changes a claim holds, by form; nothing of a quick run, which tries fewer.
-    pub(crate) fn counts(&self, claim: usize, what: &str) -> Vec<Number> {
+    pub(crate) fn counts(&self, claim: usize, what: &str) -> Vec<PaperNumber> {
         let forms = ["printed form", "observer form"].into_iter().enumerate();
         let count = |(form, name): (usize, &str)| {
             let held = self.others.iter().filter(|(.., answers)| answers[claim][form]).count();
@@ -152,12 +152,12 @@ impl Varied {
     }
 
     /// Table and map.
-    pub(crate) fn section(&self, kind: Kind, studies: &[String]) -> Section {
+    pub(crate) fn section(&self, kind: StudyKind, studies: &[String]) -> Section {
         let (id, title) = match kind {
-            Kind::Simulation => {
+            StudyKind::Simulation => {
                 ("surrogates-simulation", "Other arms: the statements on Figs. 5 to 8")
             }
-            Kind::Experiment => {
+            StudyKind::Experiment => {
                 ("surrogates-experiment", "Other arms: the statements on Figs. 9 to 11")
             }
         };
@@ -194,7 +194,7 @@ impl Varied {
 
     /// Map of the arms on which (48), (49) are satisfied.
     fn map(&self, id: &str) -> phihat_report::kit::figure::Figure {
-        let class = |answers: &Answers| {
+        let class = |answers: &SurrogateAnswers| {
             let bounds = || self.claims.iter().zip(answers).filter(|(claim, _)| claim.bounds);
             let all = |form: usize| u8::from(bounds().all(|(_, holds)| holds[form]));
             all(0) + 2 * all(1)

@@ -5,13 +5,13 @@ use phihat_study::Study;
 
 use super::order_switch::switched;
 use super::run::Run;
-use super::studies::{Kind, Setting, Studies, path, path_of};
+use super::studies::{GainSetting, Studies, StudyKind, path, path_of};
 use super::{assumptions, softer, transient};
 use crate::compose::{
     axis, axis_over, curve, figure, lines, number, rests_on, section, statement, table, three,
 };
 use crate::item::{self, Item};
-use crate::part::{Extent, Part, PartError};
+use crate::part::{Extent, PaperPart, PartError};
 use crate::record::{Statement, Verdict};
 use phihat_report::kit::figure::Figure;
 
@@ -22,8 +22,8 @@ const NO_JUMP_NM: f64 = 1.0;
 const AS_GOOD: f64 = 1.2;
 
 /// The printed form: one second-order setting from the start, and after a start with m = 1.
-struct Pair {
-    setting: Setting,
+struct SwitchingPair {
+    setting: GainSetting,
     direct: Run,
     switched: Run,
     /// Sample of the last torque of the first law; `None`: it never changed.
@@ -41,11 +41,11 @@ pub fn order_switching(
     studies: &Studies,
     _: Extent,
     progress: &dyn Fn(f64),
-) -> Result<Part, PartError> {
-    let first = printed(studies, Setting::First)?;
+) -> Result<PaperPart, PartError> {
+    let first = printed(studies, GainSetting::First)?;
     let mut pairs = Vec::new();
-    for setting in Setting::SECOND {
-        pairs.push(Pair::of(setting, &first, printed(studies, setting)?)?);
+    for setting in GainSetting::SECOND {
+        pairs.push(SwitchingPair::of(setting, &first, printed(studies, setting)?)?);
         progress(pairs.len() as f64 / 6.0);
     }
     let (with, without) = (supervised(studies, true)?, supervised(studies, false)?);
@@ -58,16 +58,16 @@ pub fn order_switching(
     section.tables.push(switch_table(&first, &pairs, (&with, &without)));
     section.figures.push(switch_figure(&first, &pairs));
     let mut paths: Vec<String> =
-        Setting::ALL.iter().map(|setting| path_of(Kind::Simulation, *setting)).collect();
+        GainSetting::ALL.iter().map(|setting| path_of(StudyKind::Simulation, *setting)).collect();
     paths.push(path("order_switch"));
     rests_on(&mut section, assumptions::SIMULATION, &paths);
     progress(1.0);
-    Ok(Part { assumptions: assumptions::all(), sections: vec![section] })
+    Ok(PaperPart { assumptions: assumptions::all(), sections: vec![section] })
 }
 
 /// A setting in the printed form.
-fn printed(studies: &Studies, setting: Setting) -> Result<Run, PartError> {
-    Run::of(studies.study(Kind::Simulation, setting, Form::Literal)?)
+fn printed(studies: &Studies, setting: GainSetting) -> Result<Run, PartError> {
+    Run::of(studies.study(StudyKind::Simulation, setting, Form::Literal)?)
 }
 
 /// The supervised study, with or without its first-order start.
@@ -79,8 +79,8 @@ fn supervised(studies: &Studies, start_first_order: bool) -> Result<Run, PartErr
     Run::of(study)
 }
 
-impl Pair {
-    fn of(setting: Setting, first: &Run, direct: Run) -> Result<Self, PartError> {
+impl SwitchingPair {
+    fn of(setting: GainSetting, first: &Run, direct: Run) -> Result<Self, PartError> {
         let second = &direct.study;
         let switched = switched(&first.study, second)?;
         // Up to the change both runs are one.
@@ -132,7 +132,7 @@ fn naive_jump(first: &Run, second: &Study, at: usize) -> Result<f64, PartError> 
     Ok(worst)
 }
 
-fn remedy(first: &Run, pairs: &[Pair]) -> Statement {
+fn remedy(first: &Run, pairs: &[SwitchingPair]) -> Statement {
     let helps = pairs.iter().all(|pair| {
         pair.at.is_some()
             && pair.switched.overshoot(1) < pair.direct.overshoot(1)
@@ -148,7 +148,7 @@ fn remedy(first: &Run, pairs: &[Pair]) -> Statement {
     let direct: Vec<String> = pairs.iter().map(|pair| percent(&pair.direct)).collect();
     let switched: Vec<String> = pairs.iter().map(|pair| percent(&pair.switched)).collect();
     let why = if helps {
-        let steps = pairs.iter().filter_map(Pair::torque_steps).map(|steps| steps[0]);
+        let steps = pairs.iter().filter_map(SwitchingPair::torque_steps).map(|steps| steps[0]);
         format!(
             "Up to the change the run is that of m = 1, with its overshoot of {}; after it the error is \
              that of m = 2. φ̂ has to be handed over: with the integrals of (10) as they stand it would \
@@ -184,7 +184,7 @@ fn remedy(first: &Run, pairs: &[Pair]) -> Statement {
     .covering(&[Item { kind: item::Kind::Remark, number: 4 }])
 }
 
-fn remedy_numbers(pairs: &[Pair], jump: f64) -> Vec<crate::record::Number> {
+fn remedy_numbers(pairs: &[SwitchingPair], jump: f64) -> Vec<crate::record::PaperNumber> {
     let mut numbers = vec![number("jump of φ̂ with the integrals as they stand", "N·m", jump, 1e-2)];
     for pair in pairs {
         let name = |what: &str| format!("{what}, {}", pair.setting.label());
@@ -209,7 +209,7 @@ fn remedy_numbers(pairs: &[Pair], jump: f64) -> Vec<crate::record::Number> {
 
 fn switch_table(
     first: &Run,
-    pairs: &[Pair],
+    pairs: &[SwitchingPair],
     (with, without): (&Run, &Run),
 ) -> crate::record::Table {
     let row = |label: &str, form: &str, start: &str, run: &Run, at: Option<f64>| {
@@ -262,13 +262,13 @@ fn raised(run: &Run) -> Option<f64> {
     Some(at as f64 * run.period())
 }
 
-fn switch_figure(first: &Run, pairs: &[Pair]) -> Figure {
+fn switch_figure(first: &Run, pairs: &[SwitchingPair]) -> Figure {
     let shown = transient::SHOWN_S;
     let error = |label: &str, run: &Run| {
         let points = run.times().zip(&run.joints()[1].e).map(|(t, e)| [t, *e]);
         curve(label, points.take_while(|[t, _]| *t <= shown))
     };
-    let panel = |pair: &Pair| {
+    let panel = |pair: &SwitchingPair| {
         let series = vec![
             error("m = 1", first),
             error("m = 2 from the start", &pair.direct),

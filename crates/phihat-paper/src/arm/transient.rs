@@ -7,7 +7,7 @@ use super::claims::{peaks_more, verdict};
 use super::peaking::Peaking;
 use super::run::Run;
 use super::runs::{Runs, form_name};
-use super::studies::{Setting, Studies};
+use super::studies::{GainSetting, Studies};
 use crate::compose::{
     axis, axis_over, curve, figure, lines, number, section, statement, table, three,
 };
@@ -50,7 +50,7 @@ struct Transients {
 impl Transients {
     fn of(runs: &Runs) -> Result<Self, PartError> {
         let (mut joint, mut tip) = (Vec::new(), Vec::new());
-        for setting in Setting::ALL {
+        for setting in GainSetting::ALL {
             let both = [runs.get(setting, Form::Literal)?, runs.get(setting, Form::Observer)?];
             joint.push(both.map(|run| run.overshoot(1)));
             tip.push([both[0].tip_overshoot()?, both[1].tip_overshoot()?]);
@@ -72,7 +72,7 @@ impl Transients {
                 "For none of the hypotheses on the gains the tip goes farther with m = 2."
             }
         };
-        let numbers = Setting::ALL.iter().zip(&self.tip);
+        let numbers = GainSetting::ALL.iter().zip(&self.tip);
         statement(
             [
                 "fig5-overshoot",
@@ -105,9 +105,11 @@ impl Transients {
     }
 
     fn joint(&self, runs: &Runs) -> Result<Statement, PartError> {
-        let first = runs.get(Setting::First, Form::Literal)?;
-        let more = |setting: &Setting| Ok(peaks_more(runs.get(*setting, Form::Literal)?, first));
-        let more: Vec<bool> = Setting::SECOND.iter().map(more).collect::<Result<_, PartError>>()?;
+        let first = runs.get(GainSetting::First, Form::Literal)?;
+        let more =
+            |setting: &GainSetting| Ok(peaks_more(runs.get(*setting, Form::Literal)?, first));
+        let more: Vec<bool> =
+            GainSetting::SECOND.iter().map(more).collect::<Result<_, PartError>>()?;
         let percent: Vec<String> =
             self.joint.iter().map(|joint| format!("{:.0}", joint[0] * 1e2)).collect();
         let all = more.iter().all(|more| *more);
@@ -117,8 +119,8 @@ impl Transients {
         } else {
             "Not for every hypothesis on the gains: the order alone does not decide it."
         };
-        let numbers = Setting::ALL.iter().zip(&self.joint);
-        let named = |(setting, joint): (&Setting, &[f64; 2])| {
+        let numbers = GainSetting::ALL.iter().zip(&self.joint);
+        let named = |(setting, joint): (&GainSetting, &[f64; 2])| {
             let name = format!("overshoot of joint 2, {}, printed form", setting.label());
             number(&name, "", joint[0], AGAIN)
         };
@@ -148,7 +150,7 @@ impl Transients {
 /// "Starts from zero": beside the closed form of Lemma 1, in the runs.
 fn zero_start(runs: &Runs) -> Result<Statement, PartError> {
     let largest = |of: &dyn Fn(&Run) -> Result<f64, PartError>, form| -> Result<f64, PartError> {
-        let all = Setting::ALL.iter().map(|setting| of(runs.get(*setting, form)?));
+        let all = GainSetting::ALL.iter().map(|setting| of(runs.get(*setting, form)?));
         Ok(all.collect::<Result<Vec<_>, PartError>>()?.into_iter().fold(0.0, f64::max))
     };
     let here = |run: &Run| Ok(run.phi_hat_at_start());
@@ -195,7 +197,7 @@ fn at_rest_on_the_path(run: &Run) -> Result<f64, PartError> {
 }
 
 fn transient_table(runs: &Runs) -> Result<Table, PartError> {
-    let row = |(setting, form, run): (Setting, Form, &Run)| -> Result<Vec<String>, PartError> {
+    let row = |(setting, form, run): (GainSetting, Form, &Run)| -> Result<Vec<String>, PartError> {
         Ok(vec![
             setting.label().to_owned(),
             form_name(form).to_owned(),
@@ -225,13 +227,13 @@ pub(crate) fn joint_figure(
     within: f64,
 ) -> Result<Figure, PartError> {
     let panel = |form: Form| -> Result<_, PartError> {
-        let error = |setting: Setting| -> Result<_, PartError> {
+        let error = |setting: GainSetting| -> Result<_, PartError> {
             let run = runs.get(setting, form)?;
             let points =
                 run.times().zip(&run.joints()[1].e).map(|(t, e)| [t, e.clamp(-within, within)]);
             Ok(curve(setting.label(), points.take_while(|[t, _]| *t <= SHOWN_S)))
         };
-        let series = Setting::ALL.into_iter().map(error).collect::<Result<_, _>>()?;
+        let series = GainSetting::ALL.into_iter().map(error).collect::<Result<_, _>>()?;
         let title = format!("{} form", form_name(form));
         Ok(lines(
             &title,

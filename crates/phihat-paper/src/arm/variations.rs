@@ -1,6 +1,6 @@
 //! Variations besides the arm: path, start and world.
 
-use phihat_study::{Curve, Reference, Study};
+use phihat_study::{Curve, ReferenceRequest, Study};
 
 /// A change of a study.
 pub(crate) type Change = fn(Study) -> Study;
@@ -30,14 +30,16 @@ fn on_path(mut study: Study) -> Study {
 }
 
 fn faded(mut study: Study) -> Study {
-    if let Reference::Cartesian { fade_in, .. } = &mut study.reference {
+    if let ReferenceRequest::Cartesian { fade_in, .. } = &mut study.reference {
         *fade_in = 1.0;
     }
     study
 }
 
 fn enlarged(mut study: Study) -> Study {
-    if let Reference::Cartesian { curve: Curve::Spline { points }, .. } = &mut study.reference {
+    if let ReferenceRequest::Cartesian { curve: Curve::Spline { points }, .. } =
+        &mut study.reference
+    {
         points.iter_mut().flatten().for_each(|coordinate| *coordinate *= 1.2);
     }
     study

@@ -2,11 +2,11 @@
 
 use super::cases::{CASES, GAINS, RATE, runs};
 use crate::compose::{axis, curve, figure, lines};
-use crate::joint::{Instant, Phi};
+use crate::joint::{Instant, PhiCourse};
 use phihat_report::kit::figure::{Figure, Panel};
 
 /// φ, and φ̂ of each run.
-fn panel(title: &str, phi: &Phi, runs: &[(String, Vec<Instant>)]) -> Panel {
+fn panel(title: &str, phi: &PhiCourse, runs: &[(String, Vec<Instant>)]) -> Panel {
     let of = |rows: &[Instant], f: fn(&Instant) -> f64| -> Vec<[f64; 2]> {
         rows.iter().map(|x| [x.t, f(x)]).collect()
     };
@@ -16,17 +16,17 @@ fn panel(title: &str, phi: &Phi, runs: &[(String, Vec<Instant>)]) -> Panel {
     }
     series.extend(runs.iter().map(|(label, rows)| curve(label, of(rows, |x| x.phi_hat))));
     let shown = match phi {
-        Phi::Joined(_) => axis("t − 1.5 s [s]"),
-        Phi::Generated { .. } => axis("t [s]"),
+        PhiCourse::Joined(_) => axis("t − 1.5 s [s]"),
+        PhiCourse::Generated { .. } => axis("t [s]"),
     };
     lines(title, (shown, axis("φ, φ̂ [N·m]")), series, Vec::new())
 }
 
-pub(super) fn fig_12(phi: &Phi) -> Figure {
-    let of = |phi: &Phi| -> Vec<_> {
+pub(super) fn fig_12(phi: &PhiCourse) -> Figure {
+    let of = |phi: &PhiCourse| -> Vec<_> {
         GAINS.iter().map(|a| (format!("φ̂, a_0 = {a}"), runs(1, *a, phi))).collect()
     };
-    let constant = Phi::polynomial(&[20.0]);
+    let constant = PhiCourse::polynomial(&[20.0]);
     let short: Vec<_> = of(&constant).into_iter().map(|(l, r)| (l, r[..500].to_vec())).collect();
     let panels =
         vec![panel("constant φ", &constant, &short), panel("φ along Fig. 4", phi, &of(phi))];
@@ -35,11 +35,11 @@ pub(super) fn fig_12(phi: &Phi) -> Figure {
     figure("fig-12", "Fig. 12: first order, different a_0", caption, panels)
 }
 
-pub(super) fn fig_13(phi: &Phi) -> Figure {
-    let of = |phi: &Phi| -> Vec<_> {
+pub(super) fn fig_13(phi: &PhiCourse) -> Figure {
+    let of = |phi: &PhiCourse| -> Vec<_> {
         (1..=3).map(|m| (format!("φ̂, m = {m}"), runs(m, RATE, phi))).collect()
     };
-    let cut = |phi: &Phi, to: usize| -> Vec<_> {
+    let cut = |phi: &PhiCourse, to: usize| -> Vec<_> {
         of(phi)
             .into_iter()
             .map(|(l, mut r)| {
@@ -51,7 +51,7 @@ pub(super) fn fig_13(phi: &Phi) -> Figure {
     let mut panels: Vec<Panel> = CASES
         .iter()
         .map(|case| {
-            let phi = Phi::polynomial(case.coefficients);
+            let phi = PhiCourse::polynomial(case.coefficients);
             panel(case.name, &phi, &cut(&phi, 800))
         })
         .collect();

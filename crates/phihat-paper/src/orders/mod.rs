@@ -4,16 +4,16 @@ mod cases;
 mod figures;
 mod statements;
 
-use crate::arm::{Kind, Run, Setting, Studies};
+use crate::arm::{GainSetting, Run, Studies, StudyKind};
 use crate::compose::section;
-use crate::joint::Phi;
-use crate::part::{Extent, Part, PartError};
+use crate::joint::PhiCourse;
+use crate::part::{Extent, PaperPart, PartError};
 use figures::{fig_12, fig_13};
 use phihat::Form;
 use statements::{gain, left_over, parabolic, polynomials, real, torques};
 
 /// Figs. 12, 13 and the statements beside them.
-pub(super) fn orders(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, PartError> {
+pub(super) fn orders(extent: Extent, progress: &dyn Fn(f64)) -> Result<PaperPart, PartError> {
     let phi = real_phi(&Studies::shipped(), extent)?;
     progress(0.5);
     let text = "One joint at M̄ = 1, K_p = 400, K_d = 40, and the exact solution of the linear loop by matrix \
@@ -25,14 +25,14 @@ pub(super) fn orders(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, Par
     section.tables = vec![left_over()];
     section.figures = vec![fig_12(&phi), fig_13(&phi)];
     progress(1.0);
-    Ok(Part { assumptions: Vec::new(), sections: vec![section] })
+    Ok(PaperPart { assumptions: Vec::new(), sections: vec![section] })
 }
 
 /// φ of the second joint over one turn of Fig. 4, at every sample of the study.
-fn real_phi(studies: &Studies, _: Extent) -> Result<Phi, PartError> {
-    let study = studies.study(Kind::Simulation, Setting::H3, Form::Observer)?;
+fn real_phi(studies: &Studies, _: Extent) -> Result<PhiCourse, PartError> {
+    let study = studies.study(StudyKind::Simulation, GainSetting::H3, Form::Observer)?;
     let run = Run::of(study)?;
     let joint = run.joints().get(1).ok_or(PartError::Missing("the arm has a second joint"))?;
     // Without the transient, which is not the motion's.
-    Ok(Phi::Joined(joint.phi.iter().skip(run.steady_from()).copied().collect()))
+    Ok(PhiCourse::Joined(joint.phi.iter().skip(run.steady_from()).copied().collect()))
 }

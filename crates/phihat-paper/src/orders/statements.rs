@@ -2,10 +2,10 @@
 
 use phihat_design::claims::polynomial;
 
-use super::cases::{CASES, Case, GAINS, RATE, STEP, runs};
+use super::cases::{CASES, GAINS, PhiCase, RATE, STEP, runs};
 use crate::compose::{number, table, three, words};
 use crate::gains::{equal_rate, law};
-use crate::joint::{Instant, PaperForm, Phi, largest, run};
+use crate::joint::{Instant, PaperForm, PhiCourse, largest, run};
 use crate::published::Published;
 use crate::record::{Statement, Table, Verdict};
 
@@ -15,11 +15,16 @@ fn left(rows: &[Instant]) -> f64 {
 }
 
 /// Fig. 12.
-pub(super) fn gain(phi: &Phi) -> Statement {
+pub(super) fn gain(phi: &PhiCourse) -> Statement {
     let mismatch = GAINS.map(|a| left(&runs(1, a, phi)));
     let effort = GAINS.map(|a| {
-        let off =
-            run(&law(&[a]), PaperForm::Ladder, &[0.0, 0.1], &Phi::polynomial(&[0.0]), (STEP, 500));
+        let off = run(
+            &law(&[a]),
+            PaperForm::Ladder,
+            &[0.0, 0.1],
+            &PhiCourse::polynomial(&[0.0]),
+            (STEP, 500),
+        );
         largest(off.iter().map(|x| x.phi_hat - 40.0 * x.de - 400.0 * x.e))
     });
     let falls = mismatch.windows(2).all(|w| w[1] < w[0]);
@@ -45,7 +50,7 @@ pub(super) fn gain(phi: &Phi) -> Statement {
 }
 
 /// `φ̃` that is left in the end: `−φ^{(m)}/a_0`, or none.
-fn closed_form(order: usize, case: &Case) -> Option<f64> {
+fn closed_form(order: usize, case: &PhiCase) -> Option<f64> {
     let degree = case.coefficients.len() - 1;
     let a = equal_rate(order, RATE).a;
     match degree.cmp(&order) {
@@ -55,12 +60,12 @@ fn closed_form(order: usize, case: &Case) -> Option<f64> {
     }
 }
 
-fn last_mismatch(order: usize, case: &Case) -> f64 {
+fn last_mismatch(order: usize, case: &PhiCase) -> f64 {
     mismatch_after(2000, order, case)
 }
 
-fn mismatch_after(steps: usize, order: usize, case: &Case) -> f64 {
-    let phi = Phi::polynomial(case.coefficients);
+fn mismatch_after(steps: usize, order: usize, case: &PhiCase) -> f64 {
+    let phi = PhiCourse::polynomial(case.coefficients);
     let rows = run(&equal_rate(order, RATE), PaperForm::Estimator, &[], &phi, (STEP, steps));
     rows.last().map_or(f64::NAN, |x| (x.phi_hat - x.phi).abs())
 }
@@ -104,7 +109,7 @@ pub(super) fn polynomials() -> Statement {
 pub(super) fn parabolic() -> Statement {
     let parabola = last_mismatch(3, &CASES[2]);
     let hyperbola: Vec<f64> = (0..=2000).map(|k| 20.0 / (0.2 + f64::from(k) * STEP)).collect();
-    let hyperbola = left(&runs(3, RATE, &Phi::Joined(hyperbola)));
+    let hyperbola = left(&runs(3, RATE, &PhiCourse::Joined(hyperbola)));
     Published {
         id: "erratum-hyperbolic",
         place: "Sec. VII-C",
@@ -126,7 +131,7 @@ pub(super) fn parabolic() -> Statement {
 }
 
 /// Fig. 13 on what an arm does.
-pub(super) fn real(phi: &Phi) -> Statement {
+pub(super) fn real(phi: &PhiCourse) -> Statement {
     let mismatch = [1, 2, 3].map(|order| left(&runs(order, RATE, phi)));
     let falls = mismatch.windows(2).all(|w| w[1] < w[0]);
     Published {
@@ -150,19 +155,19 @@ pub(super) fn real(phi: &Phi) -> Statement {
 
 /// (50) on a joint.
 pub(super) fn torques() -> Statement {
-    let torque = |order: usize, phi: &Phi| -> Vec<f64> {
+    let torque = |order: usize, phi: &PhiCourse| -> Vec<f64> {
         let rows = run(&equal_rate(order, RATE), PaperForm::Estimator, &[0.1], phi, (STEP, 3000));
         rows.iter().map(|x| x.phi_hat - 40.0 * x.de - 400.0 * x.e).collect()
     };
-    let apart = |phi: &Phi, from: usize, to: usize| {
+    let apart = |phi: &PhiCourse, from: usize, to: usize| {
         let [one, two, three] = [1, 2, 3].map(|order| torque(order, phi));
         let differ = |k: usize| (one[k] - two[k]).abs().max((two[k] - three[k]).abs());
         largest((from..to).map(differ))
     };
-    let constant = Phi::polynomial(&[20.0]);
+    let constant = PhiCourse::polynomial(&[20.0]);
     let early = apart(&constant, 0, 300);
     let late = apart(&constant, 2500, 3000);
-    let ramp = apart(&Phi::polynomial(&[0.0, 20.0]), 2500, 3000);
+    let ramp = apart(&PhiCourse::polynomial(&[0.0, 20.0]), 2500, 3000);
     // ë from the rate of ė, between samples: the sum against φ + q̈_d + ë, with q̈_d = 0.
     let off = largest((1..=3).map(|order| {
         let rows =

@@ -23,7 +23,7 @@ pub fn own(
 ) -> Result<OwnReproduction, OwnError> {
     let own = Own::new(study, path)?;
     let joint = joint.map(|name| own.joint(name)).transpose()?;
-    let runs = table3::Runs::of(&own)?;
+    let runs = table3::Table3Runs::of(&own)?;
     progress(0.6);
     let phi = OwnPhi::of(&own, &runs.proposed, (phi, joint))?;
     let (orders, mut numbers) = orders::orders(&own, &phi, &runs.proposed);

@@ -8,7 +8,7 @@ use super::phi::{OwnPhi, joined, rate};
 use crate::arm::Run;
 use crate::compose::{axis, curve, figure, lines, number, section, table, three};
 use crate::joint::{Instant, PaperForm, largest, run};
-use crate::record::{Number, Section, Table};
+use crate::record::{PaperNumber, Section, Table};
 use phihat_report::kit::figure::Figure;
 
 /// The own `a_0` times these, for Fig. 12.
@@ -33,14 +33,14 @@ fn left(rows: &[Instant]) -> [f64; 2] {
 }
 
 /// Both as a cell, and as numbers.
-fn told(numbers: &mut Vec<Number>, what: &str, [most, root]: [f64; 2]) -> String {
+fn told(numbers: &mut Vec<PaperNumber>, what: &str, [most, root]: [f64; 2]) -> String {
     numbers.push(number(what, "N·m", most, 1e-2));
     numbers.push(number(&format!("{what}, rms"), "N·m", root, 1e-2));
     format!("{} ({})", three(Some(most)), three(Some(root)))
 }
 
 /// The section, and the figures behind its tables.
-pub(super) fn orders(own: &Own, phi: &OwnPhi, run: &Run) -> (Section, Vec<Number>) {
+pub(super) fn orders(own: &Own, phi: &OwnPhi, run: &Run) -> (Section, Vec<PaperNumber>) {
     let text = format!(
         "The estimator (8) alone, solved exactly, with φ as its input: {}, joined by straight lines. Fig. 12 varies a_0 at m = 1; \
          Fig. 13 varies the order, with every estimator pole at the own rate r = a_0^(1/m). Mismatch: largest |φ̂ − φ| after \
@@ -57,7 +57,7 @@ pub(super) fn orders(own: &Own, phi: &OwnPhi, run: &Run) -> (Section, Vec<Number
     (section, numbers)
 }
 
-fn gains_table(own: &Own, phi: &OwnPhi) -> (Table, Vec<Number>) {
+fn gains_table(own: &Own, phi: &OwnPhi) -> (Table, Vec<PaperNumber>) {
     let (mut rows, mut numbers) = (Vec::new(), Vec::new());
     for (joint, values) in &phi.joints {
         let name = &own.study.robot.joints[*joint].name;
@@ -78,7 +78,7 @@ fn gains_table(own: &Own, phi: &OwnPhi) -> (Table, Vec<Number>) {
     )
 }
 
-fn orders_table(own: &Own, phi: &OwnPhi, run: &Run) -> (Table, Vec<Number>) {
+fn orders_table(own: &Own, phi: &OwnPhi, run: &Run) -> (Table, Vec<PaperNumber>) {
     let (mut rows, mut numbers) = (Vec::new(), Vec::new());
     for (joint, values) in &phi.joints {
         let record = &own.gains.joints[*joint];

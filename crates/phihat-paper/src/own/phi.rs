@@ -7,7 +7,7 @@ use phihat_session::files;
 use super::error::OwnError;
 use super::law::Own;
 use crate::arm::Run;
-use crate::joint::{Phi, largest};
+use crate::joint::{PhiCourse, largest};
 
 /// Samples that a φ has at least.
 const LEAST: usize = 30;
@@ -60,8 +60,8 @@ impl OwnPhi {
 }
 
 /// φ as a signal.
-pub(super) fn joined(values: &[f64]) -> Phi {
-    Phi::Joined(values.to_vec())
+pub(super) fn joined(values: &[f64]) -> PhiCourse {
+    PhiCourse::Joined(values.to_vec())
 }
 
 /// Largest rate between samples \[N·m/s\].

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::record::{Number, Section};
+use crate::record::{PaperNumber, Section};
 
 /// Version of the layout of [`OwnReproduction`].
 pub const OWN_FORMAT: u32 = 1;
@@ -25,7 +25,7 @@ pub struct OwnReproduction {
     /// Figs. 12 and 13, then Table 3 and Fig. 14.
     pub sections: Vec<Section>,
     /// The figures behind the tables.
-    pub numbers: Vec<Number>,
+    pub numbers: Vec<PaperNumber>,
     /// Parts of the paper that are not computed here, and why.
     pub left_out: Vec<LeftOutOfPaper>,
 }

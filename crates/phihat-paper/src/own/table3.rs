@@ -9,7 +9,7 @@ use super::law::Own;
 use crate::arm::Run;
 use crate::compose::{axis, curve, figure, lines, number, table, three};
 use crate::part::PartError;
-use crate::record::{Number, Section, Table};
+use crate::record::{PaperNumber, Section, Table};
 use phihat_report::kit::figure::Figure;
 
 /// The outer loop (3) alone: `τ = M̄ (q̈_d − K_d ė − K_p e)`.
@@ -29,14 +29,14 @@ impl Driver for Pd {
 
 /// The runs behind the table.
 #[derive(Debug)]
-pub(super) struct Runs {
+pub(super) struct Table3Runs {
     pub(super) proposed: Run,
     pd: Run,
     /// On the robot that adds its own gravity and friction by itself.
     compensated: [Run; 2],
 }
 
-impl Runs {
+impl Table3Runs {
     pub(super) fn of(own: &Own) -> Result<Self, OwnError> {
         let helped = compensating(&own.study);
         Ok(Self {
@@ -72,7 +72,7 @@ fn mean_square(run: &Run, joint: usize) -> Option<f64> {
 }
 
 /// The section, and the figures behind its table.
-pub(super) fn section(own: &Own, runs: &Runs) -> (Section, Vec<Number>) {
+pub(super) fn section(own: &Own, runs: &Table3Runs) -> (Section, Vec<PaperNumber>) {
     let text = format!(
         "PD is the outer loop (3) with M̄ and q̈_d, at the study's own K_p and K_d; the proposed law adds φ̂, with the study's own a. \
          Once on the robot as the study has it, once on one that adds gravity and its own friction by itself, as arms with \
@@ -91,7 +91,7 @@ fn section_of(text: &str) -> Section {
     crate::compose::section("own-table-3", "Table 3 and Fig. 14 with these gains", &[text])
 }
 
-fn errors(own: &Own, runs: &Runs) -> (Table, Vec<Number>) {
+fn errors(own: &Own, runs: &Table3Runs) -> (Table, Vec<PaperNumber>) {
     let (mut rows, mut numbers) = (Vec::new(), Vec::new());
     let [pd_helped, helped] = &runs.compensated;
     for (joint, record) in own.gains.joints.iter().enumerate() {
@@ -127,7 +127,7 @@ fn errors(own: &Own, runs: &Runs) -> (Table, Vec<Number>) {
     (table("own-table-3", title, &columns, rows), numbers)
 }
 
-fn fig_14(own: &Own, runs: &Runs) -> Figure {
+fn fig_14(own: &Own, runs: &Table3Runs) -> Figure {
     let panel = |(joint, record): (usize, &JointRecord)| {
         let of = |label: &str, run: &Run| {
             let e = run.joints().get(joint).map_or(&[][..], |joint| &joint.e);

@@ -1,6 +1,6 @@
 //! Statements: the paper's value beside ours, and everything needed to doubt either.
 
-use crate::record::{Number, Origin, Section, Statement};
+use crate::record::{Origin, PaperNumber, Section, Statement};
 use maud::{Markup, html};
 
 use super::words::{class, whose};
@@ -93,7 +93,7 @@ fn scope(statement: &Statement) -> Markup {
     }
 }
 
-fn value(number: &Number) -> Markup {
+fn value(number: &PaperNumber) -> Markup {
     html! {
         (prose(&number.name)) ": "
         @match number.value {

@@ -3,7 +3,7 @@
 use phihat_rivals::{Tick, Ticks};
 
 use super::rated::Rated;
-use super::row::Row;
+use super::row::Table1Row;
 use crate::compose::{number, three};
 use crate::published::Published;
 use crate::record::{Statement, Verdict};
@@ -20,7 +20,7 @@ struct Sorted {
 
 impl Sorted {
     fn of(
-        rows: &[(&Row, &[Rated])],
+        rows: &[(&Table1Row, &[Rated])],
         printed: fn(&Ticks) -> Tick,
         measured: fn(&Rated) -> Option<bool>,
     ) -> Self {
@@ -72,7 +72,7 @@ impl Sorted {
         )
     }
 
-    fn numbers(&self) -> Vec<crate::record::Number> {
+    fn numbers(&self) -> Vec<crate::record::PaperNumber> {
         vec![
             number("rows that agree", "", self.agree.len() as f64, 0.0),
             number("rows against", "", self.against.len() as f64, 0.0),
@@ -85,7 +85,7 @@ impl Sorted {
 const VARIED: &str = "four worlds (exact, encoder, payload, friction), default and tuned gains";
 
 /// "Quantitative performance."
-pub(super) fn quantitative(rows: &[(&Row, &[Rated])]) -> Statement {
+pub(super) fn quantitative(rows: &[(&Table1Row, &[Rated])]) -> Statement {
     let printed = |ticks: &Ticks| ticks.quantitative;
     let kind = Sorted::of(rows, printed, Rated::bounded);
     let strict = Sorted::of(rows, printed, Rated::tightly);
@@ -113,7 +113,7 @@ pub(super) fn quantitative(rows: &[(&Row, &[Rated])]) -> Statement {
 }
 
 /// "Optimal."
-pub(super) fn optimal(rows: &[(&Row, &[Rated])]) -> Statement {
+pub(super) fn optimal(rows: &[(&Table1Row, &[Rated])]) -> Statement {
     let printed = |ticks: &Ticks| ticks.optimal;
     let kind = Sorted::of(rows, printed, Rated::optimal_somewhere);
     let strict = Sorted::of(rows, printed, Rated::optimal);
@@ -140,7 +140,7 @@ pub(super) fn optimal(rows: &[(&Row, &[Rated])]) -> Statement {
 }
 
 /// The least of the rows that shall be large over the largest of those that shall be small: above 1 they are apart.
-fn apart(rows: &[(&Row, &[Rated])], of: impl Fn(&Rated) -> Option<f64>) -> Option<f64> {
+fn apart(rows: &[(&Table1Row, &[Rated])], of: impl Fn(&Rated) -> Option<f64>) -> Option<f64> {
     let all = |tick: Tick| {
         let rows = rows.iter().filter(move |(row, _)| row.printed.easy == tick);
         rows.flat_map(|(_, laws)| laws.iter()).filter_map(&of).collect::<Vec<_>>()
@@ -151,7 +151,7 @@ fn apart(rows: &[(&Row, &[Rated])], of: impl Fn(&Rated) -> Option<f64>) -> Optio
 }
 
 /// "Easy tuning."
-pub(super) fn easy(rows: &[(&Row, &[Rated])]) -> Statement {
+pub(super) fn easy(rows: &[(&Table1Row, &[Rated])]) -> Statement {
     let by_share = apart(rows, Rated::share);
     let by_count = apart(rows, |law| Some(law.scalars().max(1.0).recip()));
     let found = by_share.is_some_and(|ratio| ratio > 1.0) || by_count.is_some_and(|r| r > 1.0);

@@ -1,13 +1,13 @@
 //! "Low computational cost", from instructions that were counted.
 
 use super::rated::Rated;
-use super::row::Row;
+use super::row::Table1Row;
 use crate::compose::number;
 use crate::published::Published;
 use crate::record::{Statement, Verdict};
 
 /// The paper's law against the laws of the other rows.
-pub(super) fn low(rows: &[(&Row, &[Rated])]) -> Statement {
+pub(super) fn low(rows: &[(&Table1Row, &[Rated])]) -> Statement {
     let laws = |own: bool| {
         let rows = rows.iter().filter(move |(row, _)| (row.name == "proposed") == own);
         let laws = rows.flat_map(|(_, laws)| laws.iter());

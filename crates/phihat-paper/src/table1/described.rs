@@ -2,42 +2,46 @@
 
 use phihat_rivals::Needs;
 
-use super::row::Row;
+use super::row::Table1Row;
 use crate::compose::number;
 use crate::published::Published;
 use crate::record::{Statement, Verdict};
 
 /// Property in a description that the needs of a law show.
-struct Said {
+struct DescribedProperty {
     row: &'static str,
     words: &'static str,
     shown: fn(&Needs) -> bool,
 }
 
 /// Row by row, in our words. What is left out says nothing that a type could show.
-const SAID: [Said; 10] = [
-    Said { row: "[23]", words: "uses the regressor", shown: |n| n.regressor },
-    Said {
+const SAID: [DescribedProperty; 10] = [
+    DescribedProperty { row: "[23]", words: "uses the regressor", shown: |n| n.regressor },
+    DescribedProperty {
         row: "[2]",
         words: "basis functions, no regressor",
         shown: |n| !n.regressor && !n.model,
     },
-    Said { row: "[25]", words: "uses the regressor", shown: |n| n.regressor },
-    Said {
+    DescribedProperty { row: "[25]", words: "uses the regressor", shown: |n| n.regressor },
+    DescribedProperty {
         row: "[29]",
         words: "regressor, uncertain kinematics",
         shown: |n| n.regressor && n.task,
     },
-    Said { row: "[28]", words: "observer, no joint velocity", shown: |n| !n.velocity },
-    Said { row: "[26]", words: "needs system parameters", shown: |n| n.model },
-    Said { row: "[27]", words: "a filtered term is added", shown: |n| n.regressor && n.torque },
-    Said { row: "[30]", words: "disturbance observer", shown: |n| n.torque },
-    Said { row: "[22]", words: "disturbance observer", shown: |n| n.torque },
-    Said { row: "[20]", words: "stays in an orbit of the path", shown: |n| n.orbit },
+    DescribedProperty { row: "[28]", words: "observer, no joint velocity", shown: |n| !n.velocity },
+    DescribedProperty { row: "[26]", words: "needs system parameters", shown: |n| n.model },
+    DescribedProperty {
+        row: "[27]",
+        words: "a filtered term is added",
+        shown: |n| n.regressor && n.torque,
+    },
+    DescribedProperty { row: "[30]", words: "disturbance observer", shown: |n| n.torque },
+    DescribedProperty { row: "[22]", words: "disturbance observer", shown: |n| n.torque },
+    DescribedProperty { row: "[20]", words: "stays in an orbit of the path", shown: |n| n.orbit },
 ];
 
 /// Statement that compares the printed words with the inputs of each law here.
-pub(super) fn described(rows: &[Row]) -> Statement {
+pub(super) fn described(rows: &[Table1Row]) -> Statement {
     let (mut agree, mut against, mut unsure) = (0, Vec::new(), Vec::new());
     for said in &SAID {
         let laws = rows.iter().filter(|row| row.name == said.row).flat_map(|row| &row.laws);
@@ -85,7 +89,7 @@ pub(super) fn described(rows: &[Row]) -> Statement {
 }
 
 /// The row of [5] and [12] says ✓ "model free", and in words that its parameters need knowledge of the system.
-pub(super) fn pid_model_free(rows: &[Row]) -> Statement {
+pub(super) fn pid_model_free(rows: &[Table1Row]) -> Statement {
     let laws: Vec<_> =
         rows.iter().filter(|row| row.name == "[5], [12]").flat_map(|row| &row.laws).collect();
     let free = laws.iter().filter(|entry| entry.needs.model_free()).count();

@@ -8,12 +8,12 @@ mod described;
 mod rated;
 mod row;
 
-use row::Row;
+use row::Table1Row;
 
 use super::compose::{number, words};
 use super::published::Published;
 use super::record::{Section, Statement, Table, Verdict};
-use crate::part::{Part, PartError};
+use crate::part::{PaperPart, PartError};
 
 /// The references of every row of the table, in its order; the last row is the paper's own law.
 const ROWS: [&[&str]; 13] = [
@@ -33,8 +33,9 @@ const ROWS: [&[&str]; 13] = [
 ];
 
 /// Table 1, on the planar arm.
-pub(super) fn table1(progress: &dyn Fn(f64)) -> Result<Part, PartError> {
-    let rows: Vec<Row> = ROWS.iter().map(|row| Row::of(row)).collect::<Result<_, _>>()?;
+pub(super) fn table1(progress: &dyn Fn(f64)) -> Result<PaperPart, PartError> {
+    let rows: Vec<Table1Row> =
+        ROWS.iter().map(|row| Table1Row::of(row)).collect::<Result<_, _>>()?;
     let rated = rated::rate(&rows, progress)?;
     let beside: Vec<_> = rows.iter().zip(rated.iter().map(Vec::as_slice)).collect();
     let columns = [
@@ -50,7 +51,7 @@ pub(super) fn table1(progress: &dyn Fn(f64)) -> Result<Part, PartError> {
         title: "The rows of Table 1 as printed, \"-\" being \"not completely true or known\""
             .to_owned(),
         columns: words(&columns),
-        rows: rows.iter().map(Row::cells).collect(),
+        rows: rows.iter().map(Table1Row::cells).collect(),
     };
     let section = Section {
         id: "table-1".to_owned(),
@@ -74,10 +75,10 @@ pub(super) fn table1(progress: &dyn Fn(f64)) -> Result<Part, PartError> {
         tables: vec![table],
         figures: Vec::new(),
     };
-    Ok(Part { assumptions: Vec::new(), sections: vec![section] })
+    Ok(PaperPart { assumptions: Vec::new(), sections: vec![section] })
 }
 
-fn model_free(rows: &[Row]) -> Statement {
+fn model_free(rows: &[Table1Row]) -> Statement {
     let decided: Vec<_> = rows.iter().filter_map(|row| Some((row, row.right()?))).collect();
     let wrong: Vec<_> = decided
         .iter()
@@ -86,7 +87,7 @@ fn model_free(rows: &[Row]) -> Statement {
         .collect();
     let open: Vec<_> =
         rows.iter().filter(|row| row.right().is_none()).map(|row| row.name.as_str()).collect();
-    let laws = |row: &&Row| {
+    let laws = |row: &&Table1Row| {
         let says = row.printed.model_free == Tick::Yes;
         let off = row.laws.iter().filter(|entry| entry.needs.model_free() != says);
         let off: Vec<_> = off.map(|entry| entry.card.id).collect();

@@ -1,11 +1,11 @@
 //! The columns of Table 1 that need runs: the laws of its rows on one arm, tuned alike and measured.
 
-use phihat_compare::{ArmCase, Columns, CompareError, Extent, Mark, Plan};
+use phihat_compare::{ArmCase, CompareError, ComparisonExtent, ComparisonPlan, Mark, MarkColumns};
 use phihat_design::claims::Optimality;
 use phihat_design::prelude::*;
 use phihat_rivals::{Entry, Grade, Tuning};
 
-use super::row::Row;
+use super::row::Table1Row;
 use crate::gains::{K_TILDE, K_TILDE_H3, first, second_h3};
 use crate::part::PartError;
 
@@ -16,18 +16,22 @@ const STUDY: (&str, &str) =
 /// A law of a row, and what was measured of it; `None`: it does not apply to this arm.
 pub(super) struct Rated {
     pub(super) entry: &'static Entry,
-    pub(super) columns: Option<Columns>,
+    pub(super) columns: Option<MarkColumns>,
     /// Instructions per update, counted on this arm.
     pub(super) instructions: Option<u64>,
 }
 
 /// Every law of every row, in their order.
-pub(super) fn rate(rows: &[Row], progress: &dyn Fn(f64)) -> Result<Vec<Vec<Rated>>, PartError> {
+pub(super) fn rate(
+    rows: &[Table1Row],
+    progress: &dyn Fn(f64),
+) -> Result<Vec<Vec<Rated>>, PartError> {
     let laws: Vec<&'static Entry> = rows.iter().flat_map(|row| row.laws.clone()).collect();
     let worlds = ["exact", "encoder", "payload", "friction"].map(str::to_owned).into();
-    let extent = Extent { worlds, tuning_runs: 30, widenings: 0, ..Extent::quick() };
+    let extent =
+        ComparisonExtent { worlds, tuning_runs: 30, widenings: 0, ..ComparisonExtent::quick() };
     let unfit = |why: CompareError| PartError::Comparison(Box::new(why));
-    let mut plan = Plan::of(&[], laws.clone(), extent).map_err(unfit)?;
+    let mut plan = ComparisonPlan::of(&[], laws.clone(), extent).map_err(unfit)?;
     plan.arms = vec![ArmCase::from_text(STUDY.0, STUDY.1).map_err(unfit)?];
     let found = plan.run_in_memory(progress).rows;
     let of = |entry: &'static Entry| {
@@ -44,7 +48,7 @@ impl Rated {
         self.entry.card.grade != Grade::C
     }
 
-    fn mark(&self, of: fn(&Columns) -> Mark) -> Option<Mark> {
+    fn mark(&self, of: fn(&MarkColumns) -> Mark) -> Option<Mark> {
         self.columns.as_ref().map(of)
     }
 

@@ -6,13 +6,13 @@ use crate::compose::words;
 use crate::part::PartError;
 
 /// One row: what is printed, and the laws here that stand for it.
-pub(super) struct Row {
+pub(super) struct Table1Row {
     pub(super) name: String,
     pub(super) printed: Ticks,
     pub(super) laws: Vec<&'static Entry>,
 }
 
-impl Row {
+impl Table1Row {
     pub(super) fn of(references: &[&str]) -> Result<Self, PartError> {
         let name = references.join(", ");
         let stands = |entry: &&Entry| {

@@ -2,13 +2,13 @@
 
 use phihat_design::claims::paper::Feedback;
 use phihat_design::claims::weights::q_diagonal;
-use phihat_design::claims::{Optimality, Refused, UnitLaw, polynomial};
+use phihat_design::claims::{LevelRefused, Optimality, UnitLaw, polynomial};
 use phihat_design::prelude::*;
 
 use crate::part::PartError;
 
 /// One column as printed.
-pub(super) struct Column {
+pub(super) struct Table2Column {
     pub(super) name: &'static str,
     pub(super) k_tilde: f64,
     pub(super) kp: f64,
@@ -17,13 +17,13 @@ pub(super) struct Column {
     pub(super) b: Option<f64>,
 }
 
-pub(super) const COLUMNS: [Column; 6] = [
-    Column { name: "m = 1 (A)", k_tilde: 222.0, kp: 200.0, kd: 32.3, b: None },
-    Column { name: "m = 1 (B)", k_tilde: 3.3, kp: 78.0, kd: 0.0, b: None },
-    Column { name: "m = 1 (C)", k_tilde: 68.9, kp: 400.0, kd: 40.0, b: None },
-    Column { name: "m = 2 (A)", k_tilde: 174.7, kp: 57.0, kd: 39.9, b: Some(0.0) },
-    Column { name: "m = 2 (B)", k_tilde: 63.4, kp: 100.0, kd: 20.0, b: Some(20.0) },
-    Column { name: "m = 2 (C)", k_tilde: 68.9, kp: 400.0, kd: 40.0, b: Some(69.6) },
+pub(super) const COLUMNS: [Table2Column; 6] = [
+    Table2Column { name: "m = 1 (A)", k_tilde: 222.0, kp: 200.0, kd: 32.3, b: None },
+    Table2Column { name: "m = 1 (B)", k_tilde: 3.3, kp: 78.0, kd: 0.0, b: None },
+    Table2Column { name: "m = 1 (C)", k_tilde: 68.9, kp: 400.0, kd: 40.0, b: None },
+    Table2Column { name: "m = 2 (A)", k_tilde: 174.7, kp: 57.0, kd: 39.9, b: Some(0.0) },
+    Table2Column { name: "m = 2 (B)", k_tilde: 63.4, kp: 100.0, kd: 20.0, b: Some(20.0) },
+    Table2Column { name: "m = 2 (C)", k_tilde: 68.9, kp: 400.0, kd: 40.0, b: Some(69.6) },
 ];
 
 /// (48) and (49).
@@ -32,7 +32,7 @@ pub(super) fn limits(order: usize) -> Vec<f64> {
     all[2 - order.min(2)..].to_vec()
 }
 
-impl Column {
+impl Table2Column {
     fn order(&self) -> usize {
         if self.b.is_some() { 2 } else { 1 }
     }
@@ -56,7 +56,7 @@ impl Column {
     }
 }
 
-pub(super) fn refusal(law: &UnitLaw, k_tilde: f64) -> Result<Option<Refused>, PartError> {
+pub(super) fn refusal(law: &UnitLaw, k_tilde: f64) -> Result<Option<LevelRefused>, PartError> {
     match Optimality::at(law, k_tilde)? {
         Optimality::Refuted(refused) => Ok(Some(refused)),
         Optimality::Certified(_) => Ok(None),

@@ -11,13 +11,13 @@ use super::compose::{number, three, words};
 use super::gains::PHI_MAX;
 use super::published::Published;
 use super::record::{Section, Statement, Table, Verdict};
-use crate::part::{Extent, Part, PartError};
-use column::{COLUMNS, Column, limits};
+use crate::part::{Extent, PaperPart, PartError};
+use column::{COLUMNS, Table2Column, limits};
 use first::{a1, b1, c1, equal_rows, kd_sign};
 use second::{a2, b2, c2};
 
 /// Everything about Table 2.
-pub(super) fn table2(_: Extent, progress: &dyn Fn(f64)) -> Result<Part, PartError> {
+pub(super) fn table2(_: Extent, progress: &dyn Fn(f64)) -> Result<PaperPart, PartError> {
     let mut statements = vec![a1()?, kd_sign()];
     progress(0.2);
     statements.extend([b1()?, equal_rows()?, a2()?, b2()?]);
@@ -37,12 +37,12 @@ pub(super) fn table2(_: Extent, progress: &dyn Fn(f64)) -> Result<Part, PartErro
         tables,
         figures: Vec::new(),
     };
-    Ok(Part { assumptions: Vec::new(), sections: vec![section] })
+    Ok(PaperPart { assumptions: Vec::new(), sections: vec![section] })
 }
 
 /// "Higher than required".
 fn higher() -> Statement {
-    let below = |used: &Column, least: &Column| {
+    let below = |used: &Table2Column, least: &Table2Column| {
         let pairs = [(used.k_tilde, least.k_tilde), (used.kp, least.kp), (used.kd, least.kd)];
         pairs.iter().filter(|(used, least)| used < least).count()
     };
@@ -120,7 +120,7 @@ fn number_of_table() -> Statement {
 }
 
 fn rows_table() -> Table {
-    let row = |column: &Column, feedback| {
+    let row = |column: &Table2Column, feedback| {
         let cells = column.phi_of_rows(feedback).into_iter().map(three);
         let mut cells: Vec<String> = cells.collect();
         cells.resize(4, "—".to_owned());

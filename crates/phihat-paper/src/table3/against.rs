@@ -4,7 +4,7 @@ use super::arm::{ArmScores, RUNS};
 use super::bench::Score;
 use super::printed::PRINTED;
 use super::ratios::{ends, on_arms, over_proposed, printed_ratios, ratios, span, written};
-use super::robots::Robot;
+use super::robots::Table3Robot;
 use crate::compose::{number, three};
 use crate::item::{Item, Kind};
 use crate::published::Published;
@@ -21,8 +21,8 @@ const COVERS: [Item; 3] = [
 
 pub(super) fn beats_pd(arms: &[ArmScores]) -> Statement {
     let (bare, least) = on_arms(arms, |arm| ratios(&arm.stated, 0, 2));
-    let plain: fn(&Robot) -> &Score = |robot| &robot.plain;
-    let outer: fn(&Robot) -> &Score = |robot| &robot.outer;
+    let plain: fn(&Table3Robot) -> &Score = |robot| &robot.plain;
+    let outer: fn(&Table3Robot) -> &Score = |robot| &robot.outer;
     let mut holds = least > 1.0;
     let (mut some, mut listed, mut numbers) = (holds, Vec::new(), Vec::new());
     for arm in arms {

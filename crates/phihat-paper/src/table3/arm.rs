@@ -1,7 +1,7 @@
 //! Every run of Table 3 on one arm.
 
 use super::bench::{Bench, LAWS, Score};
-use super::robots::{Robot, as_good};
+use super::robots::{Table3Robot, as_good};
 use crate::part::PartError;
 
 /// Runs of the optimiser per law and arm.
@@ -24,7 +24,7 @@ pub(super) struct ArmScores {
     /// The proposed law of second order, estimator poles as for the first.
     pub(super) second: Score,
     /// The same gains on robots that compensate by themselves.
-    pub(super) robots: Vec<Robot>,
+    pub(super) robots: Vec<Table3Robot>,
     /// Share of friction left at which PD as (3) is as good on some joint, and that joint; `None`: at none.
     pub(super) as_good: Option<(f64, usize)>,
     /// The largest share of its default gain at which the comparator is worse on every joint.
@@ -46,7 +46,7 @@ impl ArmScores {
             done();
         }
         let (weak, second) = (bench.comparator_at(WEAK)?, bench.at_stated("proposed-2")?);
-        let (robots, as_good) = (Robot::all(&bench)?, as_good(&bench)?);
+        let (robots, as_good) = (Table3Robot::all(&bench)?, as_good(&bench)?);
         let weak_enough = weak_enough(&bench, &stated[2])?;
         Ok(Self { bench, stated, weak, second, robots, as_good, weak_enough, fair, values })
     }

@@ -2,10 +2,10 @@
 
 use phihat_campaign::statistics::mean;
 use phihat_rivals::{Entry, Tuning, rival};
-use phihat_sim::{JointTrace, Outcome, Simulation};
-use phihat_study::{Reference, Study};
+use phihat_sim::{JointTrace, Simulation, SimulationOutcome};
+use phihat_study::{ReferenceRequest, Study};
 
-use super::left::Left;
+use super::left::SharesLeft;
 use super::outer_loop::OuterLoop;
 use crate::gains::OUTER;
 use crate::part::PartError;
@@ -111,7 +111,7 @@ impl Bench {
         study.duration = 5.0;
         study.spec.settle = 2.0;
         study.seed += 100;
-        if let Reference::Sines { terms, .. } = &mut study.reference {
+        if let ReferenceRequest::Sines { terms, .. } = &mut study.reference {
             for term in terms {
                 term.frequency.iter_mut().for_each(|f| *f *= faster);
                 term.phase.iter_mut().for_each(|p| *p += later);
@@ -122,13 +122,13 @@ impl Bench {
     }
 
     /// A law at its [`Bench::stated`] values on a robot that compensates by itself what it does not leave.
-    pub(super) fn on(&self, left: Left, id: &str) -> Result<Score, PartError> {
+    pub(super) fn on(&self, left: SharesLeft, id: &str) -> Result<Score, PartError> {
         let entry = entry(id)?;
         self.run(entry, &Self::stated(entry), &left.of(&self.study))
     }
 
     /// PD as the outer loop (3) on such a robot.
-    pub(super) fn outer_on(&self, left: Left) -> Result<Score, PartError> {
+    pub(super) fn outer_on(&self, left: SharesLeft) -> Result<Score, PartError> {
         let study = left.of(&self.study);
         let driver = OuterLoop { units: self.units.clone(), gains: OUTER.into() };
         let simulation = Simulation::driven(&study, Box::new(driver), &self.units);
@@ -157,7 +157,7 @@ fn entry(id: &str) -> Result<&'static Entry, PartError> {
 }
 
 impl Score {
-    fn of(outcome: &Outcome, study: &Study, units: &[f64]) -> Self {
+    fn of(outcome: &SimulationOutcome, study: &Study, units: &[f64]) -> Self {
         let trace = &outcome.trace;
         let from = trace.index_at(study.spec.settle);
         let period = trace.period_ns as f64 * 1e-9;

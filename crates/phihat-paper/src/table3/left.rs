@@ -5,12 +5,12 @@ use phihat_study::Study;
 
 /// Shares that are left, 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Left {
+pub(super) struct SharesLeft {
     pub(super) gravity: f64,
     pub(super) friction: f64,
 }
 
-impl Left {
+impl SharesLeft {
     /// The study on such a robot: what is compensated is not there.
     pub(super) fn of(self, study: &Study) -> Study {
         let mut study = study.clone();

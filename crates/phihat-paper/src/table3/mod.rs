@@ -15,7 +15,7 @@ mod words_only;
 
 use super::compose::{section, words};
 use super::record::Section;
-use crate::part::{Extent, Part, PartError};
+use crate::part::{Extent, PaperPart, PartError};
 use crate::record::Assumption;
 use against::{beats_comparator, beats_pd, fair};
 use arm::{ArmScores, RUNS};
@@ -31,7 +31,7 @@ pub(super) const SHIPPED: [(&str, &str); 2] = [
 ];
 
 /// Table 3 on two arms, with gains as far as they are stated, and with every law tuned alike.
-pub(super) fn table3(_: Extent, progress: &dyn Fn(f64)) -> Result<Part, PartError> {
+pub(super) fn table3(_: Extent, progress: &dyn Fn(f64)) -> Result<PaperPart, PartError> {
     let (mut arms, mut done) = (Vec::new(), 0.0);
     for ((path, text), name) in SHIPPED.into_iter().zip(["panda", "iiwa14"]) {
         let bench = Bench::new(path, name, text)?;
@@ -40,7 +40,7 @@ pub(super) fn table3(_: Extent, progress: &dyn Fn(f64)) -> Result<Part, PartErro
             progress(done);
         })?);
     }
-    Ok(Part { assumptions: assumptions(), sections: vec![page(&arms)?] })
+    Ok(PaperPart { assumptions: assumptions(), sections: vec![page(&arms)?] })
 }
 
 fn assumptions() -> Vec<Assumption> {

@@ -1,7 +1,7 @@
 //! "The transient response will be worse" with a higher order: the printed form, started off its reference.
 
 use phihat::Form;
-use phihat_study::{LawRequest, Reference, Start, Study};
+use phihat_study::{LawRequest, ReferenceRequest, Start, Study};
 
 use super::bench::Bench;
 use crate::arm::Run;
@@ -81,7 +81,7 @@ fn off(study: &Study, a: &[f64]) -> Study {
     let mut study = study.clone();
     study.duration = DURATION_S;
     study.spec.settle = 0.5 * DURATION_S;
-    if let Reference::Sines { center, fade_in, .. } = &mut study.reference {
+    if let ReferenceRequest::Sines { center, fade_in, .. } = &mut study.reference {
         *fade_in = 0.0;
         study.world.start = Some(Start { q: center.clone(), dq: vec![0.0; center.len()] });
     }

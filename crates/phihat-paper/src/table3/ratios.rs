@@ -4,7 +4,7 @@ use super::arm::ArmScores;
 use super::bench::Score;
 use super::printed::PRINTED;
 use crate::compose::{number, three};
-use crate::record::Number;
+use crate::record::PaperNumber;
 
 /// (51) of law `over` divided by that of law `under`, per joint.
 pub(super) fn ratios(scores: &[Score], over: usize, under: usize) -> Vec<f64> {
@@ -32,7 +32,7 @@ pub(super) fn on_arms(arms: &[ArmScores], of: impl Fn(&ArmScores) -> Vec<f64>) -
 }
 
 /// Ratios of one arm, as numbers: least and largest.
-pub(super) fn ends(arm: &ArmScores, what: &str, of: &[f64], tolerance: f64) -> [Number; 2] {
+pub(super) fn ends(arm: &ArmScores, what: &str, of: &[f64], tolerance: f64) -> [PaperNumber; 2] {
     let [least, largest] = span(of);
     [("least", least), ("largest", largest)]
         .map(|(end, value)| number(&format!("{end} {what}, {}", arm.name()), "", value, tolerance))

@@ -1,24 +1,24 @@
 //! PD and the proposed law on robots that compensate more or less by themselves.
 
 use super::bench::{Bench, Score};
-use super::left::Left;
+use super::left::SharesLeft;
 use crate::part::PartError;
 
 /// Shares left by the robots: nothing compensated; gravity compensated, and more and more of the friction.
-pub(super) const LEFT: [Left; 5] = [
-    Left { gravity: 1.0, friction: 1.0 },
-    Left { gravity: 0.0, friction: 1.0 },
-    Left { gravity: 0.0, friction: 0.2 },
-    Left { gravity: 0.0, friction: 0.05 },
-    Left { gravity: 0.0, friction: 0.0 },
+pub(super) const LEFT: [SharesLeft; 5] = [
+    SharesLeft { gravity: 1.0, friction: 1.0 },
+    SharesLeft { gravity: 0.0, friction: 1.0 },
+    SharesLeft { gravity: 0.0, friction: 0.2 },
+    SharesLeft { gravity: 0.0, friction: 0.05 },
+    SharesLeft { gravity: 0.0, friction: 0.0 },
 ];
 
 /// Steps of the bisection for where PD is as good.
 const STEPS: u32 = 10;
 
 /// Results on one robot.
-pub(super) struct Robot {
-    pub(super) left: Left,
+pub(super) struct Table3Robot {
+    pub(super) left: SharesLeft,
     /// `−K_p e − K_d ė`.
     pub(super) plain: Score,
     /// The outer loop (3).
@@ -28,8 +28,8 @@ pub(super) struct Robot {
     pub(super) comparator: Score,
 }
 
-impl Robot {
-    fn of(bench: &Bench, left: Left) -> Result<Self, PartError> {
+impl Table3Robot {
+    fn of(bench: &Bench, left: SharesLeft) -> Result<Self, PartError> {
         Ok(Self {
             left,
             plain: bench.on(left, "pd")?,
@@ -54,7 +54,7 @@ impl Robot {
 /// joint, and that joint, counted from 1; `None`: it is worse on all, even with none left.
 pub(super) fn as_good(bench: &Bench) -> Result<Option<(f64, usize)>, PartError> {
     let worst = |friction: f64| -> Result<(f64, usize), PartError> {
-        let left = Left { gravity: 0.0, friction };
+        let left = SharesLeft { gravity: 0.0, friction };
         let pairs = bench.outer_on(left)?.square.into_iter();
         let pairs = pairs.zip(bench.on(left, "proposed-1")?.square);
         let ratios = pairs.zip(1..).map(|((pd, ours), joint)| (pd / ours, joint));

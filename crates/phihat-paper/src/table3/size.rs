@@ -6,11 +6,11 @@ use super::arm::ArmScores;
 use super::bench::{Score, mean_square};
 use super::printed::PRINTED;
 use super::ratios::{on_arms, span, written};
-use super::robots::Robot;
+use super::robots::Table3Robot;
 use crate::compose::{number, three};
 use crate::item::{Item, Kind};
 use crate::published::Published;
-use crate::record::{Number, Statement, Verdict};
+use crate::record::{PaperNumber, Statement, Verdict};
 
 /// Two sizes are alike where their geometric means over the joints are within so many times each other.
 pub(super) const SAME_SIZE: f64 = 2.0;
@@ -24,7 +24,7 @@ struct Sized<'a> {
     /// Name of the quantity, for names of numbers.
     what: &'a str,
     paper: Vec<f64>,
-    ours: &'a dyn Fn(&Robot) -> Vec<f64>,
+    ours: &'a dyn Fn(&Table3Robot) -> Vec<f64>,
     /// From the paper's figure to what it would be were the table one of (51) as the text says.
     as_text: fn(f64) -> f64,
 }
@@ -55,7 +55,7 @@ impl Sized<'_> {
         Verdict::assumed(some(false), some(true))
     }
 
-    fn numbers(&self, arms: &[ArmScores]) -> Vec<Number> {
+    fn numbers(&self, arms: &[ArmScores]) -> Vec<PaperNumber> {
         let apart = self.apart(arms, true);
         let of = |(arm, apart): (&ArmScores, &Vec<f64>)| {
             let each = arm.robots.iter().zip(apart).map(|(robot, apart)| {
@@ -178,7 +178,7 @@ pub(super) fn size_of_pd(arms: &[ArmScores]) -> Statement {
 /// By how much the one is better than the other.
 pub(super) fn times_better(arms: &[ArmScores]) -> Statement {
     let paper: Vec<f64> = PRINTED.iter().map(|row| row[0] / row[2]).collect();
-    let outer: fn(&Robot) -> &Score = |robot| &robot.outer;
+    let outer: fn(&Table3Robot) -> &Score = |robot| &robot.outer;
     let of = Sized {
         what: "rms of PD as (3) over the proposed law's",
         paper: paper.clone(),

@@ -2,7 +2,7 @@
 
 use phihat_design::claims::UnitLaw;
 use phihat_design::claims::iss::decrease;
-use phihat_design::claims::matrix::{Matrix, apply, dot, failing_pivot};
+use phihat_design::claims::matrix::{RationalMatrix, apply, dot, failing_pivot};
 
 use super::printed::Scalars;
 use crate::compose::{number, three};
@@ -17,7 +17,7 @@ const RHO: [(&str, f64, f64); 3] = [("r", 1.0, 1.0), ("√r", 1.0, 0.5), ("1000 
 
 /// Of random (x, ρ), at how many `V̇ > 0` under (29) with `|φ|` a multiple of `ρ⁻¹(|x|)`, of the worse sign. One times
 /// is `|x| = ρ(|φ|)`, the edge of (28).
-fn rises(law: &UnitLaw, s: &Matrix, gain: f64, (draws, times): (usize, f64)) -> usize {
+fn rises(law: &UnitLaw, s: &RationalMatrix, gain: f64, (draws, times): (usize, f64)) -> usize {
     let (a, mut draw) = (law.a_matrix(), Draw::new(12));
     let n = a.len();
     let mut rises = 0;

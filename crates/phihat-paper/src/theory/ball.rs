@@ -4,7 +4,7 @@ use phihat_design::claims::matrix::{apply, dot};
 use phihat_design::claims::{Iss, Optimality, PaperRadius, PeakGains, UnitLaw};
 use phihat_design::prelude::*;
 
-use super::bounds::{Bounds, Paper};
+use super::bounds::{Paper, TheoryBounds};
 use crate::compose::{number, three};
 use crate::draw::Draw;
 use crate::gains::PHI_MAX;
@@ -30,7 +30,7 @@ fn beyond_40() -> Result<(usize, usize), PartError> {
 }
 
 /// (40) at the printed gains.
-pub(super) fn vacuous(b: &Bounds, paper: &Paper) -> Result<Statement, PartError> {
+pub(super) fn vacuous(b: &TheoryBounds, paper: &Paper) -> Result<Statement, PartError> {
     let (beyond, seen) = beyond_40()?;
     let proven = PHI_MAX * b.peak();
     let [printed, corrected, met] =

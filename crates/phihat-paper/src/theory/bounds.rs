@@ -5,11 +5,11 @@ use phihat_design::claims::{
 };
 use phihat_design::prelude::*;
 
-use crate::joint::{PaperForm, Phi, largest, length, run};
+use crate::joint::{PaperForm, PhiCourse, largest, length, run};
 use crate::part::PartError;
 
 /// One law with everything that bounds its state, per unit of φ.
-pub(super) struct Bounds {
+pub(super) struct TheoryBounds {
     pub(super) name: &'static str,
     pub(super) law: UnitLaw,
     pub(super) peaks: PeakGains,
@@ -26,7 +26,7 @@ pub(super) struct Paper {
     pub(super) iss: Iss,
 }
 
-impl Bounds {
+impl TheoryBounds {
     pub(super) fn of(name: &'static str, law: UnitLaw, k_tilde: f64) -> Result<Self, PartError> {
         let claim = Optimality::at(&law, k_tilde)?;
         let paper = claim.certified().map(|certified| {
@@ -67,7 +67,7 @@ fn worst_met(law: &UnitLaw) -> Result<[f64; 3], Refutation> {
         let dt = 1e-4;
         let steps = steps((worst.peak_s - from) / dt);
         let phi = (0..=steps).map(|k| worst.phi(from + k as f64 * dt)).collect();
-        let rows = run(law, PaperForm::Ladder, &[], &Phi::Joined(phi), (dt, steps));
+        let rows = run(law, PaperForm::Ladder, &[], &PhiCourse::Joined(phi), (dt, steps));
         let new = [
             largest(rows.iter().map(|x| x.e)),
             largest(rows.iter().map(|x| x.de)),

@@ -6,7 +6,7 @@ use phihat_design::claims::{UnitLaw, polynomial};
 
 use crate::compose::{number, three, words};
 use crate::gains::{OUTER, all, equal_rate};
-use crate::joint::{PaperForm, Phi, largest, run};
+use crate::joint::{PaperForm, PhiCourse, largest, run};
 use crate::published::Published;
 use crate::record::{Section, Statement, Table, Verdict};
 
@@ -17,8 +17,8 @@ const RATE: f64 = 69.6;
 const TURN: f64 = TAU / 6.17;
 
 /// A φ with a constant and two sines, as an arm under load makes it \[N·m\].
-fn lively() -> Phi {
-    Phi::sines(&[(5.0, 0.0, TAU / 4.0), (12.0, TURN, 0.3), (3.0, 7.0 * TURN, 1.1)])
+fn lively() -> PhiCourse {
+    PhiCourse::sines(&[(5.0, 0.0, TAU / 4.0), (12.0, TURN, 0.3), (3.0, 7.0 * TURN, 1.1)])
 }
 
 /// (16) and (8) are one controller, from rest.
@@ -68,7 +68,7 @@ pub(super) fn lemma_1() -> Section {
 fn start() -> Statement {
     let e = 0.1;
     let first = |law: &UnitLaw, form, x: &[f64]| {
-        run(law, form, x, &Phi::polynomial(&[0.0]), (1e-3, 1))[0].phi_hat
+        run(law, form, x, &PhiCourse::polynomial(&[0.0]), (1e-3, 1))[0].phi_hat
     };
     let ladder = |law: &UnitLaw| {
         let mut x = vec![0.0; law.order() + 2];
@@ -139,10 +139,11 @@ pub(super) fn theorem_1() -> Section {
     for order in 1..=3 {
         let law = equal_rate(order, RATE);
         let degree: Vec<f64> = [20.0, 30.0, 40.0][..order].to_vec();
-        let free = run(&law, PaperForm::Estimator, &[0.1], &Phi::polynomial(&degree), (1e-3, 4000));
+        let free =
+            run(&law, PaperForm::Estimator, &[0.1], &PhiCourse::polynomial(&degree), (1e-3, 4000));
         let left = largest(free.iter().skip(3500).map(|x| x.phi_hat - x.phi)) / 20.0;
         vanish = vanish.max(left);
-        let turning = Phi::sines(&[(20.0, TURN, 0.0)]);
+        let turning = PhiCourse::sines(&[(20.0, TURN, 0.0)]);
         let driven = run(&law, PaperForm::Estimator, &[], &turning, (1e-3, 12_000));
         let steady = largest(driven.iter().skip(5800).map(|x| x.phi_hat - x.phi)) / 20.0;
         let closed = closed_form(&law);

@@ -8,7 +8,7 @@ use phihat_design::prelude::*;
 use crate::compose::{number, three};
 use crate::draw::Draw;
 use crate::gains::{K_TILDE, first};
-use crate::joint::{PaperForm, Phi, largest, length, run};
+use crate::joint::{PaperForm, PhiCourse, largest, length, run};
 use crate::part::PartError;
 use crate::published::Published;
 use crate::record::{Statement, Verdict};
@@ -21,7 +21,7 @@ const STEPS: i32 = 5;
 const ENTRIES: [&str; 3] = ["∫e", "e", "ė"];
 
 /// (40) of one law of order 1 beside what the worst φ does, per unit of φ.
-struct Beside {
+struct EntrywiseComparison {
     law: UnitLaw,
     k_tilde: f64,
     /// `2(SB)_i/λ_min`.
@@ -30,7 +30,7 @@ struct Beside {
     gains: [f64; 3],
 }
 
-impl Beside {
+impl EntrywiseComparison {
     /// At `K_p`, `K_d`, `a_0`, `K̃/a_0`; none where there is no certificate (B1, B2).
     fn at(kp: f64, kd: f64, a0: f64, share: f64) -> Option<Self> {
         let (law, k_tilde) = (UnitLaw { kp, kd, a: vec![a0] }, share * a0);
@@ -59,12 +59,14 @@ impl Beside {
 }
 
 /// Result of a search over laws of order 1: the law whose entry goes farthest beyond (40), and the largest
-/// [`Beside::whole`] on its way. Draws first, then steps that halve.
-fn search() -> Option<(Beside, f64)> {
+/// [`EntrywiseComparison::whole`] on its way. Draws first, then steps that halve.
+fn search() -> Option<(EntrywiseComparison, f64)> {
     let mut draw = Draw::new(48);
-    let (mut best, mut whole): (Option<([f64; 4], Beside)>, f64) = (None, 0.0);
-    let mut look = |p: [f64; 4], best: &mut Option<([f64; 4], Beside)>| {
-        let Some(new) = Beside::at(p[0].exp(), p[1].exp(), p[2].exp(), p[3]) else { return };
+    let (mut best, mut whole): (Option<([f64; 4], EntrywiseComparison)>, f64) = (None, 0.0);
+    let mut look = |p: [f64; 4], best: &mut Option<([f64; 4], EntrywiseComparison)>| {
+        let Some(new) = EntrywiseComparison::at(p[0].exp(), p[1].exp(), p[2].exp(), p[3]) else {
+            return;
+        };
         whole = whole.max(new.whole());
         if best.as_ref().is_none_or(|(_, old)| new.entry().1 > old.entry().1) {
             *best = Some((p, new));
@@ -95,7 +97,7 @@ fn met(law: &UnitLaw, entry: usize) -> Result<f64, PartError> {
     let instants = (0..400_000).map(|k| from + f64::from(k) * dt);
     let phi: Vec<f64> = instants.take_while(|t| *t <= worst.peak_s).map(|t| worst.phi(t)).collect();
     let steps = phi.len().saturating_sub(1);
-    let rows = run(law, PaperForm::Ladder, &[], &Phi::Joined(phi), (dt, steps));
+    let rows = run(law, PaperForm::Ladder, &[], &PhiCourse::Joined(phi), (dt, steps));
     Ok(largest(rows.iter().map(|row| row.x[entry])))
 }
 
@@ -106,7 +108,8 @@ pub(super) fn entrywise() -> Result<Statement, PartError> {
     let (entry, ratio) = found.entry();
     let (printed, reached) = (found.printed[entry], met(&found.law, entry)?);
     let used = first();
-    let used = Beside::at(used.kp, used.kd, used.a[0], K_TILDE / used.a[0]).ok_or_else(lost)?;
+    let used = EntrywiseComparison::at(used.kp, used.kd, used.a[0], K_TILDE / used.a[0])
+        .ok_or_else(lost)?;
     let UnitLaw { kp, kd, a } = &found.law;
     let name = ENTRIES[entry];
     Ok(Published {

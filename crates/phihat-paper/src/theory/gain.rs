@@ -8,17 +8,17 @@ use phihat_design::prelude::*;
 use crate::compose::{curve, lines, log_axis, number, three, words};
 use crate::draw::Draw;
 use crate::gains::{K_TILDE, K_TILDE_H3, all as laws, first, second_h3};
-use crate::joint::{PaperForm, Phi, largest, run};
+use crate::joint::{PaperForm, PhiCourse, largest, run};
 use crate::part::PartError;
 use crate::published::Published;
-use crate::record::{Number, Section, Statement, Verdict};
+use crate::record::{PaperNumber, Section, Statement, Verdict};
 use phihat_report::kit::figure::{Bound, Figure, Panel};
 
 /// A step that resolves the estimator \[s\].
 const STEP: f64 = 2e-4;
 
 /// The gain from φ to the cost of one certified law.
-struct Gain {
+struct TheoryGain {
     name: &'static str,
     law: UnitLaw,
     certified: Certified,
@@ -28,11 +28,12 @@ struct Gain {
     peak: (f64, f64),
 }
 
-impl Gain {
+impl TheoryGain {
     fn of(name: &'static str, law: UnitLaw, k_tilde: f64) -> Result<Self, PartError> {
         let claim = Optimality::at(&law, k_tilde)?;
         let certified = claim.certified().ok_or(PartError::NoCertificate(name))?.clone();
-        let on = |(signal, phi): &(&'static str, Phi)| (*signal, gain_on(&law, &certified, phi));
+        let on =
+            |(signal, phi): &(&'static str, PhiCourse)| (*signal, gain_on(&law, &certified, phi));
         let runs = signals().iter().map(on).collect();
         let at = |omega: f64| gain_at(&law, &certified, omega);
         let higher = |p: f64, w: f64| if at(w) > at(p) { w } else { p };
@@ -49,7 +50,7 @@ impl Gain {
         self.runs.iter().fold(0.0_f64, |most, (_, gain)| most.max(*gain))
     }
 
-    fn numbers(&self) -> Vec<Number> {
+    fn numbers(&self) -> Vec<PaperNumber> {
         let name = |what: &str| format!("{what}, {}", self.name);
         vec![
             number(&name("γ²"), "", self.gamma2(), 1e-9),
@@ -66,7 +67,10 @@ fn grid() -> Vec<f64> {
 
 /// The gain from φ to the cost, where there is a certificate.
 pub(super) fn l2_gain() -> Result<Section, PartError> {
-    let all = [Gain::of("H3", second_h3(), K_TILDE_H3)?, Gain::of("m = 1", first(), K_TILDE)?];
+    let all = [
+        TheoryGain::of("H3", second_h3(), K_TILDE_H3)?,
+        TheoryGain::of("m = 1", first(), K_TILDE)?,
+    ];
     Ok(Section {
         id: "l2-gain".to_owned(),
         title: "(11): the gain from disturbance to cost".to_owned(),
@@ -81,13 +85,13 @@ pub(super) fn l2_gain() -> Result<Section, PartError> {
     })
 }
 
-fn bound(all: &[Gain]) -> Statement {
-    let holds = |g: &Gain| g.most() <= g.gamma2() && g.peak.1 <= g.gamma2();
-    let share = |g: &Gain| {
+fn bound(all: &[TheoryGain]) -> Statement {
+    let holds = |g: &TheoryGain| g.most() <= g.gamma2() && g.peak.1 <= g.gamma2();
+    let share = |g: &TheoryGain| {
         let [most, peak] = [g.most(), g.peak.1].map(|gain| three((gain / g.gamma2()).into()));
         format!("{}: {most} of γ² at most on simulated φ, {peak} at the worst frequency", g.name)
     };
-    let why = |g: &Gain| {
+    let why = |g: &TheoryGain| {
         let runs = g.runs.iter().map(|(name, gain)| format!("{name}: {}", three((*gain).into())));
         format!(
             "{}, γ² = {}: {}; over frequency {} at {} rad/s.",
@@ -111,14 +115,14 @@ fn bound(all: &[Gain]) -> Statement {
             "{} With the printed b_0 (H1, H2) no K̃ gives a Q ≻ 0, and Theorem 2 states nothing.",
             all.iter().map(why).collect::<Vec<_>>().join(" ")
         ),
-        all.iter().flat_map(Gain::numbers).collect(),
+        all.iter().flat_map(TheoryGain::numbers).collect(),
     )
     .assuming(&["gains"])
 }
 
 /// "There also exists a smallest γ* > 0."
-fn smallest(all: &[Gain]) -> Statement {
-    let star = |g: &Gain| (g.name, g.peak.1.sqrt(), g.certified.gamma);
+fn smallest(all: &[TheoryGain]) -> Statement {
+    let star = |g: &TheoryGain| (g.name, g.peak.1.sqrt(), g.certified.gamma);
     let found: Vec<_> = all.iter().map(star).collect();
     let listed = found.iter().map(|(name, star, gamma)| {
         format!("{name}: γ* = {}, certified γ = {}", three((*star).into()), three((*gamma).into()))
@@ -140,9 +144,10 @@ fn smallest(all: &[Gain]) -> Statement {
 }
 
 /// "The L2 gain is always less than γ", after (11) has called γ² its bound.
-fn below_gamma(all: &[Gain]) -> Statement {
+fn below_gamma(all: &[TheoryGain]) -> Statement {
     let worst = |root: bool| {
-        let gain = |g: &Gain| if root { g.peak.1.sqrt() } else { g.peak.1 } / g.certified.gamma;
+        let gain =
+            |g: &TheoryGain| if root { g.peak.1.sqrt() } else { g.peak.1 } / g.certified.gamma;
         all.iter().map(gain).fold(0.0_f64, f64::max)
     };
     let (squares, norms) = (worst(false), worst(true));
@@ -170,7 +175,7 @@ fn below_gamma(all: &[Gain]) -> Statement {
     .assuming(&["gains"])
 }
 
-fn figure(gain: &Gain) -> Figure {
+fn figure(gain: &TheoryGain) -> Figure {
     let bound = Bound::at("γ²", gain.gamma2());
     let exact = |omega: f64| gain_at(&gain.law, &gain.certified, omega);
     let series = vec![curve("cost / disturbance", grid().into_iter().map(|w| [w, exact(w)]))];
@@ -186,10 +191,11 @@ fn figure(gain: &Gain) -> Figure {
 }
 
 /// Pulses of φ, which end.
-fn signals() -> Vec<(&'static str, Phi)> {
+fn signals() -> Vec<(&'static str, PhiCourse)> {
     let steps = 20_000;
     let time = |k: usize| k as f64 * STEP;
-    let joined = |f: &dyn Fn(f64) -> f64| Phi::Joined((0..steps).map(|k| f(time(k))).collect());
+    let joined =
+        |f: &dyn Fn(f64) -> f64| PhiCourse::Joined((0..steps).map(|k| f(time(k))).collect());
     let window = |t: f64| if t < 2.0 { (TAU * t / 4.0).sin().powi(2) } else { 0.0 };
     let mut draw = Draw::new(11);
     let noise: Vec<f64> = (0..steps).map(|_| draw.between(-1.0, 1.0)).collect();
@@ -198,12 +204,15 @@ fn signals() -> Vec<(&'static str, Phi)> {
         ("a push of 1 s", joined(&|t| f64::from(u8::from(t < 1.0)))),
         ("a burst at 69.6 rad/s", joined(&|t| window(t) * (69.6 * t).sin())),
         ("a burst at 20 rad/s", joined(&|t| window(t) * (20.0 * t).sin())),
-        ("2 s of noise", Phi::Joined((0..steps).map(|k| window(time(k)) * noise[k]).collect())),
+        (
+            "2 s of noise",
+            PhiCourse::Joined((0..steps).map(|k| window(time(k)) * noise[k]).collect()),
+        ),
     ]
 }
 
 /// `∫(xᵀQx + φ̂ᵀRφ̂)/∫φ²` of one run from rest.
-fn gain_on(law: &UnitLaw, c: &Certified, phi: &Phi) -> f64 {
+fn gain_on(law: &UnitLaw, c: &Certified, phi: &PhiCourse) -> f64 {
     let (mut cost, mut energy) = (0.0, 0.0);
     for now in run(law, PaperForm::Ladder, &[], phi, (STEP, 20_000)) {
         let state: f64 = c.q.iter().zip(&now.x).map(|(q, x)| q * x * x).sum();
@@ -227,7 +236,8 @@ fn not_in_l2() -> Statement {
     let energy = |t: f64| phi * phi * t;
     let (mut most, mut last) = (Vec::new(), 0.0_f64);
     for (name, law) in laws() {
-        let rows = run(&law, PaperForm::Estimator, &[], &Phi::polynomial(&[phi]), (1e-3, 10_000));
+        let rows =
+            run(&law, PaperForm::Estimator, &[], &PhiCourse::polynomial(&[phi]), (1e-3, 10_000));
         most.push((name, largest(rows.iter().map(|x| x.e))));
         last = last.max(rows.last().map_or(f64::NAN, |x| x.e.abs()));
     }

@@ -1,6 +1,6 @@
 //! Theorem 4: the value of the game, its saddle point, and the worst disturbance found without S.
 
-use phihat_design::claims::matrix::{Matrix, apply, dot, product, sum, transpose};
+use phihat_design::claims::matrix::{RationalMatrix, apply, dot, product, sum, transpose};
 use phihat_design::claims::{Certified, Optimality, UnitLaw};
 use phihat_design::prelude::*;
 
@@ -100,7 +100,7 @@ fn worst_case(law: &UnitLaw, c: &Certified) -> Statement {
 }
 
 /// `P(∞)` by classical Runge–Kutta, in coordinates in which all states weigh the same.
-fn stationary(law: &UnitLaw, c: &Certified) -> Matrix {
+fn stationary(law: &UnitLaw, c: &Certified) -> RationalMatrix {
     let n = law.order() + 2;
     let sigma = law.denominator(1.0)[0].powf(1.0 / n as f64);
     let mut unit = vec![1.0; n];
@@ -109,7 +109,7 @@ fn stationary(law: &UnitLaw, c: &Certified) -> Matrix {
     }
     // x_i = unit_i z_i: the last entry of B becomes 1/unit_{n−1}.
     let closed = law.closed_loop();
-    let a: Matrix =
+    let a: RationalMatrix =
         (0..n).map(|i| (0..n).map(|j| closed[i][j] * unit[j] / unit[i]).collect()).collect();
     let k: Vec<f64> = law.k().iter().zip(&unit).map(|(k, u)| k * u).collect();
     let mut weight = outer(&k, &k);
@@ -120,7 +120,7 @@ fn stationary(law: &UnitLaw, c: &Certified) -> Matrix {
         row[i] += c.q[i] * unit[i] * unit[i];
     }
     let game = (c.gamma * unit[n - 1]).powi(-2);
-    let rate = |p: &Matrix| {
+    let rate = |p: &RationalMatrix| {
         let pa = product(p, &a);
         let last: Vec<f64> = p.iter().map(|row| row[n - 1]).collect();
         let linear = sum(&sum(&pa, 1.0, &transpose(&pa)), 1.0, &weight);

@@ -8,7 +8,7 @@ use phihat_design::prelude::*;
 use crate::compose::{number, section, three};
 use crate::draw::Draw;
 use crate::gains::{OUTER, PHI_MAX, all, law, second_h3};
-use crate::joint::{Instant, PaperForm, Phi, largest, run};
+use crate::joint::{Instant, PaperForm, PhiCourse, largest, run};
 use crate::part::PartError;
 use crate::published::Published;
 use crate::record::{Section, Statement, Verdict};
@@ -110,7 +110,7 @@ fn settles(rows: &[Instant], start: f64) -> f64 {
 /// "Find K_p and K_d using a performance criterion like rise-time, settling-time."
 fn step_two() -> Statement {
     let span = (1e-4, 30_000);
-    let none = Phi::polynomial(&[0.0]);
+    let none = PhiCourse::polynomial(&[0.0]);
     let by = |law: &UnitLaw, form: PaperForm| {
         let mut start = vec![0.0; law.order() + 2];
         let at = if form == PaperForm::Ladder { law.order() } else { 0 };
@@ -182,7 +182,7 @@ fn proves_theorem_1() -> Result<Statement, PartError> {
 
 /// "Once the mismatch is removed, a PD controller can perform well."
 fn pd_after() -> Statement {
-    let moving = Phi::sines(&[(PHI_MAX, TURN, FRAC_PI_2)]);
+    let moving = PhiCourse::sines(&[(PHI_MAX, TURN, FRAC_PI_2)]);
     let span = (1e-3, 12_340);
     let start = |law: &UnitLaw| {
         let mut start = vec![0.0; law.order() + 2];

@@ -1,7 +1,7 @@
 //! Theorem 3: input-to-state stability, and the sign of (39).
 
 use phihat_design::claims::iss::decrease;
-use phihat_design::claims::matrix::{Matrix, apply, dot, failing_pivot, sum};
+use phihat_design::claims::matrix::{RationalMatrix, apply, dot, failing_pivot, sum};
 use phihat_design::claims::{Iss, Optimality, UnitLaw, polynomial};
 use phihat_design::prelude::*;
 
@@ -10,7 +10,7 @@ use super::printed::{Q33, Scalars};
 use crate::compose::{number, three, words};
 use crate::draw::Draw;
 use crate::gains::{K_TILDE, K_TILDE_H3, PHI_MAX, all, second_h1, second_h2, second_h3};
-use crate::joint::{PaperForm, Phi, largest, length, outer, run};
+use crate::joint::{PaperForm, PhiCourse, largest, length, outer, run};
 use crate::part::PartError;
 use crate::published::Published;
 use crate::record::{Section, Statement, Verdict};
@@ -51,7 +51,8 @@ fn asymptotic() -> Statement {
     let end = |law: &UnitLaw, phi: f64| {
         let mut start = vec![0.0; law.order() + 2];
         start[law.order()] = 0.1;
-        let rows = run(law, PaperForm::Ladder, &start, &Phi::polynomial(&[phi]), (1e-3, 5000));
+        let rows =
+            run(law, PaperForm::Ladder, &start, &PhiCourse::polynomial(&[phi]), (1e-3, 5000));
         rows.last().map_or(f64::NAN, |now| length(&now.x))
     };
     let free = largest(all().iter().map(|(_, law)| end(law, 0.0)));
@@ -102,7 +103,8 @@ fn dissipation(law: &UnitLaw, iss: &Iss, any: &[(&str, UnitLaw, Iss)], draws: us
     let others: usize = any.iter().map(|(_, law, iss)| broken(law, iss, draws)).sum();
     let at_h = [("H1", second_h1()), ("H2", second_h2())].map(|(name, law)| {
         let s = Scalars::of(&law, K_TILDE).s();
-        let word = |x: &Matrix| if failing_pivot(x).is_none() { "≻ 0" } else { "not ≻ 0" };
+        let word =
+            |x: &RationalMatrix| if failing_pivot(x).is_none() { "≻ 0" } else { "not ≻ 0" };
         format!("{name}: S {}, −(A−BK)ᵀS − S(A−BK) {}", word(&s), word(&decrease(&law, &s)))
     });
     Published {
@@ -145,7 +147,7 @@ fn share_of_24(law: &UnitLaw, iss: &Iss) -> f64 {
             *sign = if draw.between(0.0, 1.0) < 0.02 { -*sign } else { *sign };
             Some(*sign)
         });
-        let phi = Phi::Joined(switched.collect());
+        let phi = PhiCourse::Joined(switched.collect());
         for now in run(law, PaperForm::Ladder, &start, &phi, (5e-4, 4000)) {
             let bound = iss.beta(now.t) * length(&start) + iss.gain.upper;
             share = share.max(length(&now.x) / bound);

@@ -1,6 +1,6 @@
 //! (48) and (49) against the worst φ, entry by entry: up to which φ_max the printed limits hold.
 
-use super::bounds::Bounds;
+use super::bounds::TheoryBounds;
 use crate::compose::{number, three};
 use crate::gains::PHI_MAX;
 use crate::record::{Statement, Verdict};
@@ -34,7 +34,7 @@ fn x_max(order: usize) -> Vec<f64> {
 }
 
 /// The largest φ_max at which every entry keeps its limit, and the smallest at which one is left.
-fn threshold(bounds: &Bounds, below: &[usize]) -> (f64, f64) {
+fn threshold(bounds: &TheoryBounds, below: &[usize]) -> (f64, f64) {
     let (limits, last) = (x_max(bounds.law.order()), bounds.law.order() + 1);
     let places = below.iter().filter_map(|b| last.checked_sub(*b));
     let gains = places.map(|i| (limits[i], bounds.peaks.states[i]));
@@ -44,17 +44,17 @@ fn threshold(bounds: &Bounds, below: &[usize]) -> (f64, f64) {
 }
 
 /// One statement per order and kind of error.
-pub(super) fn limits(all: &[Bounds]) -> Vec<Statement> {
+pub(super) fn limits(all: &[TheoryBounds]) -> Vec<Statement> {
     let orders = [(1, "first", "(48)"), (2, "second", "(49)")];
     let each = orders.iter().flat_map(|order| ENTRIES.iter().map(move |entries| (order, entries)));
     each.map(|((order, word, place), entries)| {
-        let laws: Vec<&Bounds> = all.iter().filter(|b| b.law.order() == *order).collect();
+        let laws: Vec<&TheoryBounds> = all.iter().filter(|b| b.law.order() == *order).collect();
         within(&laws, entries, (word, place))
     })
     .collect()
 }
 
-fn within(laws: &[&Bounds], entries: &Entries, (word, place): (&str, &str)) -> Statement {
+fn within(laws: &[&TheoryBounds], entries: &Entries, (word, place): (&str, &str)) -> Statement {
     let found: Vec<_> = laws.iter().map(|b| (b.name, threshold(b, entries.below))).collect();
     let cases = || PHI.iter().flat_map(|phi| found.iter().map(move |(_, at)| (*phi, *at)));
     let kept = cases().all(|(phi, (kept, _))| phi <= kept);

@@ -23,11 +23,11 @@ mod table;
 mod theorem_5;
 mod unmeasured;
 
-use crate::part::{Extent, Part, PartError};
+use crate::part::{Extent, PaperPart, PartError};
 use crate::record::Assumption;
 
 /// Sec. II, Lemma 1, Theorems 1 to 5, (11), Remark 9, Sec. V.
-pub(super) fn theory(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, PartError> {
+pub(super) fn theory(extent: Extent, progress: &dyn Fn(f64)) -> Result<PaperPart, PartError> {
     let draws = if extent.quick { 200 } else { 2000 };
     let mut sections =
         vec![background::section_2(), convergence::lemma_1(), convergence::theorem_1()];
@@ -48,7 +48,7 @@ pub(super) fn theory(extent: Extent, progress: &dyn Fn(f64)) -> Result<Part, Par
     sections.push(unmeasured::unmeasured());
     sections.push(table::errata(stray::stray()?));
     progress(1.0);
-    Ok(Part { assumptions: assumptions(), sections })
+    Ok(PaperPart { assumptions: assumptions(), sections })
 }
 
 fn assumptions() -> Vec<Assumption> {

@@ -3,7 +3,7 @@
 //! None of it shares code with the certificates of `phihat-design`.
 
 use phihat_design::claims::UnitLaw;
-use phihat_design::claims::matrix::{Matrix, product, transpose};
+use phihat_design::claims::matrix::{RationalMatrix, product, transpose};
 
 use crate::joint::{outer, zeros};
 
@@ -43,7 +43,7 @@ impl Scalars {
     }
 
     /// `S` of (18).
-    pub(super) fn s(self) -> Matrix {
+    pub(super) fn s(self) -> RationalMatrix {
         let Self { k, b, kp, kd } = self;
         let s12 = b * kp * kp + b * b * k * kp + b * k * kp * kd;
         let s13 = b * k * kp + b * kp * kd;
@@ -64,7 +64,7 @@ pub(super) fn q22(k: f64, kp: f64, kd: f64) -> Vec<f64> {
 
 /// `AᵀS + SA − SB R⁻¹BᵀS + γ⁻²SBBᵀS + Q` of (13) with `R⁻¹ = a_{m−1}`, the largest entry relative to the largest
 /// term of its own sum.
-pub(super) fn residual_13(law: &UnitLaw, gamma: f64, q: &[f64], s: &Matrix) -> f64 {
+pub(super) fn residual_13(law: &UnitLaw, gamma: f64, q: &[f64], s: &RationalMatrix) -> f64 {
     let n = s.len();
     let sa = product(s, &law.a_matrix());
     let at_s = transpose(&sa);

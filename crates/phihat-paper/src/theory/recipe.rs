@@ -10,7 +10,7 @@ use phihat_design::prelude::*;
 
 use crate::compose::{number, three, words};
 use crate::gains::{K_TILDE, K_TILDE_H3, PHI_MAX, all, equal_rate, first, second_h3};
-use crate::joint::{PaperForm, Phi, largest, run};
+use crate::joint::{PaperForm, PhiCourse, largest, run};
 use crate::part::PartError;
 use crate::published::Published;
 use crate::record::{Section, Statement, Verdict};
@@ -174,14 +174,14 @@ fn without_term() -> Result<Statement, PartError> {
 
 /// Time after which `|φ̃|` stays below a hundredth of a constant φ \[s\].
 fn settles(law: &UnitLaw) -> f64 {
-    let rows = run(law, PaperForm::Estimator, &[], &Phi::polynomial(&[1.0]), (1e-4, 20_000));
+    let rows = run(law, PaperForm::Estimator, &[], &PhiCourse::polynomial(&[1.0]), (1e-4, 20_000));
     rows.iter().rev().find(|x| (x.phi_hat - x.phi).abs() > 1e-2).map_or(0.0, |x| x.t)
 }
 
 /// Largest mismatch that remains with a sine of one turn.
 fn left_of_turn(law: &UnitLaw) -> f64 {
     let rows =
-        run(law, PaperForm::Estimator, &[], &Phi::sines(&[(1.0, TURN, 0.0)]), (1e-3, 12_000));
+        run(law, PaperForm::Estimator, &[], &PhiCourse::sines(&[(1.0, TURN, 0.0)]), (1e-3, 12_000));
     largest(rows.iter().skip(5800).map(|x| x.phi_hat - x.phi))
 }
 

@@ -1,7 +1,7 @@
 //! Theorem 5: what bounds the state, a bound that is sharp, and the worst case measured.
 
 use super::ball::{not_invariant, outside, vacuous};
-use super::bounds::Bounds;
+use super::bounds::TheoryBounds;
 use super::entrywise::entrywise;
 use super::limits::limits;
 use super::rows::componentwise;
@@ -16,7 +16,7 @@ use crate::record::{Section, Statement, Table, Verdict};
 /// Theorem 5 and (44).
 pub(super) fn theorem_5() -> Result<Section, PartError> {
     let bounds = |(name, law): (&'static str, UnitLaw)| {
-        Bounds::of(name, law, if name == "H3" { K_TILDE_H3 } else { K_TILDE })
+        TheoryBounds::of(name, law, if name == "H3" { K_TILDE_H3 } else { K_TILDE })
     };
     let all = laws().into_iter().map(bounds).collect::<Result<Vec<_>, _>>()?;
     let paper = all[0]
@@ -45,8 +45,8 @@ pub(super) fn theorem_5() -> Result<Section, PartError> {
     })
 }
 
-fn table(all: &[Bounds]) -> Table {
-    let row = |b: &Bounds| {
+fn table(all: &[TheoryBounds]) -> Table {
+    let row = |b: &TheoryBounds| {
         let cells = [
             b.paper.as_ref().map(|paper| paper.radius.printed),
             b.paper.as_ref().map(|paper| paper.radius.corrected),
@@ -79,7 +79,7 @@ fn table(all: &[Bounds]) -> Table {
 }
 
 /// L1 gains against the worst φ that is met.
-fn attained(all: &[Bounds]) -> Statement {
+fn attained(all: &[TheoryBounds]) -> Statement {
     let shares = all.iter().flat_map(|b| [b.measured[0] / b.error(), b.measured[1] / b.velocity()]);
     let shares: Vec<f64> = shares.collect();
     let (low, high) =

@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 use phihat_paper::{
-    Assumption, FORMAT, Item, Kind, Number, Origin, Reproduction, Section, Statement, Table,
+    Assumption, FORMAT, Item, Kind, Origin, PaperNumber, Reproduction, Section, Statement, Table,
     Verdict,
 };
 use phihat_report::kit::figure::{Axis, Bound, Content, Figure, Panel, Series};
@@ -58,7 +58,7 @@ pub(crate) fn reproduction() -> Reproduction {
 }
 
 fn statement(id: &str, verdict: Verdict) -> Statement {
-    let number = |name: &str, value| Number {
+    let number = |name: &str, value| PaperNumber {
         name: name.into(),
         unit: "mrad".into(),
         value,

@@ -26,7 +26,7 @@ class Rollouts:
 
     Attributes:
         figures: arrays ``(runs, joints)`` by the names that ``metrics["joints"]`` of a trace has: ``error_rms_rad``,
-            ``error_max_rad``, ``error_steady_max_rad``, ``error_integral_steady_max_rad_s``,
+            ``error_peak_rad``, ``error_steady_max_rad``, ``error_integral_steady_max_rad_s``,
             ``velocity_error_steady_max_rad_s``, ``tau_max_nm``, ``tau_step_max_nm``, ``limited_steady_share``, ``phi_max_nm``,
             ``phi_error_steady_max_nm``. Those of a run that ended early are of the samples that it had.
         within_spec: whether a run kept every bound that its study states, to its end; ``(runs,)``.

@@ -17,7 +17,7 @@ with the gains given, or those that the study states or leaves to the design. Th
 holds for ``repeat`` samples.
 
 **Reward** of a step, unless one is given: ``-mean((q - q_des)² / bound²) - action_cost · mean(action² / action_max²)``, means over
-joints, with the positions that are sensed after it, and ``bound`` the study's ``error_max_rad``, else 1 mrad. The step in which
+joints, with the positions that are sensed after it, and ``bound`` the study's ``error_bound_rad``, else 1 mrad. The step in which
 an episode is terminated has the reward ``failure``.
 
 **Seeds**: ``reset(seed=…)`` seeds the environment's generator, which draws the seed of every episode's study, told as
@@ -105,7 +105,7 @@ class _Core:
         most = np.broadcast_to(np.asarray(limits, dtype=np.float64), (self.joints,)).copy()
         if not (np.isfinite(most).all() and (most > 0.0).all()):
             raise _refused("action_max", limits, "stated, above 0 and finite: the study has no limit of torque")
-        bound = np.array(self.worlds.error_max)
+        bound = np.array(self.worlds.error_bound)
         self.bound = np.where(np.isfinite(bound), bound, 1e-3)
         self.repeat, self.failure, self.action_cost, self.action_max = repeat, failure, action_cost, most
         self.reward = reward or self._reward

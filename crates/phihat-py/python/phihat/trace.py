@@ -200,7 +200,7 @@ class Trace:
         cells = []
         for joint, bound in zip(self.metrics["joints"], promised, strict=True):
             unit = "mm" if joint.get("slides") else "mrad"
-            errors = (joint["error_spec_rad"], bound, joint["error_steady_max_rad"])
+            errors = (joint["error_bound_rad"], bound, joint["error_steady_max_rad"])
             row = [escape(joint["name"]), *(f"{_digits(1e3, error)} {unit}" if error else "–" for error in errors)]
             force = "N" if joint.get("slides") else "N·m"
             cells.append([*row, f"{_digits(1.0, joint['tau_max_nm'])} {force}"])

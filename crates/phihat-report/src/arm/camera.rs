@@ -1,6 +1,6 @@
 //! From the arm's world onto paper.
 
-use super::Arm;
+use super::DrawnArm;
 use super::kinematics::norm;
 
 /// Size of a picture \[px\].
@@ -24,7 +24,7 @@ pub(super) struct Camera {
 
 impl Camera {
     /// One that looks from the side at what the tip does, and sees all that the arm ever fills.
-    pub(super) fn of(arm: &Arm, path: &[[f64; 3]], all: &[[f64; 3]]) -> Self {
+    pub(super) fn of(arm: &DrawnArm, path: &[[f64; 3]], all: &[[f64; 3]]) -> Self {
         let count = path.len().max(1) as f64;
         let middle: [f64; 3] =
             core::array::from_fn(|i| path.iter().map(|p| p[i]).sum::<f64>() / count);

@@ -1,6 +1,6 @@
 //! Poses of the links.
 
-use super::Arm;
+use super::DrawnArm;
 
 type Rotation = [[f64; 3]; 3];
 
@@ -11,7 +11,7 @@ pub(crate) struct LinkPose {
     pub r: Rotation,
 }
 
-impl Arm {
+impl DrawnArm {
     /// The origin of every link \[m\], base axes, at a position \[rad, m\].
     #[must_use]
     pub fn origins(&self, q: &[f64]) -> Vec<[f64; 3]> {

@@ -12,7 +12,7 @@ pub use surface::Surface;
 
 /// The arm, and what acts on it from outside: plain data.
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]
-pub struct Arm {
+pub struct DrawnArm {
     /// Every link, each after its parent.
     pub links: Vec<ArmLink>,
     /// Gravity \[m/s²\], base axes.
@@ -20,7 +20,7 @@ pub struct Arm {
     /// The link that does the work.
     pub tip: usize,
     /// Bodies that it carries.
-    pub payloads: Vec<Carried>,
+    pub payloads: Vec<DrawnLoad>,
     /// External torques on single joints.
     pub torques: Vec<JointTorque>,
     /// External forces.
@@ -61,7 +61,7 @@ pub struct ArmLink {
 
 /// A body on a link, from `start` to `end` \[s\].
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Carried {
+pub struct DrawnLoad {
     /// The link.
     pub link: usize,
     /// Mass \[kg\].

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::Arm;
+use super::DrawnArm;
 use super::camera::{Camera, HEIGHT, WIDTH};
 use super::kinematics::{LinkPose, add, apply, norm};
 use crate::drawing::Drawing;
@@ -24,7 +24,7 @@ const STRIP: f64 = 150.0;
 
 /// Motion that a picture shows: the joints at some instants.
 struct PictureMotion<'a> {
-    arm: &'a Arm,
+    arm: &'a DrawnArm,
     camera: Camera,
     t: Vec<f64>,
     /// Desired, and desired plus the magnified error, per instant.

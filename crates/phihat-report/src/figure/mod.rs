@@ -42,7 +42,7 @@ pub fn figures(record: &Record<'_>) -> Vec<Picture> {
 /// The arm as it moves, where one is recorded.
 fn arm(record: &Record<'_>) -> Option<Picture> {
     // One scale for all joints: a bound is drawn where all have the same.
-    let mut bounds = record.metrics.joints.iter().map(|joint| joint.error_spec_rad);
+    let mut bounds = record.metrics.joints.iter().map(|joint| joint.error_bound_rad);
     let first = bounds.next().flatten();
     let same = |bound: Option<f64>| bound.map(f64::to_bits) == first.map(f64::to_bits);
     let bound = first.filter(|_| bounds.all(same));

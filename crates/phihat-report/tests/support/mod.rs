@@ -5,7 +5,9 @@
 pub(crate) mod hostile;
 
 use phihat_design::{Gains, JointRecord};
-use phihat_report::{Arm, ArmLink, Carried, Drawing, JointTorque, Record, RunInfo, TubeSeen};
+use phihat_report::{
+    ArmLink, Drawing, DrawnArm, DrawnLoad, JointTorque, Record, RunInfo, TubeSeen,
+};
 use phihat_sim::{JointMetrics, JointTrace, Metrics, Trace};
 
 /// Owns what a [`Record`] borrows.
@@ -16,7 +18,7 @@ pub(crate) struct Fixture {
     pub(crate) gains: Gains,
     pub(crate) trace: Trace,
     pub(crate) metrics: Metrics,
-    pub(crate) arm: Arm,
+    pub(crate) arm: DrawnArm,
 }
 
 impl Fixture {
@@ -92,7 +94,7 @@ pub(crate) fn fixture(joints: usize, samples: usize) -> Fixture {
 }
 
 /// Links of 0.3 m, each turning about an axis across the one before; a body in the hand, a push on the first joint.
-fn arm(joints: usize) -> Arm {
+fn arm(joints: usize) -> DrawnArm {
     let link = |i: usize| ArmLink {
         name: format!("link{i}"),
         parent: i.checked_sub(1),
@@ -104,11 +106,11 @@ fn arm(joints: usize) -> Arm {
         mass: 2.0,
         com: [0.0, 0.0, 0.1],
     };
-    Arm {
+    DrawnArm {
         links: (0..joints + 2).map(link).collect(),
         gravity: [0.0, 0.0, -9.81],
         tip: joints + 1,
-        payloads: vec![Carried {
+        payloads: vec![DrawnLoad {
             link: joints + 1,
             mass: 0.5,
             com: [0.0; 3],
@@ -124,7 +126,7 @@ fn arm(joints: usize) -> Arm {
 }
 
 const STUDY: &str = "# Carry 2 kg around a figure of eight.\nformat = 1\ntitle = \"Figure of eight\"\n\
-                     robot = \"panda\"\n\n[spec]\nsettle_s = 1.0\nerror_max_rad = 0.002\n";
+                     robot = \"panda\"\n\n[spec]\nsettle_s = 1.0\nerror_bound_rad = 0.002\n";
 
 /// Start error decays as e'' + 2ζω e' + ω² e = 0; on top a ripple at 3 Hz, as cogging leaves.
 fn joint_trace(j: usize, samples: usize) -> JointTrace {
@@ -180,13 +182,13 @@ fn metrics(traces: &[JointTrace], samples: usize) -> Metrics {
             name: j.name.clone(),
             slides: false,
             error_rms_rad: (square / (samples - steady).max(1) as f64).sqrt(),
-            error_max_rad: peak(&j.e),
+            error_peak_rad: peak(&j.e),
             error_steady_max_rad: peak(&j.e[steady..]),
-            error_spec_rad: Some(0.002),
+            error_bound_rad: Some(0.002),
             error_integral_steady_max_rad_s: peak(&j.e_integral[steady..]),
-            error_integral_spec_rad_s: None,
+            error_integral_bound_rad_s: None,
             velocity_error_steady_max_rad_s: peak(&j.de[steady..]),
-            velocity_error_spec_rad_s: Some(0.25),
+            velocity_error_bound_rad_s: Some(0.25),
             tau_max_nm: peak(&j.tau_applied),
             tau_limit_nm: Some(20.0),
             tau_step_max_nm: peak(&steps),

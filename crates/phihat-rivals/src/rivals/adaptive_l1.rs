@@ -1,7 +1,7 @@
 //! L1 adaptive control: fast estimates behind a filter.
 
 use crate::card::{Card, Grade};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Inertia;
 use crate::measured::{Acceleration, MotionAndTorque};
 use crate::rival::Rival;
@@ -102,7 +102,7 @@ impl Rival for AdaptiveL1 {
     type Wants<'a> = Acceleration<'a>;
     type Knows = Inertia;
 
-    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, RivalRefusal> {
         let [omega, zeta, a, cutoff, share] = tuning.values()?;
         let [kp, kd] = outer_gains(omega, zeta);
         let period = tuning.period();

@@ -2,7 +2,7 @@
 
 use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Inertia;
 use crate::measured::{Acceleration, PositionsAndTorque};
 use crate::rival::Rival;
@@ -91,7 +91,7 @@ impl Rival for Adrc {
     type Wants<'a> = Acceleration<'a>;
     type Knows = Inertia;
 
-    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, RivalRefusal> {
         let [omega, zeta, observer] = tuning.values()?;
         let [kp, kd] = outer_gains(omega, zeta);
         let h = tuning.period();

@@ -2,8 +2,8 @@
 
 use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
-use crate::measured::{Acceleration, Motion};
+use crate::error::RivalRefusal;
+use crate::measured::{Acceleration, MeasuredMotion};
 use crate::nominal::Nominal;
 use crate::rival::Rival;
 use crate::tuning::{Scalar, Tuning};
@@ -76,18 +76,24 @@ impl Rival for ChenLeeFeng {
             high: 1000.0,
         },
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Nominal;
 
-    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, RivalRefusal> {
         let [crossover, damping] = tuning.values()?;
         let zero = vec![0.0; model.joints()];
         let damping = tuning.per_joint(damping);
         Ok(Self { crossover, damping, model, ddq_r: zero.clone(), dq_r: zero })
     }
 
-    fn update(&mut self, sees: Motion<'_>, wants: Acceleration<'_>, _: &[bool], tau: &mut [f64]) {
+    fn update(
+        &mut self,
+        sees: MeasuredMotion<'_>,
+        wants: Acceleration<'_>,
+        _: &[bool],
+        tau: &mut [f64],
+    ) {
         for i in 0..tau.len() {
             let (e, de) = (sees.q[i] - wants.q[i], sees.dq[i] - wants.dq[i]);
             self.ddq_r[i] = wants.ddq[i] - self.crossover * de;

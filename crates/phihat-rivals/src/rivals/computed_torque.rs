@@ -1,8 +1,8 @@
 //! Computed torque: the nominal model cancels the arm's dynamics.
 
 use crate::card::{Card, Grade};
-use crate::error::Refusal;
-use crate::measured::{Acceleration, Motion};
+use crate::error::RivalRefusal;
+use crate::measured::{Acceleration, MeasuredMotion};
 use crate::nominal::Nominal;
 use crate::rival::Rival;
 use crate::rivals::pd::Pd;
@@ -46,17 +46,23 @@ impl Rival for ComputedTorque {
         printed: None,
     };
     const SCALARS: &'static [Scalar] = Pd::SCALARS;
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Nominal;
 
-    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, RivalRefusal> {
         let [omega, zeta] = tuning.values()?;
         let wanted = vec![0.0; model.joints()];
         Ok(Self { kp: omega * omega, kd: 2.0 * zeta * omega, model, wanted })
     }
 
-    fn update(&mut self, sees: Motion<'_>, wants: Acceleration<'_>, _: &[bool], tau: &mut [f64]) {
+    fn update(
+        &mut self,
+        sees: MeasuredMotion<'_>,
+        wants: Acceleration<'_>,
+        _: &[bool],
+        tau: &mut [f64],
+    ) {
         for (i, wanted) in self.wanted.iter_mut().enumerate() {
             let (e, de) = (sees.q[i] - wants.q[i], sees.dq[i] - wants.dq[i]);
             *wanted = wants.ddq[i] - self.kd * de - self.kp * e;

@@ -1,8 +1,8 @@
 //! Computed torque with an integral: what a user with a model takes.
 
 use crate::card::{Card, Grade};
-use crate::error::Refusal;
-use crate::measured::{Acceleration, Motion};
+use crate::error::RivalRefusal;
+use crate::measured::{Acceleration, MeasuredMotion};
 use crate::nominal::Nominal;
 use crate::rival::Rival;
 use crate::rivals::proposed::{BANDWIDTH, DAMPING, outer_gains};
@@ -63,7 +63,7 @@ impl OuterPid {
     /// The wanted acceleration \[rad/s²\] of every joint.
     pub(crate) fn wanted(
         &mut self,
-        sees: Motion<'_>,
+        sees: MeasuredMotion<'_>,
         wants: Acceleration<'_>,
         clipped: &[bool],
         out: &mut [f64],
@@ -90,11 +90,11 @@ impl Rival for ComputedTorqueIntegral {
         printed: None,
     };
     const SCALARS: &'static [Scalar] = &[BANDWIDTH, DAMPING, INTEGRAL_RATE];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Nominal;
 
-    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, RivalRefusal> {
         let outer = OuterPid::new(tuning.values()?, tuning);
         let wanted = vec![0.0; model.joints()];
         Ok(Self { outer, model, wanted })
@@ -102,7 +102,7 @@ impl Rival for ComputedTorqueIntegral {
 
     fn update(
         &mut self,
-        sees: Motion<'_>,
+        sees: MeasuredMotion<'_>,
         wants: Acceleration<'_>,
         clipped: &[bool],
         tau: &mut [f64],

@@ -2,11 +2,11 @@
 
 use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Inertia;
 use crate::measured::{Acceleration, MotionAndTorque};
 use crate::rival::Rival;
-use crate::rivals::proposed::{BANDWIDTH, DAMPING, First};
+use crate::rivals::proposed::{BANDWIDTH, DAMPING, ProposedFirst};
 use crate::tuning::{Scalar, Tuning};
 
 /// Disturbance observer of first order.
@@ -18,7 +18,7 @@ use crate::tuning::{Scalar, Tuning};
 /// ```
 ///
 /// That is the paper's law of order 1 with `a_0 = g`, as algebra has it and as a test shows for (1) integrated on
-/// its own. So both are one implementation, [`First`]: rows of the table that differ do so by their tuning.
+/// its own. So both are one implementation, [`ProposedFirst`]: rows of the table that differ do so by their tuning.
 ///
 /// # Guarantee
 ///
@@ -33,7 +33,7 @@ use crate::tuning::{Scalar, Tuning};
 /// K. Ohnishi, M. Shibata, T. Murakami, "Motion control for advanced mechatronics", IEEE/ASME Trans. Mechatronics
 /// 1(1), 1996. Grade A.
 #[derive(Debug)]
-pub(crate) struct DisturbanceObserver(First);
+pub(crate) struct DisturbanceObserver(ProposedFirst);
 
 impl Rival for DisturbanceObserver {
     const CARD: Card = Card {
@@ -62,8 +62,8 @@ impl Rival for DisturbanceObserver {
     type Wants<'a> = Acceleration<'a>;
     type Knows = Inertia;
 
-    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
-        First::new(tuning, inertia).map(Self)
+    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, RivalRefusal> {
+        ProposedFirst::new(tuning, inertia).map(Self)
     }
 
     fn update(
@@ -81,10 +81,10 @@ impl Rival for DisturbanceObserver {
     }
 
     fn condition(tuning: &Tuning, arm: &DeclaredArm) -> Option<Condition> {
-        First::condition(tuning, arm)
+        ProposedFirst::condition(tuning, arm)
     }
 
     fn bound(tuning: &Tuning, arm: &DeclaredArm) -> Option<Vec<f64>> {
-        First::bound(tuning, arm)
+        ProposedFirst::bound(tuning, arm)
     }
 }

@@ -2,9 +2,9 @@
 
 use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Nothing;
-use crate::measured::{Motion, Velocity};
+use crate::measured::{MeasuredMotion, Velocity};
 use crate::rival::Rival;
 use crate::rivals::proposed::{BANDWIDTH, DAMPING, outer_gains};
 use crate::shared::INTEGRAL_RATE;
@@ -78,11 +78,11 @@ impl Rival for EffortPid {
             high: 3000.0,
         },
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Velocity<'a>;
     type Knows = Nothing;
 
-    fn new(tuning: &Tuning, _: Nothing) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, _: Nothing) -> Result<Self, RivalRefusal> {
         let [omega, zeta, rate, forward, clamp] = tuning.values()?;
         let [kp, kd] = outer_gains(omega, zeta);
         Ok(Self {
@@ -95,7 +95,13 @@ impl Rival for EffortPid {
         })
     }
 
-    fn update(&mut self, sees: Motion<'_>, wants: Velocity<'_>, _: &[bool], tau: &mut [f64]) {
+    fn update(
+        &mut self,
+        sees: MeasuredMotion<'_>,
+        wants: Velocity<'_>,
+        _: &[bool],
+        tau: &mut [f64],
+    ) {
         for (i, tau) in tau.iter_mut().enumerate() {
             let (e, de) = (sees.q[i] - wants.q[i], sees.dq[i] - wants.dq[i]);
             let most = self.most[i];

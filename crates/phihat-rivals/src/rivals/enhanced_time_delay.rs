@@ -2,12 +2,12 @@
 
 use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Inertia;
 use crate::math::sig;
 use crate::measured::{Acceleration, MotionAndCommand};
 use crate::rival::Rival;
-use crate::rivals::time_delay::{INERTIA_SHARE, Rest};
+use crate::rivals::time_delay::{DelayRest, INERTIA_SHARE};
 use crate::tuning::{Scalar, Tuning};
 
 /// Inclusive and enhanced time-delay control.
@@ -45,7 +45,7 @@ pub(crate) struct EnhancedTimeDelay {
     /// `∫D − ė(0)` \[rad/s\] per joint.
     sum: Vec<f64>,
     started: bool,
-    rest: Rest,
+    rest: DelayRest,
     period: f64,
 }
 
@@ -107,13 +107,14 @@ impl Rival for EnhancedTimeDelay {
     type Wants<'a> = Acceleration<'a>;
     type Knows = Inertia;
 
-    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, RivalRefusal> {
         let [kp, kd, ks, first, third, share] = tuning.values()?;
         if let Some(power) = [first, third].into_iter().find(|power| *power > 1.0) {
-            return Err(Refusal::Tuning(format!("power {power}: up to 1 is valid")));
+            return Err(RivalRefusal::Tuning(format!("power {power}: up to 1 is valid")));
         }
         let period = tuning.period();
-        let (rest, sum) = (Rest::new(&inertia, share, period), vec![0.0; inertia.values().len()]);
+        let (rest, sum) =
+            (DelayRest::new(&inertia, share, period), vec![0.0; inertia.values().len()]);
         let powers = [first, 2.0 * first / (1.0 + first), third];
         Ok(Self { kp, kd, ks, powers, sum, started: false, rest, period })
     }

@@ -3,9 +3,9 @@
 use crate::basis::{BASIS, Basis, sum};
 use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Period;
-use crate::measured::{Acceleration, Motion};
+use crate::measured::{Acceleration, MeasuredMotion};
 use crate::rival::Rival;
 use crate::shared::{LEAKAGE, SLIDING, SLIDING_DAMPING};
 use crate::sliding::Sliding;
@@ -85,11 +85,11 @@ impl Rival for Fat {
         },
         LEAKAGE,
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Period;
 
-    fn new(tuning: &Tuning, task: Period) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, task: Period) -> Result<Self, RivalRefusal> {
         let [sliding, damping, inertia, load, leakage] = tuning.values()?;
         let n = tuning.joints();
         Ok(Self {
@@ -106,7 +106,7 @@ impl Rival for Fat {
 
     fn update(
         &mut self,
-        sees: Motion<'_>,
+        sees: MeasuredMotion<'_>,
         wants: Acceleration<'_>,
         clipped: &[bool],
         tau: &mut [f64],

@@ -3,10 +3,10 @@
 use crate::basis::{BASIS, Basis, sum};
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::{Inertia, Period};
 use crate::math::Weighted;
-use crate::measured::{Acceleration, Motion};
+use crate::measured::{Acceleration, MeasuredMotion};
 use crate::rival::Rival;
 use crate::shared::{ERROR_BANDWIDTH, LEAKAGE};
 use crate::tuning::{Scalar, Tuning};
@@ -91,11 +91,11 @@ impl Rival for FatLumped {
         },
         LEAKAGE,
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = (Inertia, Period);
 
-    fn new(tuning: &Tuning, (inertia, task): (Inertia, Period)) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, (inertia, task): (Inertia, Period)) -> Result<Self, RivalRefusal> {
         let [omega, zeta, rate, weight, leakage] = tuning.values()?;
         let outer = [omega * omega, 2.0 * zeta * omega];
         Ok(Self {
@@ -112,7 +112,7 @@ impl Rival for FatLumped {
 
     fn update(
         &mut self,
-        sees: Motion<'_>,
+        sees: MeasuredMotion<'_>,
         wants: Acceleration<'_>,
         clipped: &[bool],
         tau: &mut [f64],

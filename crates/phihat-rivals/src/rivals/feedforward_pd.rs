@@ -2,9 +2,9 @@
 
 use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Nothing;
-use crate::measured::{Acceleration, Motion, Velocity};
+use crate::measured::{Acceleration, MeasuredMotion, Velocity};
 use crate::nominal::Nominal;
 use crate::rival::Rival;
 use crate::rivals::pd::Pd;
@@ -53,18 +53,18 @@ impl Rival for FeedforwardPd {
         printed: None,
     };
     const SCALARS: &'static [Scalar] = Pd::SCALARS;
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Nominal;
 
-    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, RivalRefusal> {
         let feedback = Pd::new(tuning, Nothing)?;
         Ok(Self { feedback, model, forward: vec![0.0; tuning.joints()] })
     }
 
     fn update(
         &mut self,
-        sees: Motion<'_>,
+        sees: MeasuredMotion<'_>,
         wants: Acceleration<'_>,
         clipped: &[bool],
         tau: &mut [f64],

@@ -2,11 +2,11 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use crate::adaptation::Estimate;
+use crate::adaptation::AdaptedEstimate;
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
-use crate::measured::{Acceleration, Motion, MotionAndTorque};
+use crate::error::RivalRefusal;
+use crate::measured::{Acceleration, MeasuredMotion, MotionAndTorque};
 use crate::regressor::Regressor;
 use crate::rival::Rival;
 use crate::shared::{ADAPTATION, SLIDING, SLIDING_DAMPING};
@@ -57,7 +57,7 @@ pub(crate) struct FilteredRegressor {
     /// `exp(−T/k)`, `exp(−ℓ T)`.
     keep: [f64; 2],
     period: f64,
-    estimate: Estimate,
+    estimate: AdaptedEstimate,
     /// `Φ_1, Φ_2` now and a sample ago.
     parts: [Vec<f64>; 4],
     filtered: Vec<f64>,
@@ -118,10 +118,10 @@ impl Rival for FilteredRegressor {
     type Wants<'a> = Acceleration<'a>;
     type Knows = Regressor;
 
-    fn new(tuning: &Tuning, regressor: Regressor) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, regressor: Regressor) -> Result<Self, RivalRefusal> {
         let [sliding, damping, adaptation, weight, filter, forgetting] = tuning.values()?;
         let (n, h) = (tuning.joints(), tuning.period());
-        let estimate = Estimate::new(regressor, tuning, adaptation);
+        let estimate = AdaptedEstimate::new(regressor, tuning, adaptation);
         let p = estimate.parameters();
         let part = vec![0.0; n * p];
         Ok(Self {
@@ -150,7 +150,7 @@ impl Rival for FilteredRegressor {
         tau: &mut [f64],
     ) {
         self.observe(&sees);
-        self.sliding.update(&Motion { q: sees.q, dq: sees.dq }, &wants);
+        self.sliding.update(&MeasuredMotion { q: sees.q, dq: sees.dq }, &wants);
         let Sliding { s, v, a, .. } = &self.sliding;
         self.estimate.torque(sees.q, sees.dq, v, a, tau);
         for (i, tau) in tau.iter_mut().enumerate() {

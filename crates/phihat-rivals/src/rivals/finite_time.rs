@@ -2,8 +2,8 @@
 
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
-use crate::measured::{Acceleration, Motion};
+use crate::error::RivalRefusal;
+use crate::measured::{Acceleration, MeasuredMotion};
 use crate::nominal::Nominal;
 use crate::rival::Rival;
 use crate::tuning::{Scalar, Tuning};
@@ -111,14 +111,14 @@ impl Rival for FiniteTime {
             high: 0.1,
         },
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Nominal;
 
-    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, RivalRefusal> {
         let [first, second, power, gamma, smooth] = tuning.values()?;
         if power >= 1.0 {
-            return Err(Refusal::Tuning(format!("power {power}: below 1 is valid")));
+            return Err(RivalRefusal::Tuning(format!("power {power}: below 1 is valid")));
         }
         let zero = vec![0.0; tuning.joints()];
         Ok(Self {
@@ -132,7 +132,13 @@ impl Rival for FiniteTime {
         })
     }
 
-    fn update(&mut self, sees: Motion<'_>, wants: Acceleration<'_>, _: &[bool], tau: &mut [f64]) {
+    fn update(
+        &mut self,
+        sees: MeasuredMotion<'_>,
+        wants: Acceleration<'_>,
+        _: &[bool],
+        tau: &mut [f64],
+    ) {
         let ([k1, k2], r, smooth) = (self.rates, self.power, self.smooth);
         let [alpha, slope] = &mut self.alpha;
         for i in 0..alpha.len() {

@@ -2,9 +2,9 @@
 
 use crate::card::{Card, Grade};
 use crate::claim::DeclaredArm;
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Nothing;
-use crate::measured::{Motion, Velocity};
+use crate::measured::{MeasuredMotion, Velocity};
 use crate::rival::Rival;
 use crate::shared::DECAY;
 use crate::tuning::{Scalar, Tuning};
@@ -96,11 +96,11 @@ impl Rival for Hackl {
         },
         DECAY,
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Velocity<'a>;
     type Knows = Nothing;
 
-    fn new(tuning: &Tuning, _: Nothing) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, _: Nothing) -> Result<Self, RivalRefusal> {
         let [width, rate_width, stiffness, damping, decay] = tuning.values()?;
         Ok(Self {
             stiffness: tuning.per_joint(stiffness),
@@ -113,7 +113,13 @@ impl Rival for Hackl {
         })
     }
 
-    fn update(&mut self, sees: Motion<'_>, wants: Velocity<'_>, _: &[bool], tau: &mut [f64]) {
+    fn update(
+        &mut self,
+        sees: MeasuredMotion<'_>,
+        wants: Velocity<'_>,
+        _: &[bool],
+        tau: &mut [f64],
+    ) {
         for (i, tau) in tau.iter_mut().enumerate() {
             let (e, de) = (sees.q[i] - wants.q[i], sees.dq[i] - wants.dq[i]);
             let extra = &mut self.extra[i];
@@ -223,17 +229,23 @@ impl Rival for Berger {
         },
         DECAY,
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Velocity<'a>;
     type Knows = Nothing;
 
-    fn new(tuning: &Tuning, _: Nothing) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, _: Nothing) -> Result<Self, RivalRefusal> {
         let [end, gain, time, decay] = tuning.values()?;
         let (keep, extra) = ((-decay * tuning.period()).exp(), vec![0.0; tuning.joints()]);
         Ok(Self { gain: tuning.per_joint(gain), time, end, keep, extra, started: false })
     }
 
-    fn update(&mut self, sees: Motion<'_>, wants: Velocity<'_>, _: &[bool], tau: &mut [f64]) {
+    fn update(
+        &mut self,
+        sees: MeasuredMotion<'_>,
+        wants: Velocity<'_>,
+        _: &[bool],
+        tau: &mut [f64],
+    ) {
         for (i, tau) in tau.iter_mut().enumerate() {
             let (e, de) = (sees.q[i] - wants.q[i], sees.dq[i] - wants.dq[i]);
             let extra =

@@ -1,10 +1,10 @@
 //! A fuzzy estimate of the lumped dynamics, for the class of Fateh and others.
 
 use crate::card::{Card, Grade};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Inertia;
 use crate::math::Weighted;
-use crate::measured::{Acceleration, Motion};
+use crate::measured::{Acceleration, MeasuredMotion};
 use crate::rival::Rival;
 use crate::rivals::proposed::{BANDWIDTH, DAMPING, outer_gains};
 use crate::tuning::{Scalar, Tuning};
@@ -93,11 +93,11 @@ impl Rival for Fuzzy {
             high: 10.0,
         },
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Inertia;
 
-    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, RivalRefusal> {
         let [omega, zeta, adaptation, error, rate] = tuning.values()?;
         let [kp, kd] = outer_gains(omega, zeta);
         let inertia = inertia.values().to_vec();
@@ -109,7 +109,7 @@ impl Rival for Fuzzy {
 
     fn update(
         &mut self,
-        sees: Motion<'_>,
+        sees: MeasuredMotion<'_>,
         wants: Acceleration<'_>,
         clipped: &[bool],
         tau: &mut [f64],

@@ -2,9 +2,9 @@
 
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Nothing;
-use crate::measured::{Motion, Velocity};
+use crate::measured::{MeasuredMotion, Velocity};
 use crate::rival::Rival;
 use crate::tuning::{Scalar, Tuning};
 
@@ -125,7 +125,7 @@ impl HInfinityPid {
     /// (1) about a position and a velocity to follow.
     pub(crate) fn answer(
         &mut self,
-        sees: Motion<'_>,
+        sees: MeasuredMotion<'_>,
         [q, dq]: [&[f64]; 2],
         clipped: &[bool],
         tau: &mut [f64],
@@ -182,15 +182,21 @@ impl Rival for HInfinityPid {
         }),
     };
     const SCALARS: &'static [Scalar] = &[PROPORTIONAL, INTEGRAL, GAIN, ATTENUATION];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Velocity<'a>;
     type Knows = Nothing;
 
-    fn new(tuning: &Tuning, _: Nothing) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, _: Nothing) -> Result<Self, RivalRefusal> {
         Ok(Self::with(tuning.values()?, tuning))
     }
 
-    fn update(&mut self, sees: Motion<'_>, wants: Velocity<'_>, clipped: &[bool], tau: &mut [f64]) {
+    fn update(
+        &mut self,
+        sees: MeasuredMotion<'_>,
+        wants: Velocity<'_>,
+        clipped: &[bool],
+        tau: &mut [f64],
+    ) {
         self.answer(sees, [wants.q, wants.dq], clipped, tau);
     }
 

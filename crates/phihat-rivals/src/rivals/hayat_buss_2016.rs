@@ -2,7 +2,7 @@
 
 use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Inertia;
 use crate::lumped::Lumped;
 use crate::math::Weighted;
@@ -93,7 +93,7 @@ impl Rival for HayatBuss2016 {
     type Wants<'a> = Acceleration<'a>;
     type Knows = Inertia;
 
-    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, RivalRefusal> {
         let [omega, zeta, a0, gamma] = tuning.values()?;
         let [kp, kd] = outer_gains(omega, zeta);
         let Weighted { on_error, on_rate } = Weighted::new(kp, kd);

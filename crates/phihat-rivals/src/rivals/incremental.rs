@@ -2,7 +2,7 @@
 
 use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Inertia;
 use crate::filter::{LowPass, Passed};
 use crate::measured::{Acceleration, MotionAndTorque};
@@ -96,7 +96,7 @@ impl Rival for Incremental {
     type Wants<'a> = Acceleration<'a>;
     type Knows = Inertia;
 
-    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, RivalRefusal> {
         let [omega, zeta, cutoff, damping, share] = tuning.values()?;
         let [kp, kd] = outer_gains(omega, zeta);
         let inertia: Vec<f64> = inertia.values().iter().map(|inertia| share * inertia).collect();

@@ -2,9 +2,9 @@
 
 use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Inertia;
-use crate::measured::{Acceleration, Motion};
+use crate::measured::{Acceleration, MeasuredMotion};
 use crate::nominal::{Gravity, Viscous};
 use crate::rival::Rival;
 use crate::rivals::proposed::{BANDWIDTH, DAMPING, outer_gains};
@@ -61,11 +61,11 @@ impl Rival for IndustrialPid {
         printed: None,
     };
     const SCALARS: &'static [Scalar] = &[BANDWIDTH, DAMPING, INTEGRAL_RATE];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = (Inertia, (Gravity, Viscous));
 
-    fn new(tuning: &Tuning, knows: Self::Knows) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, knows: Self::Knows) -> Result<Self, RivalRefusal> {
         let [omega, zeta, rate] = tuning.values()?;
         let (inertia, (gravity, viscous)) = knows;
         let [kp, kd] = outer_gains(omega, zeta);
@@ -82,7 +82,7 @@ impl Rival for IndustrialPid {
 
     fn update(
         &mut self,
-        sees: Motion<'_>,
+        sees: MeasuredMotion<'_>,
         wants: Acceleration<'_>,
         clipped: &[bool],
         tau: &mut [f64],

@@ -4,7 +4,7 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
 
 use crate::card::{Card, Grade};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Drives;
 use crate::friction::Dry;
 use crate::measured::{MotionAndCommand, Preview};
@@ -122,7 +122,7 @@ impl Rival for InverseDynamicsQp {
     fn new(
         tuning: &Tuning,
         (model, (dry, drives)): (Nominal, (Dry, Drives)),
-    ) -> Result<Self, Refusal> {
+    ) -> Result<Self, RivalRefusal> {
         let [omega, zeta] = tuning.values()?;
         let n = model.joints();
         let most = |joint: usize| {

@@ -4,9 +4,9 @@ use core::f64::consts::TAU;
 
 use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Drives;
-use crate::measured::{Motion, Velocity};
+use crate::measured::{MeasuredMotion, Velocity};
 use crate::nominal::Nominal;
 use crate::rival::Rival;
 use crate::rivals::proposed::{BANDWIDTH, DAMPING, outer_gains};
@@ -72,11 +72,11 @@ impl Rival for MakersStack {
             high: 1000.0,
         },
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Velocity<'a>;
     type Knows = (Nominal, Drives);
 
-    fn new(tuning: &Tuning, (model, drives): (Nominal, Drives)) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, (model, drives): (Nominal, Drives)) -> Result<Self, RivalRefusal> {
         let [omega, zeta, cutoff] = tuning.values()?;
         let ([kp, kd], period) = (outer_gains(omega, zeta), tuning.period());
         let n = tuning.joints();
@@ -94,7 +94,13 @@ impl Rival for MakersStack {
         })
     }
 
-    fn update(&mut self, sees: Motion<'_>, wants: Velocity<'_>, _: &[bool], tau: &mut [f64]) {
+    fn update(
+        &mut self,
+        sees: MeasuredMotion<'_>,
+        wants: Velocity<'_>,
+        _: &[bool],
+        tau: &mut [f64],
+    ) {
         self.model.rigid(sees.q, sees.dq, &self.zero, tau);
         for (i, tau) in tau.iter_mut().enumerate() {
             let (e, de) = (sees.q[i] - wants.q[i], sees.dq[i] - wants.dq[i]);

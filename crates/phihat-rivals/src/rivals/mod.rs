@@ -92,13 +92,13 @@ pub const RIVALS: &[Entry] = &[
     Entry::of::<adaptive_l1::AdaptiveL1>(),
     Entry::of::<prescribed_performance::PrescribedPerformance>(),
     Entry::of::<hayat_buss_2016::HayatBuss2016>(),
-    Entry::of::<proposed::First>(),
+    Entry::of::<proposed::ProposedFirst>(),
     Entry::of::<proposed::Second>(),
     Entry::of::<proposed_designed::ProposedDesigned>(),
-    Entry::of::<positions::Row<positions::First>>(),
-    Entry::of::<positions::Row<positions::Second>>(),
-    Entry::of::<positions::Row<positions::ByDesign>>(),
-    Entry::of::<positions::Row<positions::Filtered>>(),
+    Entry::of::<positions::PositionsRow<positions::PositionsFirst>>(),
+    Entry::of::<positions::PositionsRow<positions::PositionsSecond>>(),
+    Entry::of::<positions::PositionsRow<positions::ByDesign>>(),
+    Entry::of::<positions::PositionsRow<positions::PositionsFiltered>>(),
 ];
 
 pub use positions::position_law;

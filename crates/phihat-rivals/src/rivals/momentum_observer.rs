@@ -1,7 +1,7 @@
 //! Computed torque with the observer of the generalised momentum, and identified friction.
 
 use crate::card::{Card, Grade};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::friction::Dry;
 use crate::measured::{Acceleration, MotionAndTorque};
 use crate::nominal::Nominal;
@@ -103,7 +103,7 @@ impl Rival for MomentumObserver {
     type Wants<'a> = Acceleration<'a>;
     type Knows = (Nominal, Dry);
 
-    fn new(tuning: &Tuning, (model, dry): (Nominal, Dry)) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, (model, dry): (Nominal, Dry)) -> Result<Self, RivalRefusal> {
         let [omega, zeta, rate] = tuning.values()?;
         let [kp, kd] = outer_gains(omega, zeta);
         let zero = vec![0.0; model.joints()];

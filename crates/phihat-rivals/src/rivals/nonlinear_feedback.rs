@@ -2,9 +2,9 @@
 
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::math::Weighted;
-use crate::measured::{Acceleration, Motion};
+use crate::measured::{Acceleration, MeasuredMotion};
 use crate::nominal::Nominal;
 use crate::rival::Rival;
 use crate::shared::ERROR_BANDWIDTH;
@@ -87,11 +87,11 @@ impl Rival for NonlinearFeedback {
             high: 300.0,
         },
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Nominal;
 
-    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, RivalRefusal> {
         let [omega, zeta, growth, shape, weight] = tuning.values()?;
         let linear = [omega * omega, 2.0 * zeta * omega];
         let wanted = vec![0.0; tuning.joints()];
@@ -107,7 +107,13 @@ impl Rival for NonlinearFeedback {
         })
     }
 
-    fn update(&mut self, sees: Motion<'_>, wants: Acceleration<'_>, _: &[bool], tau: &mut [f64]) {
+    fn update(
+        &mut self,
+        sees: MeasuredMotion<'_>,
+        wants: Acceleration<'_>,
+        _: &[bool],
+        tau: &mut [f64],
+    ) {
         let [kp, kd] = self.linear;
         for (i, wanted) in self.wanted.iter_mut().enumerate() {
             let (e, de) = (sees.q[i] - wants.q[i], sees.dq[i] - wants.dq[i]);

@@ -2,9 +2,9 @@
 
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::TorqueMax;
-use crate::measured::{Acceleration, Motion};
+use crate::measured::{Acceleration, MeasuredMotion};
 use crate::nominal::Nominal;
 use crate::rival::Rival;
 use crate::rivals::h_infinity_pid::{self, HInfinityPid};
@@ -96,11 +96,11 @@ impl Rival for Nric {
         h_infinity_pid::GAIN,
         h_infinity_pid::ATTENUATION,
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = (Nominal, Option<TorqueMax>);
 
-    fn new(tuning: &Tuning, (model, limits): Self::Knows) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, (model, limits): Self::Knows) -> Result<Self, RivalRefusal> {
         let [omega, zeta, proportional, integral, gain, gamma] = tuning.values()?;
         let [kp, kd] = outer_gains(omega, zeta);
         let pid = HInfinityPid::with([proportional, integral, gain, gamma], tuning);
@@ -122,7 +122,7 @@ impl Rival for Nric {
 
     fn update(
         &mut self,
-        sees: Motion<'_>,
+        sees: MeasuredMotion<'_>,
         wants: Acceleration<'_>,
         clipped: &[bool],
         tau: &mut [f64],

@@ -2,8 +2,8 @@
 
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
-use crate::measured::{Acceleration, Motion, NoReference};
+use crate::error::RivalRefusal;
+use crate::measured::{Acceleration, MeasuredMotion, NoReference};
 use crate::nominal::Nominal;
 use crate::orbit::Orbit;
 use crate::rival::Rival;
@@ -63,15 +63,21 @@ impl Rival for Orbital {
         }),
     };
     const SCALARS: &'static [Scalar] = Pd::SCALARS;
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = NoReference;
     type Knows = (Nominal, Orbit);
 
-    fn new(tuning: &Tuning, (model, orbit): (Nominal, Orbit)) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, (model, orbit): (Nominal, Orbit)) -> Result<Self, RivalRefusal> {
         Ok(Self { law: PdPlus::new(tuning, model)?, orbit, theta: None })
     }
 
-    fn update(&mut self, sees: Motion<'_>, _: NoReference, clipped: &[bool], tau: &mut [f64]) {
+    fn update(
+        &mut self,
+        sees: MeasuredMotion<'_>,
+        _: NoReference,
+        clipped: &[bool],
+        tau: &mut [f64],
+    ) {
         let from = self.theta.unwrap_or_else(|| self.orbit.search(sees.q));
         self.theta = Some(self.orbit.project(sees.q, from));
         let [q, dq, ddq] = self.orbit.place();

@@ -1,10 +1,10 @@
 //! Adaptive control from positions alone.
 
-use crate::adaptation::Estimate;
+use crate::adaptation::AdaptedEstimate;
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
-use crate::measured::{Acceleration, Positions};
+use crate::error::RivalRefusal;
+use crate::measured::{Acceleration, MeasuredPositions};
 use crate::regressor::Regressor;
 use crate::rival::Rival;
 use crate::shared::{ADAPTATION, LEAKAGE};
@@ -45,7 +45,7 @@ pub(crate) struct OutputFeedback {
     observer: f64,
     leakage: f64,
     period: f64,
-    estimate: Estimate,
+    estimate: AdaptedEstimate,
     /// `Y_d` a sample ago.
     before: Vec<f64>,
     /// The integral of (3), one entry per parameter.
@@ -108,13 +108,13 @@ impl Rival for OutputFeedback {
         ADAPTATION,
         LEAKAGE,
     ];
-    type Sees<'a> = Positions<'a>;
+    type Sees<'a> = MeasuredPositions<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Regressor;
 
-    fn new(tuning: &Tuning, regressor: Regressor) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, regressor: Regressor) -> Result<Self, RivalRefusal> {
         let [lambda, stiffness, damping, observer, adaptation, leakage] = tuning.values()?;
-        let estimate = Estimate::new(regressor, tuning, adaptation);
+        let estimate = AdaptedEstimate::new(regressor, tuning, adaptation);
         let zero = vec![0.0; tuning.joints()];
         Ok(Self {
             lambda,
@@ -134,7 +134,7 @@ impl Rival for OutputFeedback {
 
     fn update(
         &mut self,
-        sees: Positions<'_>,
+        sees: MeasuredPositions<'_>,
         wants: Acceleration<'_>,
         clipped: &[bool],
         tau: &mut [f64],

@@ -2,8 +2,8 @@
 
 use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
-use crate::measured::{Acceleration, Motion};
+use crate::error::RivalRefusal;
+use crate::measured::{Acceleration, MeasuredMotion};
 use crate::nominal::Nominal;
 use crate::rival::Rival;
 use crate::rivals::h_infinity_pid::{HInfinityPid, certificate, proof};
@@ -54,11 +54,11 @@ impl Rival for ParkChung {
         printed: None,
     };
     const SCALARS: &'static [Scalar] = HInfinityPid::SCALARS;
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Nominal;
 
-    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, RivalRefusal> {
         let pid = HInfinityPid::with(tuning.values()?, tuning);
         let zero = vec![0.0; model.joints()];
         Ok(Self { pid, model, ddq_r: zero.clone(), dq_r: zero.clone(), feedback: zero })
@@ -66,7 +66,7 @@ impl Rival for ParkChung {
 
     fn update(
         &mut self,
-        sees: Motion<'_>,
+        sees: MeasuredMotion<'_>,
         wants: Acceleration<'_>,
         clipped: &[bool],
         tau: &mut [f64],

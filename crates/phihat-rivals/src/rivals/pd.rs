@@ -1,9 +1,9 @@
 //! Proportional-derivative control of every joint.
 
 use crate::card::{Card, Grade};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Nothing;
-use crate::measured::{Motion, Velocity};
+use crate::measured::{MeasuredMotion, Velocity};
 use crate::rival::Rival;
 use crate::tuning::{Scalar, Tuning};
 
@@ -59,17 +59,23 @@ impl Rival for Pd {
             high: 3.0,
         },
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Velocity<'a>;
     type Knows = Nothing;
 
-    fn new(tuning: &Tuning, _: Nothing) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, _: Nothing) -> Result<Self, RivalRefusal> {
         let [omega, zeta] = tuning.values()?;
         let (stiffness, damping) = (omega * omega, 2.0 * zeta * omega);
         Ok(Self { stiffness: tuning.per_joint(stiffness), damping: tuning.per_joint(damping) })
     }
 
-    fn update(&mut self, sees: Motion<'_>, wants: Velocity<'_>, _: &[bool], tau: &mut [f64]) {
+    fn update(
+        &mut self,
+        sees: MeasuredMotion<'_>,
+        wants: Velocity<'_>,
+        _: &[bool],
+        tau: &mut [f64],
+    ) {
         for (i, tau) in tau.iter_mut().enumerate() {
             let (e, de) = (sees.q[i] - wants.q[i], sees.dq[i] - wants.dq[i]);
             *tau = -self.stiffness[i] * e - self.damping[i] * de;

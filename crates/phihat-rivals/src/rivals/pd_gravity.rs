@@ -2,9 +2,9 @@
 
 use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Nothing;
-use crate::measured::{Motion, Velocity};
+use crate::measured::{MeasuredMotion, Velocity};
 use crate::nominal::Gravity;
 use crate::rival::Rival;
 use crate::rivals::pd::Pd;
@@ -50,16 +50,22 @@ impl Rival for PdGravity {
         printed: None,
     };
     const SCALARS: &'static [Scalar] = Pd::SCALARS;
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Velocity<'a>;
     type Knows = Gravity;
 
-    fn new(tuning: &Tuning, model: Gravity) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, model: Gravity) -> Result<Self, RivalRefusal> {
         let feedback = Pd::new(tuning, Nothing)?;
         Ok(Self { feedback, model, gravity: vec![0.0; tuning.joints()] })
     }
 
-    fn update(&mut self, sees: Motion<'_>, wants: Velocity<'_>, clipped: &[bool], tau: &mut [f64]) {
+    fn update(
+        &mut self,
+        sees: MeasuredMotion<'_>,
+        wants: Velocity<'_>,
+        clipped: &[bool],
+        tau: &mut [f64],
+    ) {
         self.feedback.update(sees, wants, clipped, tau);
         self.model.torque(sees.q, &mut self.gravity);
         tau.iter_mut().zip(&self.gravity).for_each(|(tau, gravity)| *tau += gravity);

@@ -8,11 +8,11 @@ use core::marker::PhantomData;
 use phihat::{JointGains, JointState, Limits, Measurement, PositionDesign, Reference};
 
 use crate::card::{Card, Grade};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::{DesignedFilters, DesignedPositions, Drives, Inertia};
 use crate::handed::Knows;
 use crate::measured::{PositionsAndTorque, Preview};
-use crate::observer::{Poles, correction};
+use crate::observer::{ObserverPoles, correction};
 use crate::rival::Rival;
 use crate::rivals::proposed::{BANDWIDTH, DAMPING, outer_gains};
 use crate::supply::DesignedPosition;
@@ -49,13 +49,13 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// This project: `docs/theory/positions.md`.
 #[derive(Debug)]
-pub(crate) struct First;
+pub(crate) struct PositionsFirst;
 
-/// The law of [`First`] with one more state, `φ̂'`, and one more real pole: a load that grows steadily leaves no error.
+/// The law of [`PositionsFirst`] with one more state, `φ̂'`, and one more real pole: a load that grows steadily leaves no error.
 #[derive(Debug)]
-pub(crate) struct Second;
+pub(crate) struct PositionsSecond;
 
-/// The law of [`First`] and [`Second`] with gains and order of its own for each joint, from the search of
+/// The law of [`PositionsFirst`] and [`PositionsSecond`] with gains and order of its own for each joint, from the search of
 /// `phihat design` for the least error whose torque steps, as far as the encoder makes them, stay within the
 /// comparison's allowance of noise.
 ///
@@ -89,11 +89,11 @@ pub(crate) struct ByDesign;
 ///
 /// As for [`ByDesign`].
 #[derive(Debug)]
-pub(crate) struct Filtered;
+pub(crate) struct PositionsFiltered;
 
 /// The law itself, whatever its gains are from.
 #[derive(Debug)]
-pub(crate) struct FromPositions {
+pub(crate) struct RivalFromPositions {
     gains: Vec<JointGains<f64>>,
     states: Vec<JointState<f64>>,
     delay: usize,
@@ -152,8 +152,8 @@ pub fn position_law(id: &str, values: &[f64], period: f64) -> Option<DesignedPos
     };
     let &[omega, zeta, real, pair, damping, hz] = scalars else { return None };
     let [kp, kd] = outer_gains(omega, zeta);
-    let mut poles = vec![Poles::Real(real), Poles::Pair([pair, damping])];
-    poles.extend(slow.map(Poles::Real));
+    let mut poles = vec![ObserverPoles::Real(real), ObserverPoles::Pair([pair, damping])];
+    poles.extend(slow.map(ObserverPoles::Real));
     let share = -(-TAU * hz * period).exp_m1();
     Some(DesignedPosition {
         inertia: 1.0,
@@ -165,23 +165,24 @@ pub fn position_law(id: &str, values: &[f64], period: f64) -> Option<DesignedPos
     })
 }
 
-impl FromPositions {
+impl RivalFromPositions {
     /// The same law for every joint: a row's with its values.
     fn shared(
         id: &str,
         tuning: &Tuning,
         values: &[f64],
         (inertia, drives): &(Inertia, Drives),
-    ) -> Result<Self, Refusal> {
+    ) -> Result<Self, RivalRefusal> {
         let law = position_law(id, values, tuning.period());
-        let law = law.ok_or_else(|| Refusal::Tuning(format!("{id} has no law of these values")))?;
+        let law =
+            law.ok_or_else(|| RivalRefusal::Tuning(format!("{id} has no law of these values")))?;
         let joint = |inertia: &f64| DesignedPosition { inertia: *inertia, ..law.clone() };
         let joints: Vec<_> = inertia.values().iter().map(joint).collect();
         Self::of(&joints, drives, tuning.period())
     }
 
     /// The law of every joint by itself, sampled every `period` \[s\].
-    fn of(joints: &[DesignedPosition], drives: &Drives, period: f64) -> Result<Self, Refusal> {
+    fn of(joints: &[DesignedPosition], drives: &Drives, period: f64) -> Result<Self, RivalRefusal> {
         let delay = usize::try_from(drives.delay()).unwrap_or(usize::MAX);
         let each = |(i, joint): (usize, &DesignedPosition)| {
             let design = PositionDesign {
@@ -204,7 +205,7 @@ impl FromPositions {
         };
         let gains: Result<Vec<_>, phihat::GainError> =
             joints.iter().enumerate().map(each).collect();
-        let gains = gains.map_err(|e| Refusal::Tuning(e.to_string()))?;
+        let gains = gains.map_err(|e| RivalRefusal::Tuning(e.to_string()))?;
         let sections = joints.iter().map(|joint| joint.innovation_filter.len()).sum();
         Ok(Self { states: vec![JointState::new(); gains.len()], gains, delay, sections })
     }
@@ -228,26 +229,26 @@ impl FromPositions {
 }
 
 /// Kind of a row of the law: its free scalars, its knowledge, and the gains that result from these.
-pub(crate) trait Kind: Debug + Send + 'static {
+pub(crate) trait RowKind: Debug + Send + 'static {
     const CARD: Card;
     const SCALARS: &'static [Scalar];
     type Knows: Knows;
 
-    fn law(tuning: &Tuning, knows: Self::Knows) -> Result<FromPositions, Refusal>;
+    fn law(tuning: &Tuning, knows: Self::Knows) -> Result<RivalFromPositions, RivalRefusal>;
 }
 
 /// A row of the law from positions.
 #[derive(Debug)]
-pub(crate) struct Row<K>(FromPositions, PhantomData<K>);
+pub(crate) struct PositionsRow<K>(RivalFromPositions, PhantomData<K>);
 
-impl<K: Kind> Rival for Row<K> {
+impl<K: RowKind> Rival for PositionsRow<K> {
     const CARD: Card = K::CARD;
     const SCALARS: &'static [Scalar] = K::SCALARS;
     type Sees<'a> = PositionsAndTorque<'a>;
     type Wants<'a> = Preview<'a>;
     type Knows = K::Knows;
 
-    fn new(tuning: &Tuning, knows: Self::Knows) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, knows: Self::Knows) -> Result<Self, RivalRefusal> {
         Ok(Self(K::law(tuning, knows)?, PhantomData))
     }
 
@@ -266,7 +267,7 @@ impl<K: Kind> Rival for Row<K> {
     }
 }
 
-impl Kind for First {
+impl RowKind for PositionsFirst {
     const CARD: Card = Card {
         id: "proposed-positions-1",
         title: "Proposed, from positions, m = 1 (this project)",
@@ -281,13 +282,13 @@ impl Kind for First {
         &[BANDWIDTH, DAMPING, REAL_POLE, PAIR, PAIR_DAMPING, TORQUE_BANDWIDTH];
     type Knows = (Inertia, Drives);
 
-    fn law(tuning: &Tuning, knows: Self::Knows) -> Result<FromPositions, Refusal> {
+    fn law(tuning: &Tuning, knows: Self::Knows) -> Result<RivalFromPositions, RivalRefusal> {
         let values: [f64; 6] = tuning.values()?;
-        FromPositions::shared(Self::CARD.id, tuning, &values, &knows)
+        RivalFromPositions::shared(Self::CARD.id, tuning, &values, &knows)
     }
 }
 
-impl Kind for Second {
+impl RowKind for PositionsSecond {
     const CARD: Card = Card {
         id: "proposed-positions-2",
         title: "Proposed, from positions, m = 2 (this project)",
@@ -302,13 +303,13 @@ impl Kind for Second {
         &[BANDWIDTH, DAMPING, REAL_POLE, PAIR, PAIR_DAMPING, TORQUE_BANDWIDTH, SLOW_POLE];
     type Knows = (Inertia, Drives);
 
-    fn law(tuning: &Tuning, knows: Self::Knows) -> Result<FromPositions, Refusal> {
+    fn law(tuning: &Tuning, knows: Self::Knows) -> Result<RivalFromPositions, RivalRefusal> {
         let values: [f64; 7] = tuning.values()?;
-        FromPositions::shared(Self::CARD.id, tuning, &values, &knows)
+        RivalFromPositions::shared(Self::CARD.id, tuning, &values, &knows)
     }
 }
 
-impl Kind for ByDesign {
+impl RowKind for ByDesign {
     const CARD: Card = Card {
         id: "proposed-positions-designed",
         title: "Proposed, from positions, a law per joint by design (this project)",
@@ -322,13 +323,13 @@ impl Kind for ByDesign {
     const SCALARS: &'static [Scalar] = &[];
     type Knows = (DesignedPositions, Drives);
 
-    fn law(tuning: &Tuning, knows: Self::Knows) -> Result<FromPositions, Refusal> {
+    fn law(tuning: &Tuning, knows: Self::Knows) -> Result<RivalFromPositions, RivalRefusal> {
         let (designed, drives) = knows;
-        FromPositions::of(designed.joints(), &drives, tuning.period())
+        RivalFromPositions::of(designed.joints(), &drives, tuning.period())
     }
 }
 
-impl Kind for Filtered {
+impl RowKind for PositionsFiltered {
     const CARD: Card = Card {
         id: "proposed-positions-filtered",
         title: "Proposed, from positions, a law per joint and a filter by design (this project)",
@@ -342,8 +343,8 @@ impl Kind for Filtered {
     const SCALARS: &'static [Scalar] = &[];
     type Knows = (DesignedFilters, Drives);
 
-    fn law(tuning: &Tuning, knows: Self::Knows) -> Result<FromPositions, Refusal> {
+    fn law(tuning: &Tuning, knows: Self::Knows) -> Result<RivalFromPositions, RivalRefusal> {
         let (designed, drives) = knows;
-        FromPositions::of(designed.joints(), &drives, tuning.period())
+        RivalFromPositions::of(designed.joints(), &drives, tuning.period())
     }
 }

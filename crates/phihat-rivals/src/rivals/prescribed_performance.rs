@@ -2,9 +2,9 @@
 
 use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Nothing;
-use crate::measured::{Motion, Velocity};
+use crate::measured::{MeasuredMotion, Velocity};
 use crate::rival::Rival;
 use crate::shared::{DECAY, SURFACE};
 use crate::tuning::{Scalar, Tuning};
@@ -73,17 +73,23 @@ impl Rival for PrescribedPerformance {
         DECAY,
         Scalar { name: "gain", unit: "1/s²", meaning: "K", default: 25.0, low: 2.5, high: 250.0 },
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Velocity<'a>;
     type Knows = Nothing;
 
-    fn new(tuning: &Tuning, _: Nothing) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, _: Nothing) -> Result<Self, RivalRefusal> {
         let [surface, end, decay, gain] = tuning.values()?;
         let (keep, extra) = ((-decay * tuning.period()).exp(), vec![0.0; tuning.joints()]);
         Ok(Self { surface, end, keep, gain: tuning.per_joint(gain), extra, started: false })
     }
 
-    fn update(&mut self, sees: Motion<'_>, wants: Velocity<'_>, _: &[bool], tau: &mut [f64]) {
+    fn update(
+        &mut self,
+        sees: MeasuredMotion<'_>,
+        wants: Velocity<'_>,
+        _: &[bool],
+        tau: &mut [f64],
+    ) {
         for (i, tau) in tau.iter_mut().enumerate() {
             let s = sees.dq[i] - wants.dq[i] + self.surface * (sees.q[i] - wants.q[i]);
             let extra = &mut self.extra[i];

@@ -4,7 +4,7 @@ use phihat::{Form, JointDesign, JointGains, JointState, Measurement, Reference};
 
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Inertia;
 use crate::math::peak_gain;
 use crate::measured::{Acceleration, MotionAndTorque};
@@ -43,7 +43,7 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// Hayat, Leibold, Buss (2018), (6), (8); the observer form is this project's.
 #[derive(Debug)]
-pub(crate) struct First(ProposedLaw);
+pub(crate) struct ProposedFirst(ProposedLaw);
 
 /// The paper's law of order 2, estimator poles of damping `ζ_o`.
 ///
@@ -112,7 +112,7 @@ impl ProposedLaw {
         inertia: &Inertia,
         outer: [f64; 2],
         a: &[f64],
-    ) -> Result<Self, Refusal> {
+    ) -> Result<Self, RivalRefusal> {
         let [kp, kd] = outer_gains(outer[0], outer[1]);
         let joint = |inertia: &f64| DesignedJoint { inertia: *inertia, kp, kd, a: a.to_vec() };
         let joints: Vec<_> = inertia.values().iter().map(joint).collect();
@@ -120,7 +120,7 @@ impl ProposedLaw {
     }
 
     /// The law of every joint by itself, sampled every `period` \[s\].
-    pub(crate) fn of(joints: &[DesignedJoint], period: f64) -> Result<Self, Refusal> {
+    pub(crate) fn of(joints: &[DesignedJoint], period: f64) -> Result<Self, RivalRefusal> {
         let gains = joints.iter().map(|joint| {
             JointGains::new(&JointDesign {
                 inertia: joint.inertia,
@@ -132,7 +132,7 @@ impl ProposedLaw {
             })
         });
         let gains: Result<Vec<_>, _> = gains.collect();
-        let gains = gains.map_err(|e| Refusal::Tuning(e.to_string()))?;
+        let gains = gains.map_err(|e| RivalRefusal::Tuning(e.to_string()))?;
         Ok(Self { states: vec![JointState::new(); gains.len()], gains })
     }
 
@@ -182,7 +182,7 @@ pub(crate) fn first_order_loop(kp: f64, kd: f64, a0: f64) -> [f64; 3] {
     [a0 * kp, kp + a0 * kd, kd + a0]
 }
 
-impl Rival for First {
+impl Rival for ProposedFirst {
     const CARD: Card = Card {
         id: "proposed-1",
         title: "Proposed, m = 1 (this project)",
@@ -198,7 +198,7 @@ impl Rival for First {
     type Wants<'a> = Acceleration<'a>;
     type Knows = Inertia;
 
-    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, RivalRefusal> {
         let [omega, zeta, estimator] = tuning.values()?;
         ProposedLaw::new(tuning, &inertia, [omega, zeta], &[estimator]).map(Self)
     }
@@ -246,7 +246,7 @@ impl Rival for Second {
     type Wants<'a> = Acceleration<'a>;
     type Knows = Inertia;
 
-    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, RivalRefusal> {
         let [omega, zeta, estimator, damping] = tuning.values()?;
         let a = [estimator * estimator, 2.0 * damping * estimator];
         ProposedLaw::new(tuning, &inertia, [omega, zeta], &a).map(Self)

@@ -1,14 +1,14 @@
 //! The paper's law with the gains that this project's design gives: nothing is left to tune.
 
 use crate::card::{Card, Grade};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Designed;
 use crate::measured::{Acceleration, MotionAndTorque};
 use crate::rival::Rival;
 use crate::rivals::proposed::{PRINTED, ProposedLaw};
 use crate::tuning::{Scalar, Tuning};
 
-/// The law of [`First`](super::proposed::First) and [`Second`](super::proposed::Second) with gains that a design
+/// The law of [`First`](super::proposed::ProposedFirst) and [`Second`](super::proposed::Second) with gains that a design
 /// found for a specification: what a user gets who states the error to live with and runs no tuner.
 ///
 /// # Law
@@ -52,7 +52,7 @@ impl Rival for ProposedDesigned {
     type Wants<'a> = Acceleration<'a>;
     type Knows = Designed;
 
-    fn new(tuning: &Tuning, designed: Designed) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, designed: Designed) -> Result<Self, RivalRefusal> {
         let joints = designed.joints();
         let law = ProposedLaw::of(joints, tuning.period())?;
         Ok(Self { law, states: joints.iter().map(|joint| joint.a.len()).sum() })

@@ -2,8 +2,8 @@
 
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
-use crate::measured::{Acceleration, Motion};
+use crate::error::RivalRefusal;
+use crate::measured::{Acceleration, MeasuredMotion};
 use crate::nominal::Nominal;
 use crate::rival::Rival;
 use crate::tuning::{Scalar, Tuning};
@@ -93,11 +93,11 @@ impl Rival for Robust {
             high: 0.5,
         },
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Nominal;
 
-    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, RivalRefusal> {
         let [position, velocity, robust, boundary] = tuning.values()?;
         let p22 = (velocity + 2.0 * position.sqrt()).sqrt();
         let z = vec![0.0; tuning.joints()];
@@ -110,7 +110,13 @@ impl Rival for Robust {
         })
     }
 
-    fn update(&mut self, sees: Motion<'_>, wants: Acceleration<'_>, _: &[bool], tau: &mut [f64]) {
+    fn update(
+        &mut self,
+        sees: MeasuredMotion<'_>,
+        wants: Acceleration<'_>,
+        _: &[bool],
+        tau: &mut [f64],
+    ) {
         let [p12, p22] = self.direction;
         for (i, z) in self.z.iter_mut().enumerate() {
             *z = p12 * (sees.q[i] - wants.q[i]) + p22 * (sees.dq[i] - wants.dq[i]);

@@ -1,11 +1,11 @@
 //! The adaptive controller of Slotine and Li.
 
-use crate::adaptation::Estimate;
+use crate::adaptation::AdaptedEstimate;
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
-use crate::measured::{Acceleration, Motion};
-use crate::regressor::{Group, Regressor};
+use crate::error::RivalRefusal;
+use crate::measured::{Acceleration, MeasuredMotion};
+use crate::regressor::{ParameterGroup, Regressor};
 use crate::rival::Rival;
 use crate::shared::{ADAPTATION, LEAKAGE, SLIDING, SLIDING_DAMPING};
 use crate::sliding::Sliding;
@@ -43,11 +43,15 @@ pub(crate) struct SlotineLi {
     gain: Vec<f64>,
     leakage: f64,
     period: f64,
-    estimate: Estimate,
+    estimate: AdaptedEstimate,
 }
 
 impl SlotineLi {
-    fn with([sliding, damping, leakage]: [f64; 3], tuning: &Tuning, estimate: Estimate) -> Self {
+    fn with(
+        [sliding, damping, leakage]: [f64; 3],
+        tuning: &Tuning,
+        estimate: AdaptedEstimate,
+    ) -> Self {
         Self {
             sliding: Sliding::new(sliding, tuning.joints()),
             gain: tuning.per_joint(damping),
@@ -75,19 +79,19 @@ impl Rival for SlotineLi {
         }),
     };
     const SCALARS: &'static [Scalar] = &[SLIDING, SLIDING_DAMPING, ADAPTATION, LEAKAGE];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Regressor;
 
-    fn new(tuning: &Tuning, regressor: Regressor) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, regressor: Regressor) -> Result<Self, RivalRefusal> {
         let [sliding, damping, adaptation, leakage] = tuning.values()?;
-        let estimate = Estimate::new(regressor, tuning, adaptation);
+        let estimate = AdaptedEstimate::new(regressor, tuning, adaptation);
         Ok(Self::with([sliding, damping, leakage], tuning, estimate))
     }
 
     fn update(
         &mut self,
-        sees: Motion<'_>,
+        sees: MeasuredMotion<'_>,
         wants: Acceleration<'_>,
         clipped: &[bool],
         tau: &mut [f64],
@@ -152,25 +156,25 @@ impl Rival for ByUnit {
         rate("adaptation_friction", "", "γ of viscous friction"),
         LEAKAGE,
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Regressor;
 
-    fn new(tuning: &Tuning, regressor: Regressor) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, regressor: Regressor) -> Result<Self, RivalRefusal> {
         let [sliding, damping, mass, moment, inertia, friction, leakage] = tuning.values()?;
-        let gain = |group: Group| match group {
-            Group::Mass => mass,
-            Group::Moment => moment,
-            Group::Inertia => inertia,
-            Group::Friction => friction,
+        let gain = |group: ParameterGroup| match group {
+            ParameterGroup::Mass => mass,
+            ParameterGroup::Moment => moment,
+            ParameterGroup::Inertia => inertia,
+            ParameterGroup::Friction => friction,
         };
-        let estimate = Estimate::by_group(regressor, tuning, gain);
+        let estimate = AdaptedEstimate::by_group(regressor, tuning, gain);
         Ok(Self(SlotineLi::with([sliding, damping, leakage], tuning, estimate)))
     }
 
     fn update(
         &mut self,
-        sees: Motion<'_>,
+        sees: MeasuredMotion<'_>,
         wants: Acceleration<'_>,
         clipped: &[bool],
         tau: &mut [f64],

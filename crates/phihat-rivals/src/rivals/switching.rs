@@ -2,8 +2,8 @@
 
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
-use crate::measured::{Acceleration, Motion, MotionAndTorque};
+use crate::error::RivalRefusal;
+use crate::measured::{Acceleration, MeasuredMotion, MotionAndTorque};
 use crate::nominal::Nominal;
 use crate::rival::Rival;
 use crate::shared::SLIDING;
@@ -106,7 +106,7 @@ impl Rival for Switching {
     type Wants<'a> = Acceleration<'a>;
     type Knows = Nominal;
 
-    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, model: Nominal) -> Result<Self, RivalRefusal> {
         let [sliding, damping, switching, boundary, observer] = tuning.values()?;
         let n = tuning.joints();
         Ok(Self {
@@ -136,7 +136,7 @@ impl Rival for Switching {
             *z = if self.started { keep * *z - (1.0 - keep) * held } else { -rate * sees.dq[i] };
         }
         self.started = true;
-        self.sliding.update(&Motion { q: sees.q, dq: sees.dq }, &wants);
+        self.sliding.update(&MeasuredMotion { q: sees.q, dq: sees.dq }, &wants);
         let Sliding { s, v, a, .. } = &mut self.sliding;
         for (i, a) in a.iter_mut().enumerate() {
             *a -= self.z[i] + rate * sees.dq[i];

@@ -1,10 +1,10 @@
 //! Wang's adaptive controller in task space: neither kinematics nor dynamics are known.
 
-use crate::adaptation::Estimate;
+use crate::adaptation::AdaptedEstimate;
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
-use crate::measured::{Acceleration, Motion};
+use crate::error::RivalRefusal;
+use crate::measured::{Acceleration, MeasuredMotion};
 use crate::planar::{LINKS, Planar, Tip, running};
 use crate::regressor::Regressor;
 use crate::rival::Rival;
@@ -48,7 +48,7 @@ pub(crate) struct TaskSpace {
     lengths: [f64; LINKS],
     /// `dl̂/dt` of the last sample, which `dĴ/dt` contains \[m/s\].
     lengths_slope: [f64; LINKS],
-    estimate: Estimate,
+    estimate: AdaptedEstimate,
 }
 
 /// Leakage of `θ̂` \[1/s\].
@@ -101,11 +101,11 @@ impl Rival for TaskSpace {
             high: 50.0,
         },
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = (Regressor, Planar);
 
-    fn new(tuning: &Tuning, (regressor, arm): (Regressor, Planar)) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, (regressor, arm): (Regressor, Planar)) -> Result<Self, RivalRefusal> {
         let [rate, damping, adaptation, lengths_rate] = tuning.values()?;
         Ok(Self {
             rate,
@@ -115,13 +115,13 @@ impl Rival for TaskSpace {
             lengths: arm.believed(),
             lengths_slope: [0.0; LINKS],
             arm,
-            estimate: Estimate::new(regressor, tuning, adaptation),
+            estimate: AdaptedEstimate::new(regressor, tuning, adaptation),
         })
     }
 
     fn update(
         &mut self,
-        sees: Motion<'_>,
+        sees: MeasuredMotion<'_>,
         wants: Acceleration<'_>,
         clipped: &[bool],
         tau: &mut [f64],

@@ -2,9 +2,9 @@
 
 use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Nothing;
-use crate::measured::{Acceleration, Motion};
+use crate::measured::{Acceleration, MeasuredMotion};
 use crate::rival::Rival;
 use crate::shared::SURFACE;
 use crate::tuning::{Scalar, Tuning};
@@ -102,11 +102,11 @@ impl Rival for TaylorNetwork {
             high: 0.1,
         },
     ];
-    type Sees<'a> = Motion<'a>;
+    type Sees<'a> = MeasuredMotion<'a>;
     type Wants<'a> = Acceleration<'a>;
     type Knows = Nothing;
 
-    fn new(tuning: &Tuning, _: Nothing) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, _: Nothing) -> Result<Self, RivalRefusal> {
         let [surface, gain, adaptation, leakage] = tuning.values()?;
         let (n, period) = (tuning.joints(), tuning.period());
         let monomials = vec![0.0; (3 * n + 2) * (3 * n + 1) / 2];
@@ -127,7 +127,7 @@ impl Rival for TaylorNetwork {
 
     fn update(
         &mut self,
-        sees: Motion<'_>,
+        sees: MeasuredMotion<'_>,
         wants: Acceleration<'_>,
         clipped: &[bool],
         tau: &mut [f64],

@@ -2,7 +2,7 @@
 
 use crate::card::{Card, Grade};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Inertia;
 use crate::measured::{Acceleration, MotionAndCommand};
 use crate::rival::Rival;
@@ -44,12 +44,12 @@ use crate::tuning::{Scalar, Tuning};
 pub(crate) struct TimeDelay {
     kp: f64,
     kd: f64,
-    rest: Rest,
+    rest: DelayRest,
 }
 
 /// The time-delay estimate `τ_{k−1} − M̄ (q̇_k − q̇_{k−1})/T` of the lumped dynamics; 0 at the first sample.
 #[derive(Debug)]
-pub(crate) struct Rest {
+pub(crate) struct DelayRest {
     inertia: Vec<f64>,
     dq: Vec<f64>,
     started: bool,
@@ -67,7 +67,7 @@ pub(crate) const INERTIA_SHARE: Scalar = Scalar {
     high: 2.0,
 };
 
-impl Rest {
+impl DelayRest {
     /// With `M̄` a share of the joints' nominal inertia.
     pub(crate) fn new(inertia: &Inertia, share: f64, period: f64) -> Self {
         let inertia: Vec<f64> = inertia.values().iter().map(|inertia| share * inertia).collect();
@@ -113,10 +113,10 @@ impl Rival for TimeDelay {
     type Wants<'a> = Acceleration<'a>;
     type Knows = Inertia;
 
-    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, RivalRefusal> {
         let [omega, zeta, share] = tuning.values()?;
         let [kp, kd] = outer_gains(omega, zeta);
-        Ok(Self { kp, kd, rest: Rest::new(&inertia, share, tuning.period()) })
+        Ok(Self { kp, kd, rest: DelayRest::new(&inertia, share, tuning.period()) })
     }
 
     fn update(

@@ -2,7 +2,7 @@
 
 use crate::card::{Card, Grade, Tick, Ticks};
 use crate::claim::{Condition, DeclaredArm};
-use crate::error::Refusal;
+use crate::error::RivalRefusal;
 use crate::facts::Inertia;
 use crate::lumped::Lumped;
 use crate::measured::{Acceleration, MotionAndTorque};
@@ -123,7 +123,7 @@ impl Rival for Yang {
     type Wants<'a> = Acceleration<'a>;
     type Knows = Inertia;
 
-    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, Refusal> {
+    fn new(tuning: &Tuning, inertia: Inertia) -> Result<Self, RivalRefusal> {
         let [surface, gain, damping, cutoff, adaptation, leakage, layer] = tuning.values()?;
         let period = tuning.period();
         let lumped = Lumped::new(inertia.values(), cutoff, period);

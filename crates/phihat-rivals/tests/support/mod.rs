@@ -9,7 +9,7 @@ use std::sync::Arc;
 use phihat::InnovationSection;
 use phihat_model::{Model, Robot, Workspace};
 use phihat_rivals::{
-    All, Curve, DeclaredArm, DesignedJoint, DesignedPosition, Entry, Supply, Tuning,
+    All, DeclaredArm, DesignedJoint, DesignedPosition, Entry, Supply, TaskCurve, Tuning,
 };
 
 /// Sample period \[s\].
@@ -38,7 +38,7 @@ pub(crate) struct Sines {
     pub(crate) amplitude: f64,
 }
 
-impl Curve for Sines {
+impl TaskCurve for Sines {
     fn at(&self, theta: f64, q: &mut [f64], dq: &mut [f64], ddq: &mut [f64]) {
         let w = TAU / self.period();
         for i in 0..q.len() {
@@ -307,7 +307,7 @@ impl Run {
     }
 
     /// Largest distance from a path from a time on \[rad\], over places a thousandth of a turn apart.
-    pub(crate) fn distance(&self, path: &dyn Curve, from: f64) -> f64 {
+    pub(crate) fn distance(&self, path: &dyn TaskCurve, from: f64) -> f64 {
         let first = self.t.partition_point(|t| *t < from);
         let n = self.q[0].len();
         let (mut slope, mut bend) = (vec![0.0; n], vec![0.0; n]);

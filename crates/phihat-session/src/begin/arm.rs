@@ -16,7 +16,7 @@ use crate::files;
 pub(super) const READY: &str = "ready";
 
 /// Chosen arm: its lines in the study, its own file and notes.
-pub(super) struct Chosen {
+pub(super) struct ChosenArm {
     pub(super) robot: Robot,
     pub(super) part: Part,
     /// Lines of `[robot]`.
@@ -39,7 +39,7 @@ pub(super) struct ArmFile {
     text: String,
 }
 
-impl Chosen {
+impl ChosenArm {
     pub(super) fn of(
         options: &BeginOptions,
         folder: &Path,

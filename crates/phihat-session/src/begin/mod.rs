@@ -32,8 +32,8 @@ pub use options::{ArmOptions, BeginOptions};
 use crate::disk::{DiskError, Whole, folder_of, make_folder};
 use crate::error::SessionError;
 use crate::watch::Watch;
-use arm::Chosen;
-use search::{Found, Looked};
+use arm::ChosenArm;
+use search::{BeginResult, BeginStudy};
 
 /// A study that was made.
 #[derive(Debug)]
@@ -49,7 +49,7 @@ pub struct Begun {
     /// Notes for the reader: assumptions, and choices that were made for him.
     pub notes: Vec<String>,
     /// The error that the study asks for \[rad, m\], one per joint.
-    pub error_max: Vec<f64>,
+    pub error_bound: Vec<f64>,
     /// The largest errors that were simulated \[rad, m\], one per joint, over all rotors tried; `None`: there
     /// are no gains.
     pub simulated: Option<Vec<f64>>,
@@ -65,9 +65,9 @@ pub struct Begun {
 pub fn begin(options: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, SessionError> {
     let folder = folder_of(&options.out);
     let name = options.study_name()?;
-    let mut chosen = Chosen::of(options, folder, &name)?;
+    let mut chosen = ChosenArm::of(options, folder, &name)?;
     let scratch = tempfile::tempdir().map_err(SessionError::other)?;
-    let mut looked = Looked::new(options, &mut chosen, scratch.path())?;
+    let mut looked = BeginStudy::new(options, &mut chosen, scratch.path())?;
     let found = looked.search((&mut chosen, &options.out), watch)?;
     watch.ended();
     let text = looked.study_text(&found, &chosen);
@@ -88,9 +88,9 @@ pub fn begin(options: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, Ses
     let files = files.into_iter().map(|(path, _)| path).collect();
     // What was written is what was looked at.
     Study::read(&options.out)?;
-    let Found { error_max, simulated, infeasible, .. } = found;
+    let BeginResult { error_bound, simulated, infeasible, .. } = found;
     let study = options.out.clone();
-    Ok(Begun { study, files, joints, slides, notes, error_max, simulated, infeasible })
+    Ok(Begun { study, files, joints, slides, notes, error_bound, simulated, infeasible })
 }
 
 fn write(files: &[(PathBuf, String)], replace: bool) -> Result<(), SessionError> {
@@ -139,7 +139,7 @@ mod tests {
     use phihat_study::Study;
 
     use super::search::followed;
-    use super::{ArmOptions, BeginOptions, Chosen, begin};
+    use super::{ArmOptions, BeginOptions, ChosenArm, begin};
 
     /// Options for an arm of one joint: half a kilogram 0.1 m out, 0.49 N·m by hand calculation; `friction`
     /// and `effort` of its file.
@@ -185,7 +185,7 @@ mod tests {
         // With nearly half a newton metre of gravity, of 6 N·m: nine tenths, and a half.
         for (friction, told) in [(4.9, true), (2.5, false)] {
             let options = options(folder.path(), friction, 6.0);
-            let chosen = Chosen::of(&options, folder.path(), "first").unwrap();
+            let chosen = ChosenArm::of(&options, folder.path(), "first").unwrap();
             let found = followed(&options, &chosen, &options.out).unwrap();
             assert_eq!(found.weak, None);
             assert_eq!(found.notes.len(), usize::from(told), "{:?}", found.notes);
@@ -200,7 +200,7 @@ mod tests {
         // motion further.
         for (effort, angle) in [(0.6, 0.075), (2.0, 0.3)] {
             let options = options(folder.path(), 0.0, effort);
-            let chosen = Chosen::of(&options, folder.path(), "first").unwrap();
+            let chosen = ChosenArm::of(&options, folder.path(), "first").unwrap();
             let found = followed(&options, &chosen, &options.out).unwrap();
             assert_eq!((found.weak, found.notes.len()), (None, 0));
             assert!((found.motion.angle - angle).abs() < 1e-12, "{}", found.motion.angle);

@@ -27,7 +27,7 @@ pub struct BeginOptions {
     /// Heaviest payload \[kg\].
     pub payload_kg: f64,
     /// Largest error \[rad, m\]; `None`: the smallest that can be promised, with a margin.
-    pub error_max: Option<f64>,
+    pub error_bound: Option<f64>,
     /// Control samples per second.
     pub rate_hz: Option<f64>,
     /// Transport delay in samples.

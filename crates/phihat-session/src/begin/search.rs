@@ -13,7 +13,7 @@ use phihat_synthesis::{
     Advice, SETTLED_S, any_law, arm_along, digits, lacking, late_error, one_search, smallest_rotor,
 };
 
-use super::arm::{Chosen, READY};
+use super::arm::{ChosenArm, READY};
 use super::motion::Sines;
 use super::options::BeginOptions;
 use super::posture::unit;
@@ -64,15 +64,15 @@ const NARROWER: [f64; 3] = [0.5, 0.25, 0.0];
 const NARROW_FRICTION: f64 = 0.4;
 
 /// Result of the search for an arm.
-pub(super) struct Found {
-    pub(super) error_max: Vec<f64>,
+pub(super) struct BeginResult {
+    pub(super) error_bound: Vec<f64>,
     pub(super) simulated: Option<Vec<f64>>,
     pub(super) infeasible: Option<String>,
     pub(super) notes: Vec<String>,
 }
 
 /// A study that is looked at, and what is known of it.
-pub(super) struct Looked<'a> {
+pub(super) struct BeginStudy<'a> {
     options: &'a BeginOptions,
     study: Box<Study>,
     path: PathBuf,
@@ -87,7 +87,7 @@ pub(super) struct Looked<'a> {
 }
 
 /// Result of one requested error.
-enum Asked {
+enum ErrorOutcome {
     /// Gains keep it, and runs did: with the largest error of these, per joint.
     Kept(Vec<f64>),
     /// Why it is not kept, and by which factor it was exceeded, at least.
@@ -105,11 +105,11 @@ enum Least {
     None(String),
 }
 
-impl<'a> Looked<'a> {
+impl<'a> BeginStudy<'a> {
     /// Puts a study for the arm into a folder, with a motion that its drives can follow and rotors that gains can bear.
     pub(super) fn new(
         options: &'a BeginOptions,
-        chosen: &mut Chosen,
+        chosen: &mut ChosenArm,
         folder: &Path,
     ) -> Result<Self, SessionError> {
         let path = folder.join(format!("{}.toml", options.study_name()?));
@@ -123,7 +123,7 @@ impl<'a> Looked<'a> {
     }
 
     /// Makes the intervals of the rotors narrower where no gains bear the whole of them.
-    fn narrow(&mut self, chosen: &mut Chosen) -> Result<(), SessionError> {
+    fn narrow(&mut self, chosen: &mut ChosenArm) -> Result<(), SessionError> {
         if chosen.written.is_none() || self.bearable()? {
             return Ok(());
         }
@@ -171,11 +171,11 @@ impl<'a> Looked<'a> {
     /// interval of dry friction, for a narrower one.
     pub(super) fn search(
         &mut self,
-        (chosen, out): (&mut Chosen, &Path),
+        (chosen, out): (&mut ChosenArm, &Path),
         watch: &mut dyn Watch,
-    ) -> Result<Found, SessionError> {
+    ) -> Result<BeginResult, SessionError> {
         if let Some(why) = self.weak.take() {
-            return Ok(self.infeasible(self.options.error_max.unwrap_or(UNASKED), why));
+            return Ok(self.infeasible(self.options.error_bound.unwrap_or(UNASKED), why));
         }
         let found = self.search_once(out, watch)?;
         if found.infeasible.is_none() || !self.stable || chosen.written.is_none() {
@@ -207,12 +207,16 @@ impl<'a> Looked<'a> {
              about the middle. What is promised holds for friction inside it: measure"
                 .to_owned(),
         );
-        Ok(Found { notes, ..narrower })
+        Ok(BeginResult { notes, ..narrower })
     }
 
-    fn search_once(&mut self, out: &Path, watch: &mut dyn Watch) -> Result<Found, SessionError> {
+    fn search_once(
+        &mut self,
+        out: &Path,
+        watch: &mut dyn Watch,
+    ) -> Result<BeginResult, SessionError> {
         watch.step("looking for the least error that gains can keep");
-        let fixed = self.options.error_max;
+        let fixed = self.options.error_bound;
         let mut error = match fixed {
             Some(error) => error,
             None => match self.least(watch)? {
@@ -230,19 +234,21 @@ impl<'a> Looked<'a> {
                 1e3 * error
             ));
             let (why, by) = match self.asked(error, out)? {
-                Asked::Kept(simulated) if fixed.is_none() => {
+                ErrorOutcome::Kept(simulated) if fixed.is_none() => {
                     return Ok(self.with_form_chosen((error, simulated), out, watch));
                 }
-                Asked::Kept(simulated) => return Ok(self.found(error, Some(simulated), None)),
-                Asked::Never(why) => return Ok(self.infeasible(error, why)),
-                Asked::No(no) if fixed.is_some() => {
+                ErrorOutcome::Kept(simulated) => {
+                    return Ok(self.found(error, Some(simulated), None));
+                }
+                ErrorOutcome::Never(why) => return Ok(self.infeasible(error, why)),
+                ErrorOutcome::No(no) if fixed.is_some() => {
                     return Ok(self.infeasible(error, no.to_string()));
                 }
-                Asked::Beyond(why, _) if fixed.is_some() => {
+                ErrorOutcome::Beyond(why, _) if fixed.is_some() => {
                     return Ok(self.infeasible(error, why));
                 }
-                Asked::Beyond(why, by) => (why, by.clamp(1.1, 4.0)),
-                Asked::No(no) => (no.to_string(), MORE),
+                ErrorOutcome::Beyond(why, by) => (why, by.clamp(1.1, 4.0)),
+                ErrorOutcome::No(no) => (no.to_string(), MORE),
             };
             last = Some(why);
             if error >= self.stands_still() || round == ROUNDS {
@@ -268,13 +274,13 @@ impl<'a> Looked<'a> {
         (error, simulated): (f64, Vec<f64>),
         out: &Path,
         watch: &mut dyn Watch,
-    ) -> Found {
+    ) -> BeginResult {
         let less = two_digits(FORM_CHOSEN * error);
         watch
             .step(&format!("laws from positions for an error of {:.3} mrad, and runs", 1e3 * less));
         self.study.control.form_designed = true;
         // A search that cannot begin is no reason to have nothing.
-        if let Ok(Asked::Kept(simulated)) = self.asked(less, out) {
+        if let Ok(ErrorOutcome::Kept(simulated)) = self.asked(less, out) {
             return self.found(less, Some(simulated), None);
         }
         self.study.control.form_designed = false;
@@ -289,7 +295,7 @@ impl<'a> Looked<'a> {
         let Outcome::Infeasible(no) = one_search(&study, &self.arm).map_err(here)? else {
             return Ok(Least::Error(IN_VAIN));
         };
-        let clause = no.clauses.iter().find(|clause| clause.key == "spec.error_max_rad");
+        let clause = no.clauses.iter().find(|clause| clause.key == "spec.error_bound_rad");
         let possible = clause.and_then(|clause| Some(clause.possible? / clause.wanted * IN_VAIN));
         if let Some(least) = possible {
             return Ok(Least::Error(least));
@@ -301,18 +307,18 @@ impl<'a> Looked<'a> {
     }
 
     /// Gains for an error, and runs with every rotor between and at the ends of its interval.
-    fn asked(&self, error: f64, out: &Path) -> Result<Asked, SessionError> {
+    fn asked(&self, error: f64, out: &Path) -> Result<ErrorOutcome, SessionError> {
         let mut study = self.study.clone();
         ask(&mut study, error);
         let gains = match designed_for(&study, &self.arm, &self.path, Advice::Clauses)? {
             Outcome::Designed(gains) => *gains,
-            Outcome::Infeasible(no) => return Ok(Asked::No(no)),
+            Outcome::Infeasible(no) => return Ok(ErrorOutcome::No(no)),
         };
         let beyond = share_of_tube(&study, &gains);
         if beyond.is_nan() || beyond > 1.0 {
             let refused = gains.certificate.as_ref().and_then(|c| c.tube_refused.clone());
             let why = refused.unwrap_or_else(|| format!("the tube goes beyond it by {beyond:.2}"));
-            return Ok(Asked::Beyond(why, beyond));
+            return Ok(ErrorOutcome::Beyond(why, beyond));
         }
         let places: &[Rotor] = if study.robot.has_rotor_interval() {
             &[Rotor::Stated, Rotor::Least, Rotor::Most]
@@ -329,10 +335,10 @@ impl<'a> Looked<'a> {
             let session = match Session::new(own, out, Some((gains.clone(), out)), false) {
                 Ok(session) => session,
                 Err(SessionError::NotArmed { why, .. }) => {
-                    return Ok(Asked::Beyond(why.to_string(), MORE));
+                    return Ok(ErrorOutcome::Beyond(why.to_string(), MORE));
                 }
                 Err(why) if too_stiff(&why) => {
-                    return Ok(Asked::Never(format!(
+                    return Ok(ErrorOutcome::Never(format!(
                         "rotors at {place:?}: {why}: dry friction is estimated from the torque limit, which may be a placeholder; \
                          state the drives' with --torque-max"
                     )));
@@ -347,29 +353,34 @@ impl<'a> Looked<'a> {
             };
             if !good {
                 let why = format!("a run with rotors at {place:?} was {}", done.verdict());
-                return Ok(Asked::Beyond(why, MORE));
+                return Ok(ErrorOutcome::Beyond(why, MORE));
             }
             for (most, joint) in most.iter_mut().zip(&done.metrics.joints) {
                 *most = larger(*most, joint.error_steady_max_rad);
             }
         }
-        Ok(Asked::Kept(most))
+        Ok(ErrorOutcome::Kept(most))
     }
 
-    fn found(&self, error: f64, simulated: Option<Vec<f64>>, infeasible: Option<String>) -> Found {
-        let error_max = units(&self.study).map(|unit| digits::places(error * unit, 9)).collect();
-        Found { error_max, simulated, infeasible, notes: self.notes.clone() }
+    fn found(
+        &self,
+        error: f64,
+        simulated: Option<Vec<f64>>,
+        infeasible: Option<String>,
+    ) -> BeginResult {
+        let error_bound = units(&self.study).map(|unit| digits::places(error * unit, 9)).collect();
+        BeginResult { error_bound, simulated, infeasible, notes: self.notes.clone() }
     }
 
-    fn infeasible(&self, error: f64, why: String) -> Found {
+    fn infeasible(&self, error: f64, why: String) -> BeginResult {
         self.found(error, None, Some(why))
     }
 
     /// The study as it is written.
-    pub(super) fn study_text(&self, found: &Found, chosen: &Chosen) -> String {
+    pub(super) fn study_text(&self, found: &BeginResult, chosen: &ChosenArm) -> String {
         // Where there are no gains yet, nothing is to be ruled out.
         let left = self.study.control.form_designed || found.infeasible.is_some();
-        let said = (&chosen.lines[..], &found.error_max[..], left);
+        let said = (&chosen.lines[..], &found.error_bound[..], left);
         words(self.options, chosen, said, &self.motion)
     }
 }
@@ -398,7 +409,7 @@ fn share_of_tube(study: &Study, gains: &Gains) -> f64 {
         return if modelled(study).is_err() { 1.0 } else { MORE };
     };
     let limits = study.spec.error_bound.iter().flatten();
-    let shares = tube.joints.iter().zip(limits).map(|(joint, most)| joint.error_max_rad / most);
+    let shares = tube.joints.iter().zip(limits).map(|(joint, most)| joint.error_bound_rad / most);
     let most = shares.largest();
     // What the whole of the tube asks for after a while: an error that is kept at the end alone is no promise.
     let late = tube.joints.iter().zip(study.spec.error_bound.iter().flatten());
@@ -425,7 +436,7 @@ pub(super) struct Followed {
 /// limits. Where none is, the last one, with a note, or with the reason why the drives cannot follow it.
 pub(super) fn followed(
     options: &BeginOptions,
-    chosen: &Chosen,
+    chosen: &ChosenArm,
     path: &Path,
 ) -> Result<Followed, SessionError> {
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -461,7 +472,7 @@ fn pace(round: i32) -> (f64, f64) {
 /// Notes on the slowest motion, whose torque is a share of a joint's limit; and the reason, if the drives
 /// cannot follow it.
 fn slowest(
-    chosen: &Chosen,
+    chosen: &ChosenArm,
     (share, joint, limit): (f64, usize, f64),
 ) -> (Vec<String>, Option<String>) {
     if chosen.unheld.is_some() {
@@ -491,7 +502,7 @@ fn slowest(
 
 fn words(
     options: &BeginOptions,
-    chosen: &Chosen,
+    chosen: &ChosenArm,
     (robot, error, form_designed): (&[String], &[f64], bool),
     motion: &Sines,
 ) -> String {

@@ -49,7 +49,7 @@ impl Words<'_> {
         line("\n# The error you can live with, once the arm has settled; when that is, the certificate says. This is near the least".into());
         line("# that can be promised for this arm, payload, loop and motion: ask for less and `phihat design` says what is in the way.".into());
         line("[spec]".into());
-        line(format!("error_max_rad = {}", numbers(self.error)));
+        line(format!("error_bound_rad = {}", numbers(self.error)));
         line("\n# What the gains must bear. No gains are stated: `phihat run` finds them.".into());
         line("[design]".into());
         line(format!(

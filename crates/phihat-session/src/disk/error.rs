@@ -20,7 +20,7 @@ pub enum DiskError {
     /// The older files are no longer whole, and the new ones not yet.
     #[error(
         "{}: cannot be written: {why}\n  = note: the older results were taken away; new: {}; not written: {}; the same \
-         command again writes all of them", path.display(), Names(new), Names(missing)
+         command again writes all of them", path.display(), FileNames(new), FileNames(missing)
     )]
     Broken {
         /// Path that could not be written, moved or removed.
@@ -58,12 +58,12 @@ impl DiskError {
 }
 
 /// File names for people.
-struct Names<'a>(&'a [PathBuf]);
+struct FileNames<'a>(&'a [PathBuf]);
 
 /// Names that are told.
 const SHOWN: usize = 10;
 
-impl fmt::Display for Names<'_> {
+impl fmt::Display for FileNames<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name =
             |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();

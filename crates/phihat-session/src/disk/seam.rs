@@ -72,7 +72,7 @@ mod armed {
     const KILLED: i32 = 137;
 
     /// Plan of a strike.
-    struct Plan {
+    struct StrikePlan {
         how: String,
         /// Number of the first operation that is struck.
         from: usize,
@@ -80,17 +80,17 @@ mod armed {
         word: String,
     }
 
-    impl Plan {
+    impl StrikePlan {
         fn numbers(&self, path: &Path) -> bool {
             path.to_string_lossy().contains(&self.word)
         }
     }
 
-    static PLAN: LazyLock<Option<Plan>> = LazyLock::new(|| {
+    static PLAN: LazyLock<Option<StrikePlan>> = LazyLock::new(|| {
         let text = std::env::var("PHIHAT_STRIKE").ok()?;
         let (how, rest) = text.split_once(' ')?;
         let (number, word) = rest.split_once(' ').unwrap_or((rest, ""));
-        Some(Plan { how: how.to_owned(), from: number.parse().ok()?, word: word.to_owned() })
+        Some(StrikePlan { how: how.to_owned(), from: number.parse().ok()?, word: word.to_owned() })
     });
     static DONE: AtomicUsize = AtomicUsize::new(0);
 
@@ -113,7 +113,7 @@ mod armed {
     #[allow(clippy::print_stderr, reason = "the test reads whether it struck, and what")]
     pub fn strike(operation: Operation, path: &Path) -> io::Result<()> {
         let Some(plan) = PLAN.as_ref().filter(|plan| plan.numbers(path)) else { return Ok(()) };
-        let Plan { how, from, .. } = plan;
+        let StrikePlan { how, from, .. } = plan;
         let number = DONE.fetch_add(1, Ordering::Relaxed) + 1;
         let roomless = matches!(operation, Operation::Move | Operation::Remove | Operation::Lock);
         let struck =

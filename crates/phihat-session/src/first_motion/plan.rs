@@ -5,7 +5,7 @@ use std::path::Path;
 use phihat_design::claims::Refutation;
 use phihat_design::{Arm, Gains, arm_inside_window, requested_gains};
 use phihat_model::{Joint, Workspace};
-use phihat_study::{InertiaSource, Reference, Study};
+use phihat_study::{InertiaSource, ReferenceRequest, Study};
 use thiserror::Error;
 use toml::{Table, Value};
 
@@ -132,7 +132,7 @@ fn cautious(
 fn bears(study: &Study, factor: f64, path: &Path) -> Result<Result<f64, Refutation>, SessionError> {
     let gains = requested_gains(study).ok_or_else(|| SessionError::at(path, "no gains"))?;
     let arm = match (&study.design.inertia, &study.reference) {
-        (InertiaSource::Robot, Reference::Waypoints { q, .. }) => Arm::near(study, q),
+        (InertiaSource::Robot, ReferenceRequest::Waypoints { q, .. }) => Arm::near(study, q),
         _ => arm(study, path)?,
     };
     let all = [factor, 1.0, 1.0 / factor].into_iter();

@@ -6,7 +6,8 @@ use std::path::Path;
 
 use phihat_design::RecordedJoint;
 use phihat_sim::{
-    BLOCK, ChunkReader, Kind, ParquetError, ParquetTable, Place, TraceError, Values, is_parquet,
+    BLOCK, ChunkReader, ParquetError, ParquetTable, Place, TraceError, ValueKind, Values,
+    is_parquet,
 };
 
 use crate::error::SessionError;
@@ -21,7 +22,7 @@ const COLUMNS: [&[&str]; 4] =
     [&["t_s"], &["joint"], &["q_rad", "q_measured_rad"], &["tau_nm", "tau_applied_nm"]];
 
 /// Positions and torques of every joint at equal times.
-pub(super) struct Recording {
+pub(super) struct IdentifyRecording {
     pub(super) period_ns: u64,
     pub(super) joints: Vec<RecordedJoint>,
 }
@@ -32,11 +33,11 @@ pub(super) struct Recording {
 /// # Errors
 ///
 /// [`SessionError::File`], with line or row, column, value and what would be valid.
-pub(super) fn read(path: &Path, from: f64) -> Result<Recording, SessionError> {
+pub(super) fn read(path: &Path, from: f64) -> Result<IdentifyRecording, SessionError> {
     let path = &trace_at(path);
     let refuse = |why: String| SessionError::at(path, why);
     let file = files::open(path)?;
-    let mut rows = Rows { from, first: None, times: Vec::new(), joints: Vec::new() };
+    let mut rows = RecordedRows { from, first: None, times: Vec::new(), joints: Vec::new() };
     let parquet = is_parquet(&file).map_err(TraceError::from);
     let read = parquet.and_then(|parquet| {
         if parquet {
@@ -45,10 +46,10 @@ pub(super) fn read(path: &Path, from: f64) -> Result<Recording, SessionError> {
         of_csv(file.get_read(0).map_err(io::Error::other)?, &mut rows)
     });
     read.map_err(|e| refuse(e.to_string()))?;
-    let Rows { times, joints, .. } = rows;
+    let RecordedRows { times, joints, .. } = rows;
     let Some(joint) = joints.iter().find(|joint| joint.q.len() != times.len()) else {
         let period_ns = period(path, &times)?;
-        return Ok(Recording { period_ns, joints });
+        return Ok(IdentifyRecording { period_ns, joints });
     };
     let (name, found, expected) = (&joint.name, joint.q.len(), times.len());
     let most = &joints[0].name;
@@ -57,14 +58,14 @@ pub(super) fn read(path: &Path, from: f64) -> Result<Recording, SessionError> {
 }
 
 /// Rows that were read so far.
-struct Rows {
+struct RecordedRows {
     from: f64,
     first: Option<f64>,
     times: Vec<f64>,
     joints: Vec<RecordedJoint>,
 }
 
-impl Rows {
+impl RecordedRows {
     fn add(&mut self, name: &str, [t, q, tau]: [f64; 3]) {
         let begun = *self.first.get_or_insert(t);
         if t - begun < self.from {
@@ -103,7 +104,7 @@ fn finite(
     })
 }
 
-fn of_csv(file: impl Read, rows: &mut Rows) -> Result<(), TraceError> {
+fn of_csv(file: impl Read, rows: &mut RecordedRows) -> Result<(), TraceError> {
     let mut csv = csv::Reader::from_reader(file);
     let header = csv.headers()?.clone();
     let place = |names: &[&str]| {
@@ -130,15 +131,15 @@ fn of_csv(file: impl Read, rows: &mut Rows) -> Result<(), TraceError> {
 /// Times in whole nanoseconds, as traces have them.
 const NANOSECONDS: &str = "t_ns";
 
-fn of_parquet(file: File, rows: &mut Rows) -> Result<(), TraceError> {
+fn of_parquet(file: File, rows: &mut RecordedRows) -> Result<(), TraceError> {
     let table = ParquetTable::open(file)?;
     let kind = |at: &usize| table.columns().nth(*at).and_then(|(_, kind)| kind);
-    let is_number = |at: &usize| matches!(kind(at), Some(Kind::Numbers | Kind::Integers));
+    let is_number = |at: &usize| matches!(kind(at), Some(ValueKind::Numbers | ValueKind::Integers));
     let nanoseconds = table.place(NANOSECONDS).filter(is_number);
     let place = |names: &[&str]| {
         let found = names.iter().find_map(|name| table.place(name));
         let text = names[0] == COLUMNS[1][0];
-        found.filter(|at| if text { kind(at) == Some(Kind::Texts) } else { is_number(at) })
+        found.filter(|at| if text { kind(at) == Some(ValueKind::Texts) } else { is_number(at) })
     };
     let lacking = |column: usize| ParquetError::Column {
         column: COLUMNS[column].join(" or "),

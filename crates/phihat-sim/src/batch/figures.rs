@@ -1,14 +1,14 @@
 //! The figures of many arms as their samples come, without a record.
 
-use phihat_model::{Choice, Lanes, Pose, Scalar};
+use phihat_model::{FileChoice, Lanes, Pose, Scalar};
 
-use super::law::Answer;
+use super::law::CommandLanes;
 use crate::metrics::{JointMetrics, Measured, Metrics};
 use crate::tip;
 
 /// Figures so far, one arm per lane: as [`Measured`] takes them, operation by operation.
 #[derive(Debug)]
-pub(super) struct Figures {
+pub(super) struct BatchFigures {
     joints: Vec<JointFigures>,
     tip: TipFigures,
     half_period: Lanes,
@@ -26,7 +26,7 @@ struct JointFigures {
     /// The command before \[N·m\].
     tau: Lanes,
     squares: Lanes,
-    error_max: Lanes,
+    error_peak: Lanes,
     error_steady: Lanes,
     integral_steady: Lanes,
     velocity_steady: Lanes,
@@ -50,7 +50,7 @@ struct Counts {
 /// Figures of the tip of every arm.
 #[derive(Debug, Clone, Default)]
 struct TipFigures {
-    error_max: Lanes,
+    error_peak: Lanes,
     error_steady: Lanes,
     /// Sine of half the largest angle, and the angle.
     half: Lanes,
@@ -59,14 +59,14 @@ struct TipFigures {
 
 /// Motion and torque of a joint of every arm over one sample.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Acted {
+pub(super) struct ActedLanes {
     /// True acceleration at its start, the torque then, and the mean torque.
     pub(super) ddq: Lanes,
     pub(super) start: Lanes,
     pub(super) mean: Lanes,
 }
 
-impl Figures {
+impl BatchFigures {
     /// Before the first sample: the nominal inertia of every joint, and the sample period \[s\].
     pub(super) fn new(inertia: &[Lanes], period: f64) -> Self {
         let joint = |inertia: &Lanes| JointFigures { inertia: *inertia, ..JointFigures::default() };
@@ -92,7 +92,7 @@ impl Figures {
                 own.integral += self.half_period * (own.error + e);
             }
             own.error = e;
-            own.error_max = own.error_max.larger(e.abs());
+            own.error_peak = own.error_peak.larger(e.abs());
             if steady {
                 own.error_steady = own.error_steady.larger(e.abs());
                 own.velocity_steady = own.velocity_steady.larger(de.abs());
@@ -104,7 +104,13 @@ impl Figures {
 
     /// A joint's sample ends: what was asked of it, and what came of it.
     #[inline]
-    pub(super) fn end(&mut self, steady: bool, joint: usize, answer: &Answer, acted: Acted) {
+    pub(super) fn end(
+        &mut self,
+        steady: bool,
+        joint: usize,
+        answer: &CommandLanes,
+        acted: ActedLanes,
+    ) {
         let first = self.samples == 1;
         let own = &mut self.joints[joint];
         let phi = acted.start - own.inertia * acted.ddq;
@@ -128,7 +134,7 @@ impl Figures {
     pub(super) fn tip(&mut self, steady: bool, a: &Pose<Lanes>, b: &Pose<Lanes>) {
         let (off, half) = tip::between(a, b);
         let own = &mut self.tip;
-        own.error_max = own.error_max.larger(off);
+        own.error_peak = own.error_peak.larger(off);
         if steady {
             own.error_steady = own.error_steady.larger(off);
             if half.exceeds(own.half).any() {
@@ -143,7 +149,7 @@ impl Figures {
         let one = |lanes: Lanes| <[f64; Lanes::COUNT]>::from(lanes)[lane];
         let joint = |i: usize, metrics: &mut JointMetrics| {
             let own = &self.joints[i];
-            metrics.error_max_rad = one(own.error_max);
+            metrics.error_peak_rad = one(own.error_peak);
             metrics.error_steady_max_rad = one(own.error_steady);
             metrics.error_integral_steady_max_rad_s = one(own.integral_steady);
             metrics.velocity_error_steady_max_rad_s = one(own.velocity_steady);
@@ -157,7 +163,7 @@ impl Figures {
             metrics.rate_limited_steady_samples = own.counts.rate_limited_steady[lane];
             (one(own.squares), own.counts.limited_steady[lane])
         };
-        let tip = [one(self.tip.error_max), one(self.tip.error_steady), self.tip.angle[lane]];
+        let tip = [one(self.tip.error_peak), one(self.tip.error_steady), self.tip.angle[lane]];
         study.taken(counts, joint, tip)
     }
 }
@@ -165,8 +171,8 @@ impl Figures {
 impl Counts {
     /// One more, in the lanes whose command met a limit.
     #[cold]
-    fn limited(&mut self, steady: bool, answer: &Answer) {
-        let add = |counts: &mut [u64; Lanes::COUNT], chosen: Choice| {
+    fn limited(&mut self, steady: bool, answer: &CommandLanes) {
+        let add = |counts: &mut [u64; Lanes::COUNT], chosen: FileChoice| {
             let ones = <[f64; Lanes::COUNT]>::from(chosen.ones());
             for (count, one) in counts.iter_mut().zip(ones) {
                 *count += u64::from(one > 0.0);

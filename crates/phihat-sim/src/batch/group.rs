@@ -2,18 +2,18 @@
 
 use crate::simulation::{Divergence, Ended, Simulation};
 use crate::trace::{Integral, Trace};
-use crate::world::{PlantLanes, World};
+use crate::world::{PlantLanes, SimulatedWorld};
 
 /// Simulations that share lanes.
 #[derive(Debug)]
-pub(super) struct Group {
-    runs: Vec<Run>,
+pub(super) struct LaneGroup {
+    runs: Vec<GroupRun>,
     block: usize,
 }
 
 /// One of them, with the block of its record that is being filled.
 #[derive(Debug)]
-struct Run {
+struct GroupRun {
     arm: usize,
     simulation: Simulation,
     trace: Trace,
@@ -21,12 +21,12 @@ struct Run {
     divergence: Option<Divergence>,
 }
 
-impl Group {
+impl LaneGroup {
     pub(super) fn new(simulations: Vec<(usize, Simulation)>, block: usize) -> Self {
         let run = |(arm, simulation): (usize, Simulation)| {
             let room = simulation.samples().min(u64::try_from(block).unwrap_or(u64::MAX));
             let (trace, integrals) = simulation.record_for(room);
-            Run { arm, simulation, trace, integrals, divergence: None }
+            GroupRun { arm, simulation, trace, integrals, divergence: None }
         };
         Self { runs: simulations.into_iter().map(run).collect(), block }
     }
@@ -64,7 +64,7 @@ impl Group {
     /// One sample of every arm.
     fn sample(&mut self, k: u64, lanes: Option<&mut PlantLanes>) {
         let mut t = 0.0;
-        for Run { simulation, trace, .. } in &mut self.runs {
+        for GroupRun { simulation, trace, .. } in &mut self.runs {
             simulation.world.sense(k, k * simulation.period_ns);
             t = simulation.begin(k, trace);
         }
@@ -72,19 +72,20 @@ impl Group {
             Some(lanes) => lanes.integrate(t, &mut self.runs, |run| &mut run.simulation.world),
             None => self.runs.iter_mut().for_each(|run| run.simulation.world.integrate(t)),
         }
-        for Run { simulation, trace, integrals, divergence, .. } in &mut self.runs {
+        for GroupRun { simulation, trace, integrals, divergence, .. } in &mut self.runs {
             *divergence = simulation.finish(t, trace, integrals);
         }
     }
 
     /// Lanes for those that still run; `None`: it does not pay for one.
     fn lanes(&self) -> Option<PlantLanes> {
-        let worlds: Vec<&World> = self.runs.iter().map(|run| &*run.simulation.world).collect();
+        let worlds: Vec<&SimulatedWorld> =
+            self.runs.iter().map(|run| &*run.simulation.world).collect();
         if worlds.len() < 2 { None } else { PlantLanes::new(&worlds).ok() }
     }
 }
 
-impl Run {
+impl GroupRun {
     /// Returns true if no sample follows after `k` samples.
     fn is_over(&self, k: u64) -> bool {
         self.divergence.is_some()

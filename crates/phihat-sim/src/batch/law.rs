@@ -3,29 +3,29 @@
 use phihat::{
     Command, JointGains, JointState, Limits, Measurement, ObserverNumbers, Reference, update_joints,
 };
-use phihat_model::{Choice, Lanes};
+use phihat_model::{FileChoice, Lanes};
 
 use crate::control::LawAlone;
 
 /// Command to a joint of every arm.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Answer {
+pub(super) struct CommandLanes {
     /// Torque \[N·m\].
     pub(super) tau: Lanes,
     /// `φ̂` \[N·m\].
     pub(super) phi_hat: Lanes,
     /// Arms on which the limit of torque, and that of its rate, acted.
-    pub(super) over_torque: Choice,
-    pub(super) over_rate: Choice,
+    pub(super) over_torque: FileChoice,
+    pub(super) over_rate: FileChoice,
 }
 
 /// The laws of all arms.
 #[derive(Debug)]
-pub(super) enum Law {
+pub(super) enum LawLanes {
     /// In lanes, joint by joint.
     Lanes(Vec<Observer>),
     /// Arm by arm.
-    Each(Vec<Arm>),
+    Each(Vec<ArmCommand>),
 }
 
 /// The law of one joint of every arm, in observer form: `JointGains::update`, operation by operation.
@@ -42,7 +42,7 @@ pub(super) struct Observer {
 
 /// The law of one arm.
 #[derive(Debug)]
-pub(super) struct Arm {
+pub(super) struct ArmCommand {
     gains: Vec<JointGains<f64>>,
     states: Vec<JointState<f64>>,
     takes_over: Option<Vec<f64>>,
@@ -51,7 +51,7 @@ pub(super) struct Arm {
     commands: Vec<Command<f64>>,
 }
 
-impl Law {
+impl LawLanes {
     /// The laws of arms, in their order; free lanes have the last one's.
     pub(super) fn new(arms: &[LawAlone<'_>]) -> Option<Self> {
         let joints = arms.first()?.0.len();
@@ -64,7 +64,7 @@ impl Law {
             let joint = |i: usize| Observer::new(arms, i);
             Self::Lanes((0..joints).map(joint).collect::<Option<_>>()?)
         } else {
-            Self::Each(arms.iter().map(Arm::new).collect())
+            Self::Each(arms.iter().map(ArmCommand::new).collect())
         })
     }
 
@@ -73,7 +73,7 @@ impl Law {
         &mut self,
         first: bool,
         (seen, wanted): (&[[Lanes; 3]], &[[Lanes; 3]]),
-        out: &mut [Answer],
+        out: &mut [CommandLanes],
     ) -> bool {
         match self {
             Self::Lanes(joints) => {
@@ -86,7 +86,8 @@ impl Law {
             }
             Self::Each(arms) => {
                 let mut answered = arms.iter_mut().enumerate();
-                answered.all(|(lane, arm)| arm.answer(lane, seen, wanted)) && Arm::gather(arms, out)
+                answered.all(|(lane, arm)| arm.answer(lane, seen, wanted))
+                    && ArmCommand::gather(arms, out)
             }
         }
     }
@@ -124,7 +125,7 @@ impl Observer {
         first: bool,
         [q, dq, applied]: [Lanes; 3],
         [q_d, dq_d, ddq_d]: [Lanes; 3],
-        out: &mut Answer,
+        out: &mut CommandLanes,
     ) -> bool {
         let ObserverNumbers { period, inertia, kp, kd, alpha } = &self.numbers;
         if !first {
@@ -149,7 +150,7 @@ impl Observer {
         let limited = over_rate.pick(self.tau + saturated(change, step), demand);
         self.tau = saturated(limited, torque);
         let over_torque = demand.abs().exceeds(torque);
-        *out = Answer { tau: self.tau, phi_hat, over_torque, over_rate };
+        *out = CommandLanes { tau: self.tau, phi_hat, over_torque, over_rate };
         (demand + (d1 + d2 + d3)).all_below(f64::INFINITY)
     }
 }
@@ -161,7 +162,7 @@ fn saturated(x: Lanes, limit: Lanes) -> Lanes {
     x.exceeds(limit).pick(limit, below)
 }
 
-impl Arm {
+impl ArmCommand {
     fn new((gains, states, held): &LawAlone<'_>) -> Self {
         let n = gains.len();
         let mut commands = vec![Command::default(); n];
@@ -203,25 +204,25 @@ impl Arm {
         self.commands.iter().all(|command| !command.status.refused)
     }
 
-    fn gather(arms: &[Self], out: &mut [Answer]) -> bool {
+    fn gather(arms: &[Self], out: &mut [CommandLanes]) -> bool {
         for (i, out) in out.iter_mut().enumerate() {
             let command = |k: usize| arms.get(k).or(arms.last()).map(|arm| arm.commands[i]);
             let all: [Command<f64>; Lanes::COUNT] =
                 core::array::from_fn(|k| command(k).unwrap_or_default());
-            *out = Answer {
+            *out = CommandLanes {
                 tau: Lanes::from(all.map(|own| own.tau)),
                 phi_hat: Lanes::from(all.map(|own| own.phi_hat)),
-                over_torque: Choice::from(all.map(|own| own.status.saturated)),
-                over_rate: Choice::from(all.map(|own| own.status.rate_limited)),
+                over_torque: FileChoice::from(all.map(|own| own.status.saturated)),
+                over_rate: FileChoice::from(all.map(|own| own.status.rate_limited)),
             };
         }
         true
     }
 }
 
-impl Default for Answer {
+impl Default for CommandLanes {
     fn default() -> Self {
-        let (zero, none) = (Lanes::default(), Choice::from([false; Lanes::COUNT]));
+        let (zero, none) = (Lanes::default(), FileChoice::from([false; Lanes::COUNT]));
         Self { tau: zero, phi_hat: zero, over_torque: none, over_rate: none }
     }
 }

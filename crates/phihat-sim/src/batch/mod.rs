@@ -13,7 +13,7 @@ use crate::metrics::{Measured, Metrics};
 use crate::simulation::{Ended, Simulation};
 use crate::trace::Trace;
 use crate::world::PlantLanes;
-use group::Group;
+use group::LaneGroup;
 use plain::Plain;
 
 /// Samples that are kept before their figures are taken.
@@ -50,7 +50,7 @@ const BLOCK: usize = 64;
 ///     name = "planar3r"
 ///     [spec]
 ///     settle_s = 0.1
-///     error_max_rad = 2e-3
+///     error_bound_rad = 2e-3
 ///     [gains]
 ///     order = 1
 ///     bandwidth_rad_s = 20.0
@@ -150,7 +150,7 @@ impl Batch {
     ) -> Result<Vec<(usize, Ended)>, E> {
         let mut ends = Vec::with_capacity(self.arms);
         for group in self.groups {
-            Group::new(group, block).run(each, &mut ends)?;
+            LaneGroup::new(group, block).run(each, &mut ends)?;
         }
         for (arm, simulation, _) in self.alone {
             ends.push((arm, simulation.stream(block, |_| (), |trace| each(arm, trace))?));

@@ -3,12 +3,12 @@
 use phihat_model::{Lanes, Scalar};
 use phihat_study::Study;
 
-use super::figures::{Acted, Figures};
-use super::law::{Answer, Law};
-use super::told::{Tip, Told, pose};
+use super::figures::{ActedLanes, BatchFigures};
+use super::law::{CommandLanes, LawLanes};
+use super::told::{PreparedMotion, TipLanes, pose};
 use crate::metrics::{Measured, Metrics};
 use crate::simulation::{DIVERGED, Ended, Simulation};
-use crate::world::{DriveLanes, PathLanes, PlantLanes, SensingLanes, World};
+use crate::world::{DriveLanes, PathLanes, PlantLanes, SensingLanes, SimulatedWorld};
 
 /// Beyond it, a law may refuse a number.
 const PLAUSIBLE: f64 = 4e9;
@@ -21,16 +21,16 @@ const PLAUSIBLE: f64 = 4e9;
 /// simulations are not changed: where an arm leaves the plain case (it diverges, its law refuses a sample),
 /// the whole group is run again by the general method.
 pub(super) struct Plain<'a> {
-    worlds: Vec<&'a World>,
+    worlds: Vec<&'a SimulatedWorld>,
     studies: Vec<&'a Study>,
-    law: Law,
+    law: LawLanes,
     sensing: SensingLanes,
     path: PathLanes,
     plant: PlantLanes,
     drives: Vec<DriveLanes>,
-    figures: Figures,
-    tip: Option<Tip>,
-    answers: Vec<Answer>,
+    figures: BatchFigures,
+    tip: Option<TipLanes>,
+    answers: Vec<CommandLanes>,
     /// Torque at the start of a sample and mean torque over the last one, joint by joint.
     start: Vec<Lanes>,
     mean: Vec<Lanes>,
@@ -59,9 +59,10 @@ impl<'a> Plain<'a> {
         if !group.iter().zip(&own).all(alike) {
             return None;
         }
-        let worlds: Vec<&World> = group.iter().map(|(_, simulation)| &*simulation.world).collect();
+        let worlds: Vec<&SimulatedWorld> =
+            group.iter().map(|(_, simulation)| &*simulation.world).collect();
         let laws = group.iter().map(|(_, simulation)| simulation.control.law_alone());
-        let law = Law::new(&laws.collect::<Option<Vec<_>>>()?)?;
+        let law = LawLanes::new(&laws.collect::<Option<Vec<_>>>()?)?;
         let mut plant = PlantLanes::new(&worlds).ok()?;
         plant.take_over(&worlds);
         let n = first.names.len();
@@ -76,9 +77,9 @@ impl<'a> Plain<'a> {
             path: PathLanes::new(&worlds),
             plant,
             drives: (0..n).map(|i| DriveLanes::of(&worlds, i)).collect(),
-            figures: Figures::new(&inertia, first.period_ns as f64 * 1e-9),
+            figures: BatchFigures::new(&inertia, first.period_ns as f64 * 1e-9),
             tip: tip_of(own[0]),
-            answers: vec![Answer::default(); n],
+            answers: vec![CommandLanes::default(); n],
             start: vec![Lanes::default(); n],
             mean: (0..n).map(|i| lane(&|s| s.world.plant.tau_mean[i])).collect(),
             wanted: vec![[Lanes::default(); 3]; n],
@@ -95,22 +96,22 @@ impl<'a> Plain<'a> {
     pub(super) fn run(
         mut self,
         group: &[(usize, Simulation)],
-        kept: &mut Vec<Told>,
+        kept: &mut Vec<PreparedMotion>,
     ) -> Option<Vec<(Metrics, Ended)>> {
         let n = self.wanted.len();
         let motions = || group.iter().map(|(_, simulation)| simulation.control.motion());
         let first = motions().next()?;
         let mut own = Vec::new();
         let told = if motions().all(|motion| motion == first) {
-            let is = |told: &Told| told.is(first, self.period_ns, self.tip.as_ref());
+            let is = |told: &PreparedMotion| told.is(first, self.period_ns, self.tip.as_ref());
             let at = kept.iter().position(is).unwrap_or_else(|| {
-                kept.push(Told::new(first, (n, self.period_ns), self.tip.as_ref(), true));
+                kept.push(PreparedMotion::new(first, (n, self.period_ns), self.tip.as_ref(), true));
                 kept.len() - 1
             });
             kept.get_mut(at..=at)?
         } else {
             let tip = self.tip.as_ref();
-            own.extend(motions().map(|m| Told::new(m, (n, self.period_ns), tip, false)));
+            own.extend(motions().map(|m| PreparedMotion::new(m, (n, self.period_ns), tip, false)));
             &mut own[..]
         };
         let settle_ns = self.studies[0].spec.settle * 1e9;
@@ -128,7 +129,7 @@ impl<'a> Plain<'a> {
     }
 
     /// Sample `k`, time `t` \[s\].
-    fn sample(&mut self, k: u64, t: f64, steady: bool, told: &mut [Told]) -> Option<()> {
+    fn sample(&mut self, k: u64, t: f64, steady: bool, told: &mut [PreparedMotion]) -> Option<()> {
         self.refer(k, told)?;
         let [q, dq, ddq] = self.plant.state();
         for i in 0..self.wanted.len() {
@@ -159,7 +160,7 @@ impl<'a> Plain<'a> {
             if let Some(excess) = self.plant.excess(i, self.worlds[0].substeps()) {
                 self.mean[i] += excess;
             }
-            let acted = Acted { ddq: ddq[i], start: self.start[i], mean: self.mean[i] };
+            let acted = ActedLanes { ddq: ddq[i], start: self.start[i], mean: self.mean[i] };
             self.figures.end(steady, i, answer, acted);
         }
         self.sensing.advance();
@@ -168,7 +169,7 @@ impl<'a> Plain<'a> {
     }
 
     /// Writes the references of sample `k` into `wanted` and `wanted_pose`.
-    fn refer(&mut self, k: u64, told: &mut [Told]) -> Option<()> {
+    fn refer(&mut self, k: u64, told: &mut [PreparedMotion]) -> Option<()> {
         if let [shared] = told {
             let (row, tip) = shared.at(k, self.samples)?;
             for (wanted, row) in self.wanted.iter_mut().zip(row) {
@@ -200,9 +201,9 @@ impl<'a> Plain<'a> {
 }
 
 /// The tip of an arm, if its description has one.
-fn tip_of(study: &Study) -> Option<Tip> {
+fn tip_of(study: &Study) -> Option<TipLanes> {
     let robot = &study.robot;
-    robot.model.frame(&robot.tip).map(|frame| Tip::new(&robot.model, frame))
+    robot.model.frame(&robot.tip).map(|frame| TipLanes::new(&robot.model, frame))
 }
 
 #[cfg(test)]
@@ -228,7 +229,7 @@ mod tests {
                 name = "panda"
                 [spec]
                 settle_s = 0.1
-                error_max_rad = 1e-3
+                error_bound_rad = 1e-3
                 [gains]
                 order = 2
                 bandwidth_rad_s = 20.0
@@ -294,7 +295,7 @@ mod tests {
             let mut measured = Measured::new(study);
             let Ok(ended) = simulation((arm, study)).record(&mut measured, |_| ());
             let own: (Metrics, Ended) = (measured.metrics(), ended);
-            assert!(own.0.joints.iter().all(|joint| joint.error_max_rad > 0.0));
+            assert!(own.0.joints.iter().all(|joint| joint.error_peak_rad > 0.0));
             assert_eq!(format!("{found:?}"), format!("{own:?}"), "arm {arm}");
         }
         Some(())

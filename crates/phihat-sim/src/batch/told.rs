@@ -15,13 +15,13 @@ const PLAUSIBLE: f64 = 4e9;
 
 /// The tip of an arm.
 #[derive(Debug, Clone)]
-pub(super) struct Tip {
+pub(super) struct TipLanes {
     model: Model,
     frame: FrameId,
     workspace: Workspace<Lanes>,
 }
 
-impl Tip {
+impl TipLanes {
     pub(super) fn new(model: &Model, frame: FrameId) -> Self {
         Self { workspace: Workspace::new(model), model: model.clone(), frame }
     }
@@ -38,15 +38,15 @@ impl Tip {
 }
 
 /// References of all joints, and the tip's pose if there is one.
-type Row<'a> = (&'a [[f64; 3]], Option<&'a [f64; 12]>);
+type ReferenceRow<'a> = (&'a [[f64; 3]], Option<&'a [f64; 12]>);
 
 /// A motion of an arm, sample by sample, as far as it was worked out.
 #[derive(Debug)]
-pub(super) struct Told {
+pub(super) struct PreparedMotion {
     motion: Motion,
     joints: usize,
     period_ns: u64,
-    tip: Option<Tip>,
+    tip: Option<TipLanes>,
     ahead: u64,
     /// The first sample that is here.
     from: u64,
@@ -56,12 +56,12 @@ pub(super) struct Told {
     plausible: bool,
 }
 
-impl Told {
+impl PreparedMotion {
     /// The motion of `joints` joints at a period \[ns\], shared or one arm's own.
     pub(super) fn new(
         motion: &Motion,
         (joints, period_ns): (usize, u64),
-        tip: Option<&Tip>,
+        tip: Option<&TipLanes>,
         shared: bool,
     ) -> Self {
         Self {
@@ -78,7 +78,7 @@ impl Told {
     }
 
     /// Returns true if these are the references of this motion.
-    pub(super) fn is(&self, motion: &Motion, period_ns: u64, tip: Option<&Tip>) -> bool {
+    pub(super) fn is(&self, motion: &Motion, period_ns: u64, tip: Option<&TipLanes>) -> bool {
         let tips = match (&self.tip, tip) {
             (None, None) => true,
             (Some(own), Some(other)) => own.is(other),
@@ -89,7 +89,7 @@ impl Told {
 
     /// Sample `k` of a run of so many: `q_d`, `q̇_d`, `q̈_d` of every joint, and the tip's pose; `None`:
     /// numbers that no law accepts.
-    pub(super) fn at(&mut self, k: u64, samples: u64) -> Option<Row<'_>> {
+    pub(super) fn at(&mut self, k: u64, samples: u64) -> Option<ReferenceRow<'_>> {
         let here = self.rows.len() / self.joints.max(1);
         let mut at = k.checked_sub(self.from).and_then(|at| usize::try_from(at).ok());
         if at.is_none_or(|at| at >= here) {

@@ -13,7 +13,7 @@ use thiserror::Error;
 pub use parquet::file::reader::ChunkReader;
 pub use read::ParquetTable;
 pub(crate) use read::begins_as_parquet;
-pub use values::{Kind, Texts, Values};
+pub use values::{Texts, ValueKind, Values};
 pub(crate) use write::TableWriter;
 
 /// First and last bytes of a Parquet file.

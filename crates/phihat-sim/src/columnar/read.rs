@@ -11,7 +11,7 @@ use parquet::file::metadata::{ColumnChunkMetaData, RowGroupMetaData};
 use parquet::file::reader::{ChunkReader, FileReader, Length, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
-use super::values::{Kind, Values};
+use super::values::{ValueKind, Values};
 use super::{MAGIC, ParquetError, Reason, guarded};
 
 /// A Parquet file that is read some rows at a time, column by column. Whatever its bytes are, reading ends
@@ -56,7 +56,7 @@ impl ParquetTable {
     }
 
     /// The columns' names, and what they hold; `None`: what is not read.
-    pub fn columns(&self) -> impl Iterator<Item = (&str, Option<Kind>)> {
+    pub fn columns(&self) -> impl Iterator<Item = (&str, Option<ValueKind>)> {
         self.columns.iter().map(|column| (column.name(), kind(column)))
     }
 
@@ -103,7 +103,7 @@ impl ParquetTable {
         Ok(())
     }
 
-    fn kind(&self, column: usize) -> Result<Kind, ParquetError> {
+    fn kind(&self, column: usize) -> Result<ValueKind, ParquetError> {
         let Some(described) = self.columns.get(column) else {
             return Err(ParquetError::NotWhole("it has fewer columns".to_owned()));
         };
@@ -179,13 +179,13 @@ fn is_flat(column: &ColumnDescriptor) -> bool {
     column.path().parts().len() == 1 && column.max_rep_level() == 0
 }
 
-fn kind(column: &ColumnDescriptor) -> Option<Kind> {
+fn kind(column: &ColumnDescriptor) -> Option<ValueKind> {
     match column.physical_type() {
         _ if !is_flat(column) => None,
-        Physical::BOOLEAN => Some(Kind::Flags),
-        Physical::INT32 | Physical::INT64 => Some(Kind::Integers),
-        Physical::FLOAT | Physical::DOUBLE => Some(Kind::Numbers),
-        Physical::BYTE_ARRAY => Some(Kind::Texts),
+        Physical::BOOLEAN => Some(ValueKind::Flags),
+        Physical::INT32 | Physical::INT64 => Some(ValueKind::Integers),
+        Physical::FLOAT | Physical::DOUBLE => Some(ValueKind::Numbers),
+        Physical::BYTE_ARRAY => Some(ValueKind::Texts),
         Physical::INT96 | Physical::FIXED_LEN_BYTE_ARRAY => None,
     }
 }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 /// Type of the values of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum ValueKind {
     /// Floating-point numbers.
     Numbers,
     /// Whole numbers.
@@ -15,7 +15,7 @@ pub enum Kind {
     Texts,
 }
 
-impl Kind {
+impl ValueKind {
     /// As it is called in messages.
     pub fn name(self) -> &'static str {
         match self {
@@ -85,12 +85,12 @@ impl Texts {
 }
 
 impl Values {
-    pub(super) fn new(kind: Kind) -> Self {
+    pub(super) fn new(kind: ValueKind) -> Self {
         match kind {
-            Kind::Numbers => Self::Numbers(Vec::new()),
-            Kind::Integers => Self::Integers(Vec::new()),
-            Kind::Flags => Self::Flags(Vec::new()),
-            Kind::Texts => Self::Texts(Texts::default()),
+            ValueKind::Numbers => Self::Numbers(Vec::new()),
+            ValueKind::Integers => Self::Integers(Vec::new()),
+            ValueKind::Flags => Self::Flags(Vec::new()),
+            ValueKind::Texts => Self::Texts(Texts::default()),
         }
     }
 

@@ -11,18 +11,18 @@ use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{Type, TypePtr};
 
-use super::values::Kind;
+use super::values::ValueKind;
 
 /// Program that wrote a file.
 const WRITER: &str = concat!("phihat version ", env!("CARGO_PKG_VERSION"));
 
 /// Physical and logical type that the format stores for a kind of column.
-fn physical(kind: Kind) -> (Physical, Option<LogicalType>) {
+fn physical(kind: ValueKind) -> (Physical, Option<LogicalType>) {
     match kind {
-        Kind::Integers => (Physical::INT64, None),
-        Kind::Numbers => (Physical::DOUBLE, None),
-        Kind::Flags => (Physical::BOOLEAN, None),
-        Kind::Texts => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+        ValueKind::Integers => (Physical::INT64, None),
+        ValueKind::Numbers => (Physical::DOUBLE, None),
+        ValueKind::Flags => (Physical::BOOLEAN, None),
+        ValueKind::Texts => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
     }
 }
 
@@ -33,7 +33,7 @@ pub(crate) struct TableWriter<W: Write + Send> {
 
 impl<W: Write + Send> TableWriter<W> {
     /// Begins a file.
-    pub(crate) fn begin(out: W, columns: &[(&str, Kind)]) -> io::Result<Self> {
+    pub(crate) fn begin(out: W, columns: &[(&str, ValueKind)]) -> io::Result<Self> {
         let schema = schema(columns).map_err(io::Error::other)?;
         let properties = Arc::new(properties(columns));
         let file = SerializedFileWriter::new(out, schema, properties).map_err(io::Error::other)?;
@@ -95,8 +95,8 @@ impl<W: Write + Send> GroupWriter<'_, W> {
     }
 }
 
-fn schema(columns: &[(&str, Kind)]) -> Result<TypePtr, Package> {
-    let field = |(name, kind): &(&str, Kind)| {
+fn schema(columns: &[(&str, ValueKind)]) -> Result<TypePtr, Package> {
+    let field = |(name, kind): &(&str, ValueKind)| {
         let (physical, logical) = physical(*kind);
         Type::primitive_type_builder(name, physical)
             .with_repetition(Repetition::REQUIRED)
@@ -111,7 +111,7 @@ fn schema(columns: &[(&str, Kind)]) -> Result<TypePtr, Package> {
 /// Numbers are encoded by `BYTE_STREAM_SPLIT`: the k-th bytes of all numbers are adjacent, and those that
 /// hardly change compress well; texts are few, and in a dictionary. There are no statistics: no reader looks
 /// for rows of a trace by their values.
-fn properties(columns: &[(&str, Kind)]) -> WriterProperties {
+fn properties(columns: &[(&str, ValueKind)]) -> WriterProperties {
     let mut properties = WriterProperties::builder()
         .set_created_by(WRITER.to_owned())
         .set_compression(Compression::SNAPPY)
@@ -122,9 +122,13 @@ fn properties(columns: &[(&str, Kind)]) -> WriterProperties {
     for (name, kind) in columns {
         let path = || (*name).into();
         properties = match kind {
-            Kind::Integers | Kind::Flags => properties.set_column_encoding(path(), Encoding::PLAIN),
-            Kind::Numbers => properties.set_column_encoding(path(), Encoding::BYTE_STREAM_SPLIT),
-            Kind::Texts => properties.set_column_dictionary_enabled(path(), true),
+            ValueKind::Integers | ValueKind::Flags => {
+                properties.set_column_encoding(path(), Encoding::PLAIN)
+            }
+            ValueKind::Numbers => {
+                properties.set_column_encoding(path(), Encoding::BYTE_STREAM_SPLIT)
+            }
+            ValueKind::Texts => properties.set_column_dictionary_enabled(path(), true),
         };
     }
     properties.build()

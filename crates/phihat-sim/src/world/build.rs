@@ -5,13 +5,13 @@ use phihat_study::{FaultKind, Study};
 
 use super::bristle::Bristle;
 use super::contact::Contacts;
-use super::drive::Drive;
+use super::drive::DriveLoop;
 use super::fault::Acts;
-use super::forces::Push;
-use super::friction::Friction;
+use super::forces::PushForce;
+use super::friction::SimulatedFriction;
 use super::payload::{Carried, loaded};
-use super::plant::{Met, Parts, Plant};
-use super::shape::Shape;
+use super::plant::{FaultedParts, Parts, Plant};
+use super::shape::DriveImperfections;
 use super::spring::{EndStop, Transmission};
 use crate::error::SimError;
 use crate::motion::Motion;
@@ -20,7 +20,7 @@ pub(super) fn plant(study: &Study, motion: &Motion) -> Result<Plant, SimError> {
     let period = study.control.period_ns as f64 * 1e-9;
     let rate = study.world.drive.as_ref().and_then(|drive| drive.torque_rate_max.as_ref());
     let drive = |i: usize| {
-        let drive = Drive::new(study.world.drive_bandwidth_hz.as_ref().map(|hz| hz[i]));
+        let drive = DriveLoop::new(study.world.drive_bandwidth_hz.as_ref().map(|hz| hz[i]));
         rate.map_or(drive, |rate| drive.with_step(rate[i] * period))
     };
     let world = &study.world;
@@ -37,7 +37,7 @@ pub(super) fn plant(study: &Study, motion: &Motion) -> Result<Plant, SimError> {
         warm_up: Some(world.warm_up).filter(|(cold, _)| *cold != 1.0),
         friction: frictions(study),
         drives: (0..n).map(drive).collect(),
-        shapes: Shape::all(study),
+        shapes: DriveImperfections::all(study),
         pushes: pushes(study),
         faults: study.faults.iter().filter(|fault| of_plant(fault.kind)).cloned().collect(),
     };
@@ -45,12 +45,12 @@ pub(super) fn plant(study: &Study, motion: &Motion) -> Result<Plant, SimError> {
 }
 
 /// Takes the faults of a study that is the plant's own but for them; with what the plant met before.
-pub(super) fn meet(plant: &mut Plant, study: &Study) -> Result<Met, SimError> {
-    Ok(plant.met(Met {
+pub(super) fn meet(plant: &mut Plant, study: &Study) -> Result<FaultedParts, SimError> {
+    Ok(plant.met(FaultedParts {
         carried: Carried::new(study)?,
         pushes: pushes(study),
         faults: study.faults.iter().filter(|fault| of_plant(fault.kind)).cloned().collect(),
-        shapes: Shape::all(study),
+        shapes: DriveImperfections::all(study),
     }))
 }
 
@@ -68,18 +68,18 @@ pub(crate) fn loaded_model(study: &Study) -> Result<Model, SimError> {
 }
 
 /// The friction of the robot's description, whether or not it acts in the study.
-pub(crate) fn frictions_of_robot(study: &Study) -> Vec<Friction> {
+pub(crate) fn frictions_of_robot(study: &Study) -> Vec<SimulatedFriction> {
     let of = |joint: &phihat_model::Joint| {
         let own = &joint.friction;
-        Friction { viscous: own.viscous, coulomb: own.coulomb, sigmoid: own.sigmoid }
+        SimulatedFriction { viscous: own.viscous, coulomb: own.coulomb, sigmoid: own.sigmoid }
     };
     study.robot.joints.iter().map(of).collect()
 }
 
-pub(crate) fn frictions(study: &Study) -> Vec<Friction> {
+pub(crate) fn frictions(study: &Study) -> Vec<SimulatedFriction> {
     let mut frictions = frictions_of_robot(study);
     if !study.world.robot_friction {
-        frictions.fill(Friction::default());
+        frictions.fill(SimulatedFriction::default());
     }
     for (i, friction) in frictions.iter_mut().enumerate() {
         friction.coulomb += study.world.extra_coulomb[i];
@@ -88,18 +88,18 @@ pub(crate) fn frictions(study: &Study) -> Vec<Friction> {
     frictions
 }
 
-fn pushes(study: &Study) -> Vec<Push> {
-    let push = |p: &phihat_study::Push| Push {
+fn pushes(study: &Study) -> Vec<PushForce> {
+    let push = |p: &phihat_study::Push| PushForce {
         joint: p.joint,
         torque: p.torque,
         start: p.start,
         end: p.start + p.duration,
     };
-    let mut pushes: Vec<Push> = study.world.pushes.iter().map(push).collect();
+    let mut pushes: Vec<PushForce> = study.world.pushes.iter().map(push).collect();
     for fault in study.faults.iter().filter(|fault| fault.kind == FaultKind::Push) {
         let joints = (0..study.robot.joints.len()).filter(|joint| fault.concerns(*joint));
         let (torque, start, end) = (fault.size, fault.start, fault.start + fault.duration);
-        pushes.extend(joints.map(|joint| Push { joint, torque, start, end }));
+        pushes.extend(joints.map(|joint| PushForce { joint, torque, start, end }));
     }
     pushes
 }

@@ -8,7 +8,7 @@
 /// τ̇ = ω (τ_demand − τ),   solved exactly while the demand is held; ω = ∞: τ = τ_demand       (D1)
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Drive {
+pub(crate) struct DriveLoop {
     /// `ω` \[rad/s\]; `None`: infinite.
     rate: Option<f64>,
     demand: f64,
@@ -18,7 +18,7 @@ pub(crate) struct Drive {
     gap: f64,
 }
 
-impl Drive {
+impl DriveLoop {
     pub(crate) fn new(bandwidth_hz: Option<f64>) -> Self {
         let rate = bandwidth_hz.map(|f| f * core::f64::consts::TAU);
         Self { rate, demand: 0.0, step: f64::INFINITY, gap: 0.0 }

@@ -1,11 +1,11 @@
 //! The drive of one joint of many arms, one arm per lane.
 
-use phihat_model::{Choice, Lanes, Scalar};
+use phihat_model::{FileChoice, Lanes, Scalar};
 
-use super::World;
-use super::drive::Drive;
+use super::SimulatedWorld;
+use super::drive::DriveLoop;
 
-/// Drives, one per lane: as `Drive`, in its order of operations.
+/// Drives, one per lane: as `DriveLoop`, in its order of operations.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DriveLanes {
     /// Largest change of a demand; `None`: no drive has one.
@@ -29,15 +29,16 @@ struct Lag {
 
 impl DriveLanes {
     /// The drives of a joint as they are now; free lanes have the last world's.
-    pub(crate) fn of(worlds: &[&World], joint: usize) -> Self {
+    pub(crate) fn of(worlds: &[&SimulatedWorld], joint: usize) -> Self {
         let drive = |k: usize| {
             let world = worlds.get(k).or(worlds.last());
             let drive = world.and_then(|world| world.plant.forces.drives.get(joint));
-            drive.copied().unwrap_or(Drive::new(None))
+            drive.copied().unwrap_or(DriveLoop::new(None))
         };
-        let lane = |of: &dyn Fn(Drive) -> f64| Lanes::from(core::array::from_fn(|k| of(drive(k))));
+        let lane =
+            |of: &dyn Fn(DriveLoop) -> f64| Lanes::from(core::array::from_fn(|k| of(drive(k))));
         let period = worlds.first().map_or(1.0, |world| world.period);
-        let rate = |drive: Drive| drive.held_over().0;
+        let rate = |drive: DriveLoop| drive.held_over().0;
         let per = |with: f64, of: fn(f64) -> f64| {
             lane(&|drive| rate(drive).map_or(with, |rate| of(rate * period)))
         };
@@ -64,7 +65,7 @@ impl DriveLanes {
         if let Some(step) = self.step {
             let change = demand - self.demand;
             let toward = change.exceeds(Lanes::splat(0.0)).pick(step, -step);
-            let too_far: Choice = change.abs().exceeds(step);
+            let too_far: FileChoice = change.abs().exceeds(step);
             demand = too_far.pick(self.demand + toward, demand);
         }
         let Some(lag) = self.lag else {

@@ -5,7 +5,7 @@ use phihat_study::Study;
 use thiserror::Error;
 
 use super::build::frictions_of_robot;
-use super::friction::Friction;
+use super::friction::SimulatedFriction;
 
 /// Slack of a rule \[relative\], for rounding.
 const ROUNDING: f64 = 1e-9;
@@ -75,7 +75,7 @@ pub(super) struct Firmware {
     losses: u32,
     rest: Vec<f64>,
     gravity: Option<(Model, Workspace<f64>)>,
-    friction: Vec<Friction>,
+    friction: Vec<SimulatedFriction>,
     /// Torque that the robot adds over the current interval \[N·m\].
     pub(super) added: Vec<f64>,
 }
@@ -123,7 +123,7 @@ impl Firmware {
             friction: if profile.adds_friction > 0.0 {
                 frictions_of_robot(study)
             } else {
-                vec![Friction::default(); zero.len()]
+                vec![SimulatedFriction::default(); zero.len()]
             },
             rest: zero.clone(),
             added: zero,

@@ -2,16 +2,16 @@
 
 use super::bristle::Bristle;
 use super::contact::Contacts;
-use super::drive::Drive;
-use super::friction::Friction;
+use super::drive::DriveLoop;
+use super::friction::SimulatedFriction;
 use super::payload::Carried;
-use super::shape::Shape;
+use super::shape::DriveImperfections;
 use super::spring::{EndStop, Transmission};
-use crate::integrator::Acceleration;
+use crate::integrator::AccelerationOf;
 
 /// A constant external torque on a joint for a while.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Push {
+pub(super) struct PushForce {
     pub(super) joint: usize,
     pub(super) torque: f64,
     pub(super) start: f64,
@@ -34,14 +34,14 @@ pub(super) struct Push {
 #[derive(Debug)]
 pub(super) struct Forces {
     pub(super) carried: Carried,
-    pub(super) friction: Vec<Friction>,
+    pub(super) friction: Vec<SimulatedFriction>,
     pub(super) bristles: Option<Vec<Bristle>>,
-    pub(super) drives: Vec<Drive>,
-    pub(super) shapes: Option<Vec<Shape>>,
+    pub(super) drives: Vec<DriveLoop>,
+    pub(super) shapes: Option<Vec<DriveImperfections>>,
     pub(super) transmissions: Option<Vec<Transmission>>,
     pub(super) stops: Option<Vec<EndStop>>,
     pub(super) contacts: Option<Contacts>,
-    pub(super) pushes: Vec<Push>,
+    pub(super) pushes: Vec<PushForce>,
     /// Start of the current control interval and of the current step \[s\].
     pub(super) interval: f64,
     pub(super) step: f64,
@@ -55,7 +55,7 @@ pub(super) struct Forces {
 /// Weights of the four stages of RK4.
 pub(super) const STAGES: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
 
-impl Acceleration for Forces {
+impl AccelerationOf for Forces {
     fn acceleration(&mut self, t: f64, q: &[f64], dq: &[f64], ddq: &mut [f64]) {
         let n = self.tau.len();
         let (link, link_speed) = (&q[..n], &dq[..n]);

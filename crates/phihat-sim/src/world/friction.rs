@@ -30,7 +30,7 @@ pub const COULOMB_VELOCITY: f64 = 1e-3;
 /// The regularised law has no stiction: a loaded joint at rest creeps at a fraction of `v_c`. A study that
 /// needs it has `[world.stiction]`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Friction {
+pub struct SimulatedFriction {
     /// `b`.
     pub viscous: f64,
     /// `c`.
@@ -39,7 +39,7 @@ pub struct Friction {
     pub sigmoid: Option<Sigmoid>,
 }
 
-impl Friction {
+impl SimulatedFriction {
     /// This friction under those faults of joint `i` that are chosen.
     pub(super) fn faulty(
         self,

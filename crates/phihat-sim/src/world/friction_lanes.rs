@@ -2,9 +2,9 @@
 
 use phihat_model::{Lanes, Scalar};
 
-use super::friction::{COULOMB_VELOCITY, Friction};
+use super::friction::{COULOMB_VELOCITY, SimulatedFriction};
 
-/// (FR1) in lanes, with the bits of [`Friction::torque`] in each but for the sign of a zero.
+/// (FR1) in lanes, with the bits of [`SimulatedFriction::torque`] in each but for the sign of a zero.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FrictionLanes {
     viscous: Lanes,
@@ -26,9 +26,11 @@ struct SigmoidLanes {
 
 impl FrictionLanes {
     /// The frictions of as many arms as there are lanes.
-    pub(super) fn of(frictions: &[Friction; Lanes::COUNT]) -> Self {
-        let lanes = |of: fn(&Friction) -> f64| Lanes::from(frictions.each_ref().map(of));
-        let dry = |friction: &Friction| if friction.coulomb > 0.0 { friction.coulomb } else { 0.0 };
+    pub(super) fn of(frictions: &[SimulatedFriction; Lanes::COUNT]) -> Self {
+        let lanes = |of: fn(&SimulatedFriction) -> f64| Lanes::from(frictions.each_ref().map(of));
+        let dry = |friction: &SimulatedFriction| {
+            if friction.coulomb > 0.0 { friction.coulomb } else { 0.0 }
+        };
         let smooth = |of: fn(&phihat_model::Sigmoid) -> f64| {
             let each = frictions.each_ref();
             Lanes::from(each.map(|friction| friction.sigmoid.as_ref().map_or(0.0, of)))

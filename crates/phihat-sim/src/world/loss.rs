@@ -2,7 +2,7 @@
 
 use phihat_study::{Fault, FaultKind, Loss as Share};
 
-use super::noise::{Effect, Noise};
+use super::noise::{Noise, NoiseEffect};
 
 /// Loss of messages in a stream.
 ///
@@ -11,7 +11,7 @@ use super::noise::{Effect, Noise};
 /// Gilbert's two states: from good to bad with probability `p/(b(1 − p))`, back with `1/b`, for a share `p`
 /// of losses in runs of mean length `b`. Without `b`, losses are independent: `b = 1/(1 − p)`.
 #[derive(Debug)]
-pub(super) struct Loss {
+pub(super) struct MessageLoss {
     /// Probability of loss after a message got through, and after one was lost.
     after_good: f64,
     after_bad: f64,
@@ -20,12 +20,12 @@ pub(super) struct Loss {
     bad: bool,
 }
 
-impl Loss {
+impl MessageLoss {
     /// `None` where nothing is ever lost.
     pub(super) fn new(
         share: Share,
         faults: &[Fault],
-        (kind, own, of_faults): (FaultKind, Effect, Effect),
+        (kind, own, of_faults): (FaultKind, NoiseEffect, NoiseEffect),
         seed: u64,
     ) -> Option<Self> {
         let concerned = faults.iter().filter(|fault| fault.kind == kind).enumerate();
@@ -62,14 +62,15 @@ impl Loss {
 
 #[cfg(test)]
 mod tests {
-    use super::{Effect, FaultKind, Loss, Share};
+    use super::{FaultKind, MessageLoss, NoiseEffect, Share};
 
     /// Wrong if the share of losses or the length of their runs were not what was asked for.
     #[test]
     fn share_and_runs_are_as_asked_for() {
         for (share, burst) in [(0.1, None), (0.3, Some(5.0)), (0.02, Some(3.0)), (0.5, None)] {
-            let kinds = (FaultKind::CommandLoss, Effect::CommandLoss, Effect::FaultCommandLoss);
-            let mut loss = Loss::new(Share { share, burst }, &[], kinds, 7).unwrap();
+            let kinds =
+                (FaultKind::CommandLoss, NoiseEffect::CommandLoss, NoiseEffect::FaultCommandLoss);
+            let mut loss = MessageLoss::new(Share { share, burst }, &[], kinds, 7).unwrap();
             let n = 400_000;
             let lost: Vec<bool> = (0..n).map(|k| loss.lost(k, 0.0)).collect();
             let count = lost.iter().filter(|l| **l).count() as f64;

@@ -28,7 +28,7 @@ mod stiffness;
 pub(crate) use build::{frictions, frictions_of_robot, loaded_model};
 pub(crate) use drive_lanes::DriveLanes;
 pub use firmware::{Abort, StopReason};
-pub use friction::{COULOMB_VELOCITY, Friction};
+pub use friction::{COULOMB_VELOCITY, SimulatedFriction};
 pub(crate) use noise::Draws;
 pub(crate) use path_lanes::PathLanes;
 pub(crate) use payload::loaded;
@@ -47,7 +47,7 @@ use sensing::Sensing;
 
 /// Everything outside the controller. It knows of the controller what torque it asks for.
 #[derive(Debug)]
-pub(crate) struct World {
+pub(crate) struct SimulatedWorld {
     sensing: Sensing,
     pub(crate) path: CommandPath,
     pub(crate) plant: Plant,
@@ -83,7 +83,7 @@ impl Brakes {
     }
 }
 
-impl World {
+impl SimulatedWorld {
     /// The world of a study; it starts where the study says, else on the reference.
     pub(crate) fn new(study: &Study, motion: &Motion) -> Result<Self, SimError> {
         let period = study.control.period_ns as f64 * 1e-9;

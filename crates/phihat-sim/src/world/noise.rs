@@ -17,7 +17,7 @@ pub(crate) struct Draws(Noise);
 
 impl Draws {
     pub(crate) fn of(seed: u64, joint: usize) -> Self {
-        Self(Noise::new(seed, Effect::Reference, joint))
+        Self(Noise::new(seed, NoiseEffect::Reference, joint))
     }
 
     /// Uniform in `(0, 1)`.
@@ -28,7 +28,7 @@ impl Draws {
 
 /// Effect that a stream belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Effect {
+pub(super) enum NoiseEffect {
     Position,
     Velocity,
     Torque,
@@ -43,7 +43,7 @@ pub(super) enum Effect {
 }
 
 impl Noise {
-    pub(super) fn new(seed: u64, effect: Effect, joint: usize) -> Self {
+    pub(super) fn new(seed: u64, effect: NoiseEffect, joint: usize) -> Self {
         let key = mix(mix(seed ^ 0x9E37_79B9_7F4A_7C15) ^ (effect as u64));
         Self { key: mix(key ^ ((joint as u64) << 32)) }
     }
@@ -78,7 +78,7 @@ fn mix(x: u64) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Effect, Noise};
+    use super::{Noise, NoiseEffect};
 
     /// Wrong if a stream were not standard normal, or two streams or two neighbours were correlated.
     #[test]
@@ -88,7 +88,7 @@ mod tests {
             let noise = Noise::new(1, effect, joint);
             (0..n).map(|k| noise.normal(k)).collect::<Vec<_>>()
         };
-        let one = of(Effect::Position, 0);
+        let one = of(NoiseEffect::Position, 0);
         let moment = |p: i32| one.iter().map(|x| x.powi(p)).sum::<f64>() / n as f64;
         // Standard errors: 1/√n = 0.0022 times √(var of x^p).
         for (power, expected, tolerance) in
@@ -98,8 +98,8 @@ mod tests {
         }
         let correlation =
             |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>() / n as f64;
-        assert!(correlation(&one, &of(Effect::Position, 1)).abs() < 0.01);
-        assert!(correlation(&one, &of(Effect::Velocity, 0)).abs() < 0.01);
+        assert!(correlation(&one, &of(NoiseEffect::Position, 1)).abs() < 0.01);
+        assert!(correlation(&one, &of(NoiseEffect::Velocity, 0)).abs() < 0.01);
         assert!(correlation(&one, &one[1..]).abs() < 0.01);
     }
 }

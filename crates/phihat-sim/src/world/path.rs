@@ -4,8 +4,8 @@ use phihat::{DELAY_MAX, Delay};
 use phihat_study::{Fault, FaultKind, Study};
 
 use super::firmware::{Abort, Firmware};
-use super::loss::Loss;
-use super::noise::Effect;
+use super::loss::MessageLoss;
+use super::noise::NoiseEffect;
 use crate::error::SimError;
 
 /// Commands that get lost (the drives keep the last one), the robot's interface, and transport delay.
@@ -13,7 +13,7 @@ use crate::error::SimError;
 pub(crate) struct CommandPath {
     delays: Vec<Delay<f64>>,
     late: usize,
-    loss: Option<Loss>,
+    loss: Option<MessageLoss>,
     stops: Vec<Fault>,
     /// Last sample whose loss was drawn, and true if its command gets through.
     drawn: Option<(u64, bool)>,
@@ -35,12 +35,13 @@ impl CommandPath {
         let zero = vec![0.0; study.robot.joints.len()];
         let delay = Delay::new(study.control.delay_samples as usize)
             .map_err(|e| SimError::Limit(e.to_string()))?;
-        let kinds = (FaultKind::CommandLoss, Effect::CommandLoss, Effect::FaultCommandLoss);
+        let kinds =
+            (FaultKind::CommandLoss, NoiseEffect::CommandLoss, NoiseEffect::FaultCommandLoss);
         let stop = |fault: &&Fault| fault.kind == FaultKind::ControllerStop;
         Ok(Self {
             delays: vec![delay; zero.len()],
             late: study.control.delay_samples as usize,
-            loss: Loss::new(study.world.network.command, &study.faults, kinds, study.seed),
+            loss: MessageLoss::new(study.world.network.command, &study.faults, kinds, study.seed),
             stops: study.faults.iter().filter(stop).cloned().collect(),
             drawn: None,
             firmware: Firmware::new(study),
@@ -55,8 +56,9 @@ impl CommandPath {
 
     /// Takes the faults of a study that is this one's own but for them.
     pub(super) fn meet(&mut self, study: &Study) {
-        let kinds = (FaultKind::CommandLoss, Effect::CommandLoss, Effect::FaultCommandLoss);
-        let loss = Loss::new(study.world.network.command, &study.faults, kinds, study.seed);
+        let kinds =
+            (FaultKind::CommandLoss, NoiseEffect::CommandLoss, NoiseEffect::FaultCommandLoss);
+        let loss = MessageLoss::new(study.world.network.command, &study.faults, kinds, study.seed);
         self.loss = loss.map(|loss| loss.after(self.loss.as_ref()));
         let stop = |fault: &&Fault| fault.kind == FaultKind::ControllerStop;
         self.stops = study.faults.iter().filter(stop).cloned().collect();

@@ -2,7 +2,7 @@
 
 use phihat_model::Lanes;
 
-use super::World;
+use super::SimulatedWorld;
 
 /// Samples that a command may be on its way, and one.
 const ROOM: usize = phihat::DELAY_MAX + 1;
@@ -10,7 +10,7 @@ const ROOM: usize = phihat::DELAY_MAX + 1;
 /// The ways of commands, one per lane: as `CommandPath` where nothing is lost and nothing refused.
 #[derive(Debug)]
 pub(crate) struct PathLanes {
-    joints: Vec<Way>,
+    joints: Vec<PathOfJoint>,
     /// By how many samples each lane's commands are late, and all of them, if equally.
     late: [usize; Lanes::COUNT],
     all_late: Option<usize>,
@@ -20,7 +20,7 @@ pub(crate) struct PathLanes {
 
 /// One joint of every arm.
 #[derive(Debug)]
-struct Way {
+struct PathOfJoint {
     sent: [Lanes; ROOM],
     told: Lanes,
     told_max: Lanes,
@@ -28,18 +28,23 @@ struct Way {
 }
 
 impl PathLanes {
-    pub(crate) fn new(worlds: &[&World]) -> Self {
+    pub(crate) fn new(worlds: &[&SimulatedWorld]) -> Self {
         let world = |k: usize| worlds.get(k).or(worlds.last());
         let late = core::array::from_fn(|k| world(k).map_or(0, |world| world.path.late()));
         let all_late = late.iter().all(|own| *own == late[0]).then_some(late[0]);
         let joints = worlds.first().map_or(0, |world| world.path.told.len());
         let way = |i: usize| {
-            let of = |of: &dyn Fn(&World) -> f64| {
+            let of = |of: &dyn Fn(&SimulatedWorld) -> f64| {
                 Lanes::from(core::array::from_fn(|k| world(k).map_or(0.0, |world| of(world))))
             };
             let told = of(&|world| world.path.told[i]);
             let told_max = of(&|world| world.path.told_max[i]);
-            Way { sent: [told; ROOM], told, told_max, step_max: of(&|w| w.path.step_max[i]) }
+            PathOfJoint {
+                sent: [told; ROOM],
+                told,
+                told_max,
+                step_max: of(&|w| w.path.step_max[i]),
+            }
         };
         Self { joints: (0..joints).map(way).collect(), late, all_late, at: 0 }
     }
@@ -76,7 +81,7 @@ impl PathLanes {
 
     /// Largest torque that each drive of an arm was told, and largest step of it \[N·m\].
     pub(crate) fn most(&self, lane: usize) -> [Vec<f64>; 2] {
-        let of = |of: fn(&Way) -> Lanes| {
+        let of = |of: fn(&PathOfJoint) -> Lanes| {
             self.joints.iter().map(|way| <[f64; Lanes::COUNT]>::from(of(way))[lane]).collect()
         };
         [of(|way| way.told_max), of(|way| way.step_max)]

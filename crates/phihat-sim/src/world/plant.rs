@@ -6,11 +6,11 @@ use phihat_study::Fault;
 
 use super::bristle::Bristle;
 use super::contact::Contacts;
-use super::drive::Drive;
-use super::forces::{Forces, Push};
-use super::friction::Friction;
+use super::drive::DriveLoop;
+use super::forces::{Forces, PushForce};
+use super::friction::SimulatedFriction;
 use super::payload::Carried;
-use super::shape::Shape;
+use super::shape::DriveImperfections;
 use super::spring::{EndStop, Transmission};
 use crate::integrator::Rk4;
 
@@ -18,14 +18,14 @@ use crate::integrator::Rk4;
 #[derive(Debug)]
 pub(super) struct Parts {
     pub(super) carried: Carried,
-    pub(super) friction: Vec<Friction>,
+    pub(super) friction: Vec<SimulatedFriction>,
     pub(super) bristles: Option<Vec<Bristle>>,
-    pub(super) drives: Vec<Drive>,
-    pub(super) shapes: Option<Vec<Shape>>,
+    pub(super) drives: Vec<DriveLoop>,
+    pub(super) shapes: Option<Vec<DriveImperfections>>,
     pub(super) transmissions: Option<Vec<Transmission>>,
     pub(super) stops: Option<Vec<EndStop>>,
     pub(super) contacts: Option<Contacts>,
-    pub(super) pushes: Vec<Push>,
+    pub(super) pushes: Vec<PushForce>,
     /// Those that act on drives and friction.
     pub(super) faults: Vec<Fault>,
     /// Friction of a cold joint over that of a warm one, and the time constant between \[s\].
@@ -34,11 +34,11 @@ pub(super) struct Parts {
 
 /// Parts of a plant that faults change.
 #[derive(Debug)]
-pub(super) struct Met {
+pub(super) struct FaultedParts {
     pub(super) carried: Carried,
-    pub(super) pushes: Vec<Push>,
+    pub(super) pushes: Vec<PushForce>,
     pub(super) faults: Vec<Fault>,
-    pub(super) shapes: Option<Vec<Shape>>,
+    pub(super) shapes: Option<Vec<DriveImperfections>>,
 }
 
 /// The plant and its state.
@@ -49,7 +49,7 @@ pub(crate) struct Plant {
     pub(super) faults: Vec<Fault>,
     pub(super) warm_up: Option<(f64, f64)>,
     /// Friction without faults.
-    pub(super) healthy: Vec<Friction>,
+    pub(super) healthy: Vec<SimulatedFriction>,
     /// Positions of the links; with elastic transmissions, those of the rotors after them.
     pub(crate) q: Vec<f64>,
     /// Likewise velocities.
@@ -118,8 +118,8 @@ impl Plant {
     }
 
     /// Meets other faults from now on; with what it met before.
-    pub(super) fn met(&mut self, next: Met) -> Met {
-        Met {
+    pub(super) fn met(&mut self, next: FaultedParts) -> FaultedParts {
+        FaultedParts {
             carried: mem::replace(&mut self.forces.carried, next.carried),
             pushes: mem::replace(&mut self.forces.pushes, next.pushes),
             faults: mem::replace(&mut self.faults, next.faults),

@@ -2,7 +2,7 @@
 
 use phihat_model::{Lanes, Lockstep, LockstepError, Model, Scalar};
 
-use super::World;
+use super::SimulatedWorld;
 use super::drive_lanes::DriveLanes;
 use super::forces::STAGES;
 use super::friction_lanes::FrictionLanes;
@@ -25,7 +25,7 @@ pub(crate) struct PlantLanes {
     arms: Lockstep,
     /// Index of the model in force of each taken lane.
     stages: Vec<usize>,
-    joints: Vec<Joint>,
+    joints: Vec<JointLanes>,
     /// True if any drive has a lag.
     drives_lag: bool,
     /// True if friction or the shape of a drive's torque changes from interval to interval.
@@ -39,13 +39,13 @@ pub(crate) struct PlantLanes {
     q: Vec<Lanes>,
     dq: Vec<Lanes>,
     first: Vec<Lanes>,
-    stage: Stage,
+    stage: IntegratorStage,
     pushes: Vec<(f64, f64, usize, Lanes)>,
 }
 
 /// One joint of every arm.
 #[derive(Debug)]
-struct Joint {
+struct JointLanes {
     friction: FrictionLanes,
     /// `−ω` of the drives; 0 where torque acts at once.
     falling: Lanes,
@@ -55,7 +55,7 @@ struct Joint {
 
 /// The stage of the integrator.
 #[derive(Debug)]
-struct Stage {
+struct IntegratorStage {
     q: Vec<Lanes>,
     dq: Vec<Lanes>,
     tau: Vec<Lanes>,
@@ -66,7 +66,7 @@ struct Stage {
 
 impl PlantLanes {
     /// Why this world moves alone; `None`: it goes in lanes.
-    pub(crate) fn alone(world: &World) -> Option<&'static str> {
+    pub(crate) fn alone(world: &SimulatedWorld) -> Option<&'static str> {
         let forces = &world.plant.forces;
         match () {
             () if forces.transmissions.is_some() => Some("elastic transmissions"),
@@ -78,7 +78,7 @@ impl PlantLanes {
     }
 
     /// Returns true if two worlds can share lanes.
-    pub(crate) fn alike(a: &World, b: &World) -> bool {
+    pub(crate) fn alike(a: &SimulatedWorld, b: &SimulatedWorld) -> bool {
         let models = [a, b].map(|world| world.plant.forces.carried.stage().1);
         a.substeps == b.substeps
             && a.period.to_bits() == b.period.to_bits()
@@ -90,7 +90,7 @@ impl PlantLanes {
     /// # Errors
     ///
     /// The arms are not of one structure, none, or too many.
-    pub(crate) fn new(worlds: &[&World]) -> Result<Self, LockstepError> {
+    pub(crate) fn new(worlds: &[&SimulatedWorld]) -> Result<Self, LockstepError> {
         let plants: Vec<&Plant> = worlds.iter().map(|world| &world.plant).collect();
         let models: Vec<&Model> = plants.iter().map(|p| p.forces.carried.stage().1).collect();
         let arms = Lockstep::new(&models)?;
@@ -104,7 +104,7 @@ impl PlantLanes {
             };
             Lanes::from(core::array::from_fn(rate))
         };
-        let joint = |i: usize| Joint {
+        let joint = |i: usize| JointLanes {
             friction: friction(&plants, i),
             falling: drives(i),
             demand: Lanes::default(),
@@ -122,7 +122,7 @@ impl PlantLanes {
             q: zero(),
             dq: zero(),
             first: zero(),
-            stage: Stage {
+            stage: IntegratorStage {
                 q: zero(),
                 dq: zero(),
                 tau: zero(),
@@ -140,11 +140,12 @@ impl PlantLanes {
         &mut self,
         t: f64,
         holders: &mut [T],
-        world: impl Fn(&mut T) -> &mut World,
+        world: impl Fn(&mut T) -> &mut SimulatedWorld,
     ) {
         let mut timing = None;
         let mut worlds = holders.iter_mut().map(&world);
-        let mut lanes: [Option<&mut World>; Lanes::COUNT] = core::array::from_fn(|_| worlds.next());
+        let mut lanes: [Option<&mut SimulatedWorld>; Lanes::COUNT] =
+            core::array::from_fn(|_| worlds.next());
         if let Some(first) = lanes[0].as_deref() {
             timing = Some((first.period, first.substeps));
         }
@@ -193,7 +194,7 @@ impl PlantLanes {
     }
 
     /// Takes over the state of worlds, for good: from here on it is kept here.
-    pub(crate) fn take_over(&mut self, worlds: &[&World]) {
+    pub(crate) fn take_over(&mut self, worlds: &[&SimulatedWorld]) {
         let plant = |k: usize| worlds.get(k).or(worlds.last()).map(|world| &world.plant);
         let lane = |of: &dyn Fn(&Plant) -> f64| {
             Lanes::from(core::array::from_fn(|k| plant(k).map_or(0.0, of)))
@@ -277,13 +278,13 @@ impl PlantLanes {
         for ((node, weight), share) in stages.into_iter().zip(&STAGES[1..]) {
             let (step, weight) = (node * h, Lanes::splat(weight));
             let length = Lanes::splat(step);
-            let Stage { q, dq, ddq, .. } = &mut self.stage;
+            let IntegratorStage { q, dq, ddq, .. } = &mut self.stage;
             for i in 0..n {
                 q[i] = self.q[i] + length * dq[i];
                 dq[i] = self.dq[i] + length * ddq[i];
             }
             self.accelerate([start + step, start, interval], *share);
-            let Stage { dq, ddq, velocity, acceleration, .. } = &mut self.stage;
+            let IntegratorStage { dq, ddq, velocity, acceleration, .. } = &mut self.stage;
             for i in 0..n {
                 velocity[i] += weight * dq[i];
                 acceleration[i] += weight * ddq[i];
@@ -299,7 +300,7 @@ impl PlantLanes {
     /// `q̈` of the stage at a time, in the step and the interval that began at the others \[s\]; `share` is
     /// the stage's in the interval.
     fn accelerate(&mut self, [t, begin, interval]: [f64; 3], share: f64) {
-        let Stage { q, dq, tau, ddq, .. } = &mut self.stage;
+        let IntegratorStage { q, dq, tau, ddq, .. } = &mut self.stage;
         for (i, joint) in self.joints.iter().enumerate() {
             let mut given = joint.demand;
             if self.drives_lag {

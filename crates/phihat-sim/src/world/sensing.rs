@@ -8,17 +8,17 @@ use phihat_model::JointKind;
 use phihat_study::{Fault, FaultKind, Study};
 
 use super::fault::{Acts, MessageFault, ReadingFault};
-use super::loss::Loss;
-use super::noise::{Effect, Noise};
+use super::loss::MessageLoss;
+use super::noise::{Noise, NoiseEffect};
 use super::path::CommandPath;
 use super::plant::Plant;
-use super::sensor::Sensor;
+use super::sensor::JointSensor;
 use crate::sample::Sample;
 
 /// All sensors, and the way of their messages.
 #[derive(Debug)]
 pub(super) struct Sensing {
-    sensors: Vec<Sensor>,
+    sensors: Vec<JointSensor>,
     errors: Option<Errors>,
     faults: Vec<Fault>,
     torque: TorqueSource,
@@ -28,7 +28,7 @@ pub(super) struct Sensing {
     wrapped: Vec<usize>,
     /// Messages on their way, where they take time.
     way: Option<VecDeque<Sample>>,
-    loss: Option<Loss>,
+    loss: Option<MessageLoss>,
     fresh: Sample,
     pub(super) sample: Sample,
 }
@@ -57,14 +57,14 @@ impl Sensing {
         let asked = &study.sensor;
         let sensor = |i: usize| {
             let bits = asked.encoder_bits.as_ref().map(|bits| bits[i]);
-            Sensor::new(bits, asked.velocity, asked.velocity_filter_hz, period)
+            JointSensor::new(bits, asked.velocity, asked.velocity_filter_hz, period)
         };
         let empty = Sample {
             joints: vec![Measurement::default(); n],
             accepted: vec![0.0; n],
             ..Sample::default()
         };
-        let kinds = (FaultKind::SampleLoss, Effect::SampleLoss, Effect::FaultSampleLoss);
+        let kinds = (FaultKind::SampleLoss, NoiseEffect::SampleLoss, NoiseEffect::FaultSampleLoss);
         let turns = |i: &usize| study.robot.joints[*i].kind != JointKind::Prismatic;
         Self {
             sensors: (0..n).map(sensor).collect(),
@@ -75,7 +75,7 @@ impl Sensing {
             wrapped: (0..n).filter(|i| asked.wrap && turns(i)).collect(),
             way: (asked.delay_samples > 0)
                 .then(|| VecDeque::with_capacity(asked.delay_samples as usize + 1)),
-            loss: Loss::new(study.world.network.sample, &study.faults, kinds, study.seed),
+            loss: MessageLoss::new(study.world.network.sample, &study.faults, kinds, study.seed),
             fresh: empty.clone(),
             sample: empty,
         }
@@ -84,8 +84,8 @@ impl Sensing {
 
     /// Takes the faults of a study that is this one's own but for them.
     pub(super) fn meet(&mut self, study: &Study) {
-        let kinds = (FaultKind::SampleLoss, Effect::SampleLoss, Effect::FaultSampleLoss);
-        let loss = Loss::new(study.world.network.sample, &study.faults, kinds, study.seed);
+        let kinds = (FaultKind::SampleLoss, NoiseEffect::SampleLoss, NoiseEffect::FaultSampleLoss);
+        let loss = MessageLoss::new(study.world.network.sample, &study.faults, kinds, study.seed);
         self.loss = loss.map(|loss| loss.after(self.loss.as_ref()));
         self.errors = Errors::new(study);
         self.faults = study.faults.iter().filter(|f| of_sensor(f.kind)).cloned().collect();
@@ -191,7 +191,7 @@ impl Sensing {
     }
 
     /// The sensor of a joint.
-    pub(super) fn sensor(&self, i: usize) -> &Sensor {
+    pub(super) fn sensor(&self, i: usize) -> &JointSensor {
         &self.sensors[i]
     }
 
@@ -284,19 +284,19 @@ impl Errors {
             let measured = asked.velocity == VelocitySource::Measured;
             JointErrors {
                 bias: asked.position_bias[i],
-                position: (asked.position_noise[i], noise(Effect::Position)),
+                position: (asked.position_noise[i], noise(NoiseEffect::Position)),
                 velocity: (
                     if measured { asked.velocity_noise[i] } else { 0.0 },
-                    noise(Effect::Velocity),
+                    noise(NoiseEffect::Velocity),
                 ),
-                torque: (asked.torque_noise[i], noise(Effect::Torque)),
-                fault: noise(Effect::FaultNoise),
+                torque: (asked.torque_noise[i], noise(NoiseEffect::Torque)),
+                fault: noise(NoiseEffect::FaultNoise),
             }
         };
         Some(Self {
             joints: (0..study.robot.joints.len()).map(joint).collect(),
             jitter: asked.jitter,
-            age: Noise::new(study.seed, Effect::Jitter, 0),
+            age: Noise::new(study.seed, NoiseEffect::Jitter, 0),
         })
     }
 

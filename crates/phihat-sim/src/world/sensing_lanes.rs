@@ -1,15 +1,15 @@
 //! The sensors of many arms, one arm per lane, and the way of their messages.
 
-use phihat_model::{Choice, Lanes, Scalar};
+use phihat_model::{FileChoice, Lanes, Scalar};
 
-use super::World;
+use super::SimulatedWorld;
 
 /// Sensors, one arm per lane: as `Sensing` where nothing is lost, spoiled or wrapped.
 #[derive(Debug)]
 pub(crate) struct SensingLanes {
     sensors: Vec<SensorLanes>,
     /// Arms whose reported torque is the demanded one.
-    told: Choice,
+    told: FileChoice,
     period: Lanes,
     /// Messages on their way, a row of all joints each, the oldest at `at`.
     way: Vec<Vec<[Lanes; 3]>>,
@@ -22,17 +22,17 @@ pub(crate) struct SensingLanes {
 #[derive(Debug)]
 struct SensorLanes {
     quantum: Lanes,
-    coded: Choice,
-    differenced: Choice,
+    coded: FileChoice,
+    differenced: FileChoice,
     filter: Lanes,
-    filtered: Choice,
+    filtered: FileChoice,
     any: [bool; 2],
     last: [Lanes; 2],
 }
 
 impl SensingLanes {
     /// `None`: some messages are later than others.
-    pub(crate) fn new(worlds: &[&World]) -> Option<Self> {
+    pub(crate) fn new(worlds: &[&SimulatedWorld]) -> Option<Self> {
         let world = |k: usize| worlds.get(k).or(worlds.last());
         let late = worlds.first()?.sensing.late();
         if worlds.iter().any(|world| world.sensing.late() != late) {
@@ -45,10 +45,10 @@ impl SensingLanes {
             });
             SensorLanes {
                 quantum: Lanes::from(all.map(|own| own.0.unwrap_or(1.0))),
-                coded: Choice::from(all.map(|own| own.0.is_some())),
-                differenced: Choice::from(all.map(|own| own.1)),
+                coded: FileChoice::from(all.map(|own| own.0.is_some())),
+                differenced: FileChoice::from(all.map(|own| own.1)),
                 filter: Lanes::from(all.map(|own| own.2)),
-                filtered: Choice::from(all.map(|own| own.2 < 1.0)),
+                filtered: FileChoice::from(all.map(|own| own.2 < 1.0)),
                 any: [all.iter().any(|own| own.0.is_some()), all.iter().any(|own| own.1)],
                 last: [Lanes::default(); 2],
             }
@@ -57,7 +57,7 @@ impl SensingLanes {
         let errs = |k: &usize| world(*k).is_some_and(|world| world.sensing.errs());
         Some(Self {
             sensors: (0..joints).map(sensor).collect(),
-            told: Choice::from(core::array::from_fn(demand)),
+            told: FileChoice::from(core::array::from_fn(demand)),
             period: Lanes::splat(worlds.first()?.period),
             way: vec![vec![[Lanes::default(); 3]; joints]; late + 1],
             at: 0,
@@ -69,7 +69,7 @@ impl SensingLanes {
     #[inline]
     pub(crate) fn sense(
         &mut self,
-        (worlds, k): (&[&World], u64),
+        (worlds, k): (&[&SimulatedWorld], u64),
         i: usize,
         [q, dq, ddq]: [Lanes; 3],
         [mean, told]: [Lanes; 2],

@@ -15,7 +15,7 @@ use phihat::VelocitySource;
 ///
 /// For prismatic joints Δ counts in metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Sensor {
+pub(crate) struct JointSensor {
     quantum: Option<f64>,
     source: VelocitySource,
     /// `1 − e^{−2πfT}`; 1 without a filter.
@@ -24,7 +24,7 @@ pub(crate) struct Sensor {
     last: Option<(f64, f64)>,
 }
 
-impl Sensor {
+impl JointSensor {
     pub(crate) fn new(
         bits: Option<u32>,
         source: VelocitySource,

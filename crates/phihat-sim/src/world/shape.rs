@@ -3,7 +3,7 @@
 use phihat_study::{Fault, Study};
 
 use super::fault::{Acts, DriveFault};
-use super::noise::{Effect, Noise};
+use super::noise::{Noise, NoiseEffect};
 
 /// One joint's imperfections.
 ///
@@ -14,7 +14,7 @@ use super::noise::{Effect, Noise};
 /// |τ| ≤ τ_max,   and along the motion |τ| ≤ τ_max (1 − |q̇|/v_0)                                (D3)
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Shape {
+pub(super) struct DriveImperfections {
     pub(super) gain: f64,
     pub(super) drift: f64,
     pub(super) ripple: f64,
@@ -27,7 +27,7 @@ pub(super) struct Shape {
     pub(super) fault_max: f64,
 }
 
-impl Shape {
+impl DriveImperfections {
     /// That of a drive that gives what it means to.
     pub(super) const PERFECT: Self = Self {
         gain: 1.0,
@@ -53,7 +53,7 @@ impl Shape {
     fn new(study: &Study, i: usize) -> Self {
         let mut shape = Self::PERFECT;
         if let Some(drive) = &study.world.drive {
-            let drawn = Noise::new(study.seed, Effect::Gain, i).uniform(0);
+            let drawn = Noise::new(study.seed, NoiseEffect::Gain, i).uniform(0);
             let limit = |v: &Option<Vec<f64>>| v.as_ref().map_or(f64::INFINITY, |v| v[i]);
             shape.gain = drive.gain[i] * (1.0 + drive.gain_error[i] * (2.0 * drawn - 1.0));
             shape.drift = drive.gain_drift[i];

@@ -2,16 +2,16 @@
 
 use phihat_model::{Lanes, Scalar};
 
-use super::shape::Shape;
+use super::shape::DriveImperfections;
 
-/// (D2) and (D3) in lanes, with the bits of [`Shape::torque`] in each but for the sign of a zero.
+/// (D2) and (D3) in lanes, with the bits of [`DriveImperfections::torque`] in each but for the sign of a zero.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ShapeLanes {
     gain: Lanes,
     drift: Lanes,
     fault_gain: Lanes,
     /// `None`: no arm has any.
-    wave: Option<Wave>,
+    wave: Option<WaveLanes>,
     /// The drives' own limits, and these or those of faults.
     own_limit: Lanes,
     limit: Lanes,
@@ -20,7 +20,7 @@ pub(super) struct ShapeLanes {
 
 /// Part of the torque that varies with the rotor's angle.
 #[derive(Debug, Clone, Copy)]
-struct Wave {
+struct WaveLanes {
     per_turn: Lanes,
     ripple: Lanes,
     cogging: Lanes,
@@ -28,12 +28,12 @@ struct Wave {
 
 impl ShapeLanes {
     /// The shapes of as many arms as there are lanes; `None`: a perfect drive.
-    pub(super) fn of(shapes: &[Option<&Shape>; Lanes::COUNT]) -> Self {
-        let lanes = |of: fn(&Shape) -> f64| {
-            Lanes::from(shapes.map(|shape| of(shape.unwrap_or(&Shape::PERFECT))))
+    pub(super) fn of(shapes: &[Option<&DriveImperfections>; Lanes::COUNT]) -> Self {
+        let lanes = |of: fn(&DriveImperfections) -> f64| {
+            Lanes::from(shapes.map(|shape| of(shape.unwrap_or(&DriveImperfections::PERFECT))))
         };
         let waves = shapes.iter().flatten().any(|shape| shape.waves());
-        let wave = || Wave {
+        let wave = || WaveLanes {
             per_turn: lanes(|s| s.per_turn),
             ripple: lanes(|s| if s.waves() { s.ripple } else { 0.0 }),
             cogging: lanes(|s| if s.waves() { s.cogging } else { 0.0 }),
@@ -54,7 +54,7 @@ impl ShapeLanes {
     pub(super) fn torque(&self, told: Lanes, t: f64, q: Lanes, dq: Lanes) -> Lanes {
         let (zero, one) = (Lanes::splat(0.0), Lanes::splat(1.0));
         let mut tau = self.gain * (one + self.drift * Lanes::splat(t)) * self.fault_gain * told;
-        if let Some(Wave { per_turn, ripple, cogging }) = self.wave {
+        if let Some(WaveLanes { per_turn, ripple, cogging }) = self.wave {
             let angles = <[f64; Lanes::COUNT]>::from(per_turn * q);
             let wave = Lanes::from(angles.map(libm::sin));
             tau = tau * (one + ripple * wave) + cogging * wave;

@@ -1,6 +1,6 @@
 //! Integration steps that the stiff parts of a world require.
 
-use super::friction::Friction;
+use super::friction::SimulatedFriction;
 use super::plant::Plant;
 
 /// RK4 is stable for `|λ| h < 2.6` in the left half plane; used up to this.
@@ -82,12 +82,13 @@ impl Plant {
         found
     }
 
-    fn dry(&self, i: usize, friction: Friction, mobility: f64) -> Stiff {
+    fn dry(&self, i: usize, friction: SimulatedFriction, mobility: f64) -> Stiff {
         match &self.forces.bristles {
             Some(bristles) if friction.coulomb > 0.0 => Stiff {
                 mobility,
                 stiffness: bristles[i].stiffness,
-                damping: bristles[i].damping + Friction { coulomb: 0.0, ..friction }.stiffness(),
+                damping: bristles[i].damping
+                    + SimulatedFriction { coulomb: 0.0, ..friction }.stiffness(),
             },
             _ => Stiff { mobility, stiffness: 0.0, damping: friction.stiffness() },
         }

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use phihat::{JointDesign, JointGains};
-use phihat_sim::{JointTrace, Outcome, Simulation};
+use phihat_sim::{JointTrace, Simulation, SimulationOutcome};
 use phihat_study::Study;
 
 /// Inertia of the rod about its hinge \[kg·m²\].
@@ -47,7 +47,7 @@ pub(crate) fn gains(study: &Study) -> Vec<JointGains<f64>> {
 }
 
 /// Runs a study under [`gains`].
-pub(crate) fn run(study: &Study) -> Outcome {
+pub(crate) fn run(study: &Study) -> SimulationOutcome {
     Simulation::new(study, &gains(study)).unwrap().run(|_| ())
 }
 

@@ -15,7 +15,7 @@ locked = {}
 
 [spec]
 settle_s = 1.0
-error_max_rad = 1e-3
+error_bound_rad = 1e-3
 
 [gains]
 order = 2

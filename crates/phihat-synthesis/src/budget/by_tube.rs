@@ -1,7 +1,7 @@
 //! Error budget by tubes: the same gains, one cause at a time, all else being ideal.
 
 use phihat_design::Gains;
-use phihat_design::budget::{Cause, JointBudget, Part};
+use phihat_design::budget::{BudgetPart, Cause, JointBudget};
 use phihat_design::tube::{PARTS, tube_in_parts};
 use phihat_model::JointKind;
 use phihat_sim::SimError;
@@ -33,7 +33,7 @@ pub(super) fn parts(study: &Study, gains: &Gains) -> Result<Option<Vec<JointBudg
         let desired = Commanded::of(study)?.desired(gains)?;
         let found = tube_in_parts(study, gains, (&desired, slices)).ok();
         let found = found.map(|tube| tube.steady_from(settle));
-        Ok(found.map(|tube| tube.joints.iter().map(|joint| joint.error_max_rad).collect()))
+        Ok(found.map(|tube| tube.joints.iter().map(|joint| joint.error_bound_rad).collect()))
     };
     let Some(total) = errors(&all)? else { return Ok(None) };
     let bare = bare(&all);
@@ -48,21 +48,22 @@ pub(super) fn parts(study: &Study, gains: &Gains) -> Result<Option<Vec<JointBudg
         added.push((cause, true, differences(&total, &without)));
     }
     let joint = |i: usize| {
-        let mut parts = vec![Part { cause: Cause::Motion, error_rad: motion[i], within: false }];
+        let mut parts =
+            vec![BudgetPart { cause: Cause::Motion, error_rad: motion[i], within: false }];
         // A law that is made for a delay may be the worse one without it: then nothing is known of its cost.
         let known = added.iter().filter(|(_, within, errors)| !*within || errors[i] > 0.0);
-        parts.extend(known.map(|(cause, within, errors)| Part {
+        parts.extend(known.map(|(cause, within, errors)| BudgetPart {
             cause: *cause,
             error_rad: errors[i],
             within: *within,
         }));
         let sum: f64 = parts.iter().filter(|p| !p.within).map(|p| p.error_rad).sum();
         let rest = total[i] - sum;
-        parts.push(Part { cause: Cause::Coupling, error_rad: rest, within: false });
+        parts.push(BudgetPart { cause: Cause::Coupling, error_rad: rest, within: false });
         JointBudget {
             name: study.robot.joints[i].name.clone(),
             prismatic: study.robot.joints[i].kind == JointKind::Prismatic,
-            allowed_rad: study.spec.error_bound.as_ref().map(|allowed| allowed[i]),
+            error_bound_rad: study.spec.error_bound.as_ref().map(|allowed| allowed[i]),
             total_rad: Some(total[i]),
             parts,
         }

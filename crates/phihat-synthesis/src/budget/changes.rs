@@ -105,7 +105,8 @@ fn shares_of(study: &Study, recordings: &Recordings) -> Option<f64> {
     let bounds = || {
         let allowed = study.spec.error_bound.iter().flatten();
         let used = allowed.enumerate();
-        used.filter_map(|(i, most)| Some(certificate.own_bounds(i)?.error_rad / most)).largest()
+        used.filter_map(|(i, most)| Some(certificate.own_bounds(i)?.error_bound_rad / most))
+            .largest()
     };
     let by_tube = certificate
         .tube

@@ -17,7 +17,7 @@ use crate::synthesize::with_tip;
 
 /// Extent of the search for changes that would help.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Tried {
+pub enum BudgetSearch {
     /// Nothing: what is known without another design.
     Nothing,
     /// One change after the other, each designed for: as long as some designs take.
@@ -42,7 +42,7 @@ const SHARES: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
 pub fn budget(
     study: &Study,
     (arm, recordings): (&Arm, &Recordings),
-    (outcome, tried): (&Outcome, Tried),
+    (outcome, tried): (&Outcome, BudgetSearch),
     step: &mut dyn FnMut(&str),
 ) -> Result<Budget, SynthesisError> {
     let for_tip = with_tip(study)?;
@@ -67,7 +67,7 @@ pub fn budget(
         _ => front(study, arm, &demand),
     };
     let changes = match tried {
-        Tried::Changes if !feasible => changes::tried(study, recordings, step),
+        BudgetSearch::Changes if !feasible => changes::tried(study, recordings, step),
         _ => Vec::new(),
     };
     if gains.is_none() {

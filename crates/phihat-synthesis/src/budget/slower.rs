@@ -1,6 +1,6 @@
 //! The same way in more time.
 
-use phihat_study::{Reference, Study};
+use phihat_study::{ReferenceRequest, Study};
 
 /// A study whose motion takes `factor` times as long: the same path; all times of the reference and the
 /// duration of the run are multiplied by it.
@@ -8,7 +8,7 @@ pub(super) fn slower(study: &Study, factor: f64) -> Study {
     let mut slow = study.clone();
     slow.duration *= factor;
     match &mut slow.reference {
-        Reference::Sines { terms, fade_in, .. } => {
+        ReferenceRequest::Sines { terms, fade_in, .. } => {
             *fade_in *= factor;
             for term in terms {
                 for hz in &mut term.frequency {
@@ -16,16 +16,16 @@ pub(super) fn slower(study: &Study, factor: f64) -> Study {
                 }
             }
         }
-        Reference::Waypoints { t, .. } | Reference::Samples { t, .. } => {
+        ReferenceRequest::Waypoints { t, .. } | ReferenceRequest::Samples { t, .. } => {
             for t in t {
                 *t *= factor;
             }
         }
-        Reference::Cartesian { period, fade_in, .. } => {
+        ReferenceRequest::Cartesian { period, fade_in, .. } => {
             *period *= factor;
             *fade_in *= factor;
         }
-        Reference::Any { class, .. } => {
+        ReferenceRequest::Any { class, .. } => {
             let lists = [&mut class.speed, &mut class.acceleration, &mut class.jerk];
             for (list, power) in lists.into_iter().zip(1..) {
                 for most in list {

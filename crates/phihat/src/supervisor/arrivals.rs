@@ -1,6 +1,6 @@
 //! Is this sample new, and how long is it since the last one?
 
-use crate::joint::Interval;
+use crate::joint::SampleInterval;
 use crate::{Events, Real};
 
 /// The shortest time between two samples that is one is the period over this; less is a clock that jumped.
@@ -47,7 +47,7 @@ pub(crate) struct Arrivals {
 
 /// A sample's stamp, judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Arrival {
+pub(crate) struct SampleArrival {
     pub(crate) fresh: bool,
     /// Time since the last fresh sample, where it can be integrated over.
     pub(crate) elapsed_ns: Option<u64>,
@@ -62,13 +62,13 @@ impl Arrivals {
         now_ns: u64,
         stamp: Stamp,
         resync: bool,
-    ) -> Arrival {
-        let refuse = |events| Arrival { fresh: false, elapsed_ns: None, events };
+    ) -> SampleArrival {
+        let refuse = |events| SampleArrival { fresh: false, elapsed_ns: None, events };
         if now_ns.saturating_sub(stamp.t_ns) > rules.age_max_ns {
             return refuse(Events::AGED);
         }
         let Some(last) = self.last else {
-            return Arrival { fresh: true, elapsed_ns: None, events: Events::NONE };
+            return SampleArrival { fresh: true, elapsed_ns: None, events: Events::NONE };
         };
         let advance = stamp.sequence.wrapping_sub(last.sequence);
         if advance == 0 {
@@ -83,7 +83,7 @@ impl Arrivals {
                 && *elapsed <= rules.period_ns.saturating_mul(LONGEST_PERIODS)
         });
         let events = Events::TIME_JUMP.when(elapsed.is_none());
-        Arrival { fresh: true, elapsed_ns: elapsed, events }
+        SampleArrival { fresh: true, elapsed_ns: elapsed, events }
     }
 
     /// Samples missed of the last 64.
@@ -116,9 +116,9 @@ impl Arrivals {
 pub(crate) fn interval<R: Real>(
     elapsed_ns: Option<u64>,
     period_ns: u64,
-    nominal: Interval<R>,
-) -> Interval<R> {
-    let Some(elapsed) = elapsed_ns else { return Interval { parts: 0, ..nominal } };
+    nominal: SampleInterval<R>,
+) -> SampleInterval<R> {
+    let Some(elapsed) = elapsed_ns else { return SampleInterval { parts: 0, ..nominal } };
     if elapsed == period_ns {
         return nominal;
     }
@@ -129,5 +129,9 @@ pub(crate) fn interval<R: Real>(
     } else {
         (3, 1.0 / 3.0)
     };
-    Interval { step: R::from_f64(elapsed as f64 * 1e-9 * share), parts, share: R::from_f64(share) }
+    SampleInterval {
+        step: R::from_f64(elapsed as f64 * 1e-9 * share),
+        parts,
+        share: R::from_f64(share),
+    }
 }

@@ -1,12 +1,12 @@
 //! Feed-forward torque in addition to the reference: φ̂ is then the rest.
 
 use super::memory::JointMemory;
-use super::moment::Moment;
+use super::moment::ArmMoment;
 use crate::{JointGains, Real, Reference};
 
 /// Inputs of the law at a sample: reference and feed-forward.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Told<R> {
+pub(crate) struct LawInputs<R> {
     /// The reference in force, with `τ_ff/M̄` in its acceleration.
     pub(crate) reference: Reference<R>,
     /// `τ_ff` \[N·m\].
@@ -15,7 +15,7 @@ pub(crate) struct Told<R> {
     pub(crate) more: R,
 }
 
-impl<R: Real> Told<R> {
+impl<R: Real> LawInputs<R> {
     /// A reference without feed-forward: the input of laws of the other forms.
     pub(crate) fn bare(reference: &Reference<R>) -> Self {
         Self { reference: *reference, fed: R::ZERO, more: R::ZERO }
@@ -35,9 +35,9 @@ impl<R: Real> JointMemory<R> {
         &mut self,
         gains: &JointGains<R>,
         reference: &Reference<R>,
-        now: &Moment<R>,
-    ) -> Told<R> {
-        let mut told = Told::bare(reference);
+        now: &ArmMoment<R>,
+    ) -> LawInputs<R> {
+        let mut told = LawInputs::bare(reference);
         if !(now.feeds || self.feeds) {
             return told;
         }

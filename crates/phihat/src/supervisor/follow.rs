@@ -1,8 +1,8 @@
 //! One joint under supervision: its reference, its law, its torque.
 
-use super::feed::Told;
+use super::feed::LawInputs;
 use super::memory::{JointMemory, whole};
-use super::moment::{Aim, Moment};
+use super::moment::{Aim, ArmMoment};
 use super::monitor::SUSPICIOUS_SAMPLES;
 use super::rules::JointRules;
 use crate::estimate::Estimate;
@@ -32,7 +32,7 @@ impl<R: Real> JointRules<R> {
         gains: &JointGains<R>,
         memory: &mut JointMemory<R>,
         m: &Measurement<R>,
-        now: &Moment<R>,
+        now: &ArmMoment<R>,
     ) -> (Command<R>, JointNews) {
         let mut news = JointNews::default();
         let m = &self.believed(memory, m, &mut news.events);
@@ -44,7 +44,7 @@ impl<R: Real> JointRules<R> {
             self.compare_with_bound(memory, m.q - reference.q, &mut news);
         }
         let told = match S::FORM {
-            Form::Observer | Form::Literal => Told::bare(&reference),
+            Form::Observer | Form::Literal => LawInputs::bare(&reference),
             Form::Positions => memory.tell(gains, &reference, now),
         };
         let next = self.know::<S>(memory, gains, m, &told, now, &mut news.events);
@@ -94,7 +94,7 @@ impl<R: Real> JointRules<R> {
     fn refer(
         &self,
         memory: &mut JointMemory<R>,
-        now: &Moment<R>,
+        now: &ArmMoment<R>,
         events: &mut Events,
     ) -> Reference<R> {
         if now.stops() {
@@ -136,8 +136,8 @@ impl<R: Real> JointRules<R> {
         memory: &JointMemory<R>,
         gains: &JointGains<R>,
         m: &Measurement<R>,
-        told: &Told<R>,
-        now: &Moment<R>,
+        told: &LawInputs<R>,
+        now: &ArmMoment<R>,
         events: &mut Events,
     ) -> Estimate<R> {
         let reference = &told.reference;
@@ -170,7 +170,7 @@ impl<R: Real> JointRules<R> {
         gains: &JointGains<R>,
         m: &Measurement<R>,
         demand: R,
-        now: &Moment<R>,
+        now: &ArmMoment<R>,
     ) -> Option<Fault> {
         let mut fault = None;
         if let Some(most) = self.oscillation {

@@ -1,7 +1,7 @@
 //! A bound on the error at the start, before the estimator has learnt the load.
 
 use super::memory::JointMemory;
-use super::moment::Moment;
+use super::moment::ArmMoment;
 use super::option_error::{positive, value};
 use crate::{Events, Form, JointGains, Measurement, OptionError, Real, Reference};
 
@@ -69,7 +69,7 @@ impl<R: Real> FunnelRules<R> {
         m: &Measurement<R>,
         reference: &Reference<R>,
         law: R,
-        now: &Moment<R>,
+        now: &ArmMoment<R>,
         events: &mut Events,
     ) -> R {
         if memory.funnel < R::ZERO {

@@ -1,6 +1,6 @@
 //! The guard: what is let in, and what stops an arm before the law runs.
 
-use super::arrivals::Arrival;
+use super::arrivals::SampleArrival;
 use super::memory::{ArmState, JointMemory, Trust};
 use super::sample::{Request, Rules, Sample};
 use crate::{Events, Fault, Mode, Real, Reference};
@@ -19,7 +19,7 @@ pub(crate) fn admit<R: Real>(
     memories: &[JointMemory<R>],
     sample: &Sample<'_, R>,
     events: &mut Events,
-) -> Arrival {
+) -> SampleArrival {
     let active = !matches!(state.mode, Mode::Idle | Mode::SafeStop);
     let arrivals = &mut state.arrivals;
     let resync = !active;

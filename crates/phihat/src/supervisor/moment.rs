@@ -1,6 +1,6 @@
 //! State of the arm at a sample that the laws of all joints use.
 
-use crate::joint::Interval;
+use crate::joint::SampleInterval;
 
 /// Task of the law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,7 +13,7 @@ pub(crate) enum Aim {
     Stop,
 }
 
-impl<R> Moment<R> {
+impl<R> ArmMoment<R> {
     /// Returns true if the law brings the arm to rest.
     pub(crate) fn stops(&self) -> bool {
         self.aim == Aim::Stop
@@ -22,8 +22,8 @@ impl<R> Moment<R> {
 
 /// State of the arm at a sample, the same for every joint.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Moment<R> {
-    pub(crate) interval: Interval<R>,
+pub(crate) struct ArmMoment<R> {
+    pub(crate) interval: SampleInterval<R>,
     /// Progress of the reference's blend, from 0; over at 1. Its length \[s\].
     pub(crate) reference_progress: R,
     pub(crate) blend: R,

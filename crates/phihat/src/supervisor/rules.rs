@@ -5,7 +5,7 @@ use super::funnel::FunnelRules;
 use super::option_error::{positive, value};
 use super::range::RangeRules;
 use super::stopping::StopRules;
-use crate::joint::Interval;
+use crate::joint::SampleInterval;
 use crate::{BoxedShaper, JointGains, JointOptions, OptionError, Options, Real, Shaper};
 
 /// Averaging time of the mean `φ̂` that a shaken arm holds, and of the mean mismatch of a schedule \[s\]:
@@ -89,8 +89,8 @@ pub struct JointRules<R> {
 }
 
 impl<R: Real> ArmRules<R> {
-    pub(crate) fn nominal(&self) -> Interval<R> {
-        Interval { step: self.period, parts: 1, share: R::from_f64(1.0) }
+    pub(crate) fn nominal(&self) -> SampleInterval<R> {
+        SampleInterval { step: self.period, parts: 1, share: R::from_f64(1.0) }
     }
 
     /// Checks arm-wide options.

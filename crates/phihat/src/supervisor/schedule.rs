@@ -1,7 +1,7 @@
 //! Start gains and running gains: which are in force, and how one set gives way to the other.
 
 use super::memory::{ArmState, JointMemory};
-use super::moment::Moment;
+use super::moment::ArmMoment;
 use super::rules::JointRules;
 use super::sample::Rules;
 use crate::{Events, Form, JointGains, Measurement, Mode, Real, Reference};
@@ -104,7 +104,7 @@ impl<R: Real> JointRules<R> {
 
 impl<R: Real> JointMemory<R> {
     /// The mean mismatch `φ − φ̂`.
-    pub(crate) fn learn(&mut self, gains: &JointGains<R>, m: &Measurement<R>, now: &Moment<R>) {
+    pub(crate) fn learn(&mut self, gains: &JointGains<R>, m: &Measurement<R>, now: &ArmMoment<R>) {
         let interval = &now.interval;
         if interval.parts == 0 {
             return;

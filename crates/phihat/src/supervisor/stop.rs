@@ -2,7 +2,7 @@
 
 use super::follow::{JointNews, LEAST_ACCELERATION};
 use super::memory::JointMemory;
-use super::moment::Moment;
+use super::moment::ArmMoment;
 use super::monitor::Actuation;
 use super::rules::JointRules;
 use super::stopping::{RESERVE_SPEED, REST_SAMPLES, Stopping};
@@ -53,7 +53,7 @@ impl<R: Real> JointRules<R> {
         gains: &JointGains<R>,
         memory: &mut JointMemory<R>,
         m: &Measurement<R>,
-        now: &Moment<R>,
+        now: &ArmMoment<R>,
     ) {
         // How far it went is what counts; a velocity may be filtered.
         let speed = (m.q - memory.measured.q) * now.interval.share / now.interval.step;

@@ -1,11 +1,11 @@
 //! One sample of a whole arm.
 
-use super::arrivals::{Arrival, interval};
+use super::arrivals::{SampleArrival, interval};
 use super::follow::JointNews;
 use super::guard::{admit, ask, watch};
 use super::memory::{ArmState, JointMemory, Trust};
 use super::mode::next_mode;
-use super::moment::{Aim, Moment};
+use super::moment::{Aim, ArmMoment};
 use super::rules::{ArmRules, JointRules};
 use super::sample::{Memories, Request, Rules, Sample};
 use super::schedule::schedule;
@@ -257,15 +257,15 @@ fn measured<R: Real>(
 fn moment<R: Real>(
     arm: &ArmRules<R>,
     state: &ArmState,
-    arrival: &Arrival,
+    arrival: &SampleArrival,
     action: Action,
-) -> Moment<R> {
+) -> ArmMoment<R> {
     // The law starts at this sample: what happened before it is not its own.
     let elapsed = if action == Action::Engage { None } else { arrival.elapsed_ns };
     let stopping = state.mode == Mode::SafeStop;
     // A stop goes on by a clock that is wrong.
     let elapsed = if stopping { elapsed.or(Some(arm.arrivals.period_ns)) } else { elapsed };
-    Moment {
+    ArmMoment {
         interval: interval(elapsed, arm.arrivals.period_ns, arm.nominal()),
         reference_progress: R::from_f64(f64::from(state.blending)) * arm.blend_rate,
         blend: arm.blend,
@@ -290,7 +290,7 @@ const ENGAGED_SAMPLES: u32 = 10;
 fn run<R: Real>(
     rules: &[JointRules<R>],
     memories: Memories<'_, R>,
-    now: &Moment<R>,
+    now: &ArmMoment<R>,
     sample: &Sample<'_, R>,
     commands: &mut [Command<R>],
 ) -> Events {
@@ -301,7 +301,7 @@ fn run<R: Real>(
     for (joint, ((rule, memory), (m, command))) in joints {
         let gains = rule.in_force(raised);
         let arm = &mut *memories.arm;
-        let place = Place { joint, rule, gains };
+        let place = JointInForce { joint, rule, gains };
         let path = match gains.path {
             // A stop is not slowed down.
             Path::Filtered if now.stops() && gains.form == Form::Positions => Path::Positions,
@@ -319,13 +319,13 @@ fn run<R: Real>(
 }
 
 /// One joint of the arm, and the gains in force.
-struct Place<'a, R> {
+struct JointInForce<'a, R> {
     joint: usize,
     rule: &'a JointRules<R>,
     gains: &'a JointGains<R>,
 }
 
-impl<R: Real> Place<'_, R> {
+impl<R: Real> JointInForce<'_, R> {
     /// Writes the joint's torque and returns the events of its sample.
     #[allow(clippy::inline_always, reason = "a call each would cost a hundred instructions")]
     #[inline(always)]
@@ -334,7 +334,7 @@ impl<R: Real> Place<'_, R> {
         arm: &mut ArmState,
         memory: &mut JointMemory<R>,
         m: &Measurement<R>,
-        now: &Moment<R>,
+        now: &ArmMoment<R>,
         command: &mut Command<R>,
     ) -> Events {
         let (answer, news) = self.rule.follow::<S>(self.gains, memory, m, now);
@@ -351,7 +351,7 @@ impl<R: Real> Place<'_, R> {
         arm: &mut ArmState,
         memory: &mut JointMemory<R>,
         m: &Measurement<R>,
-        now: &Moment<R>,
+        now: &ArmMoment<R>,
         command: &mut Command<R>,
     ) -> Events {
         self.follow::<S>(arm, memory, m, now, command)
@@ -365,7 +365,7 @@ impl<R: Real> Place<'_, R> {
         arm: &mut ArmState,
         memory: &mut JointMemory<R>,
         m: &Measurement<R>,
-        now: &Moment<R>,
+        now: &ArmMoment<R>,
         command: &mut Command<R>,
     ) -> Events {
         match self.gains.form {

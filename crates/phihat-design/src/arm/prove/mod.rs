@@ -5,7 +5,7 @@ mod relaxed;
 use nalgebra::DMatrix;
 use phihat_certificate::Proved;
 
-use super::postures::{Postures, eigen};
+use super::postures::{PostureSet, eigen};
 use relaxed::{Corners, Relaxed, Scratch};
 
 /// The widest arc \[rad\] that a triangle is put around.
@@ -22,7 +22,7 @@ pub struct ProofProgress {
 
 /// Why a range was not proved.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Unproved {
+pub enum RangeUnproved {
     /// The proof was stopped.
     #[error("stopped after {} cells, {:.1} % of the postures done", .0.cells, 100.0 * .0.done)]
     Stopped(ProofProgress),
@@ -43,7 +43,7 @@ pub enum Unproved {
 
 /// Intervals of all joints' positions.
 #[derive(Debug, Clone)]
-struct Cell {
+struct PositionCell {
     ends: Vec<(f64, f64)>,
     share: f64,
 }
@@ -61,21 +61,21 @@ struct Cell {
 ///
 /// Double precision with an allowance for rounding, not interval arithmetic.
 pub(super) fn prove(
-    postures: &Postures,
+    postures: &PostureSet,
     nominal: &[f64],
     limit: f64,
     go_on: &mut dyn FnMut(ProofProgress) -> bool,
-) -> Result<Proved, Unproved> {
-    let relaxed = Relaxed::new(postures, nominal).ok_or(Unproved::NotOfARobot)?;
+) -> Result<Proved, RangeUnproved> {
+    let relaxed = Relaxed::new(postures, nominal).ok_or(RangeUnproved::NotOfARobot)?;
     let mut scratch = relaxed.scratch();
     let mut progress = ProofProgress { done: 0.0, cells: 0 };
     let whole =
         |(k, ends): (usize, &(f64, f64))| if relaxed.is_root(k) { (ends.0, ends.0) } else { *ends };
     let ends = postures.travel.iter().enumerate().map(whole).collect();
-    let mut cells = vec![Cell { ends, share: 1.0 }];
+    let mut cells = vec![PositionCell { ends, share: 1.0 }];
     while let Some(cell) = cells.pop() {
         if !go_on(progress) {
-            return Err(Unproved::Stopped(progress));
+            return Err(RangeUnproved::Stopped(progress));
         }
         progress.cells += 1;
         let joint = if let Some(joint) = too_wide(&cell, postures) {
@@ -95,14 +95,14 @@ pub(super) fn prove(
 }
 
 /// The widest joint that no triangle is put around.
-fn too_wide(cell: &Cell, postures: &Postures) -> Option<usize> {
+fn too_wide(cell: &PositionCell, postures: &PostureSet) -> Option<usize> {
     let width = |k: usize| cell.ends[k].1 - cell.ends[k].0;
     let turning = (0..cell.ends.len()).filter(|k| !postures.slides[*k]);
     let widest = turning.max_by(|a, b| width(*a).total_cmp(&width(*b)))?;
     (width(widest) > WIDEST).then_some(widest)
 }
 
-fn corners(cell: &Cell, postures: &Postures) -> Vec<Corners> {
+fn corners(cell: &PositionCell, postures: &PostureSet) -> Vec<Corners> {
     let of = |(k, (low, high)): (usize, &(f64, f64))| match (postures.slides[k], high > low) {
         (true, true) => vec![(*low, 0.0), (*high, 0.0)],
         (true, false) => vec![(*low, 0.0)],
@@ -119,7 +119,7 @@ fn corners(cell: &Cell, postures: &Postures) -> Vec<Corners> {
 }
 
 /// Each joint in the middle of its interval.
-fn middle(cell: &Cell, postures: &Postures) -> Vec<(f64, f64)> {
+fn middle(cell: &PositionCell, postures: &PostureSet) -> Vec<(f64, f64)> {
     let of = |(k, (low, high)): (usize, &(f64, f64))| {
         let middle = 0.5 * (low + high);
         if postures.slides[k] { (middle, 0.0) } else { (middle.cos(), middle.sin()) }
@@ -130,10 +130,10 @@ fn middle(cell: &Cell, postures: &Postures) -> Vec<(f64, f64)> {
 /// Returns an error if the posture nearest to the corners that failed is beyond the limit itself.
 fn refuted(
     relaxed: &Relaxed,
-    (cell, postures): (&Cell, &Postures),
+    (cell, postures): (&PositionCell, &PostureSet),
     limit: f64,
     scratch: &mut Scratch,
-) -> Result<(), Unproved> {
+) -> Result<(), RangeUnproved> {
     let nearest =
         |(k, (low, high)): (usize, &(f64, f64))| match (postures.slides[k], scratch.chosen[k]) {
             (false, 0) => 0.5 * (low + high),
@@ -147,13 +147,13 @@ fn refuted(
     let (load, n) = (scratch.load, relaxed.joints());
     let w = relaxed.at(&at, load, scratch);
     let eigenvalue = DMatrix::from_row_slice(n, n, &w).symmetric_eigenvalues().max();
-    if eigenvalue <= limit { Ok(()) } else { Err(Unproved::Beyond { q, eigenvalue, limit }) }
+    if eigenvalue <= limit { Ok(()) } else { Err(RangeUnproved::Beyond { q, eigenvalue, limit }) }
 }
 
 /// The joint whose corner adds most to the energy that was too much.
 fn worst(
     relaxed: &Relaxed,
-    (cell, postures): (&Cell, &Postures),
+    (cell, postures): (&PositionCell, &PostureSet),
     corners: &[Corners],
     scratch: &mut Scratch,
 ) -> usize {
@@ -173,11 +173,11 @@ fn worst(
     gains.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |(_, joint)| joint)
 }
 
-fn halves(cell: Cell, joint: usize) -> [Cell; 2] {
+fn halves(cell: PositionCell, joint: usize) -> [PositionCell; 2] {
     let (low, high) = cell.ends[joint];
     let middle = 0.5 * (low + high);
-    let mut upper = Cell { ends: cell.ends.clone(), share: 0.5 * cell.share };
-    let mut lower = Cell { ends: cell.ends, share: upper.share };
+    let mut upper = PositionCell { ends: cell.ends.clone(), share: 0.5 * cell.share };
+    let mut lower = PositionCell { ends: cell.ends, share: upper.share };
     lower.ends[joint].1 = middle;
     upper.ends[joint].0 = middle;
     [upper, lower]
@@ -189,7 +189,7 @@ mod tests {
 
     fn study(robot: &str, design: &str) -> phihat_study::Study {
         let text = format!(
-            "duration_s = 2.0\n[robot]\nname = \"{robot}\"\n[spec]\nerror_max_rad = 1e-3\n[design]\n{design}\n\
+            "duration_s = 2.0\n[robot]\nname = \"{robot}\"\n[spec]\nerror_bound_rad = 1e-3\n[design]\n{design}\n\
              [reference]\nkind = \"hold\"\npose = \"ready\"\n"
         );
         phihat_study::Study::from_text(&text, "prove.toml", std::path::Path::new("")).unwrap()
@@ -199,7 +199,7 @@ mod tests {
     fn on_the_circle_it_is_the_mass_matrix() {
         for robot in ["planar3r", "panda", "ur5", "iiwa14"] {
             let set = "payload_kg = [0, 1.5]\npayload_com_m = [[0, 0.1], [0, 0], [-0.1, 0]]";
-            let postures = Postures::of(&study(robot, set)).unwrap();
+            let postures = PostureSet::of(&study(robot, set)).unwrap();
             let n = postures.travel.len();
             let nominal: Vec<f64> = (0..n).map(|i| 0.3 + 0.2 * i as f64).collect();
             let relaxed = Relaxed::new(&postures, &nominal).unwrap();
@@ -226,14 +226,14 @@ mod tests {
     #[test]
     fn corners_are_above_every_posture_of_a_cell() {
         let set = "payload_kg = [0, 1.5]\npayload_com_m = [[0, 0.1], [0, 0], [-0.1, 0]]";
-        let postures = Postures::of(&study("panda", set)).unwrap();
+        let postures = PostureSet::of(&study("panda", set)).unwrap();
         let nominal = vec![1.0, 1.5, 0.7, 0.9, 0.2, 0.2, 0.2];
         let relaxed = Relaxed::new(&postures, &nominal).unwrap();
         let mut scratch = relaxed.scratch();
         for (round, tried) in postures.heavy[..200].iter().enumerate() {
             let half = [0.05, 0.2, 0.5][round % 3];
             let ends = tried.q.iter().map(|q| (q - half, q + half)).collect();
-            let cell = Cell { ends, share: 1.0 };
+            let cell = PositionCell { ends, share: 1.0 };
             let at = |k: usize| tried.q[k] + half * (7.3 * (round * 7 + k) as f64).sin();
             let q: Vec<f64> = (0..7).map(at).collect();
             let model = &postures.payloads[1 + round % postures.heaviest].model;
@@ -246,7 +246,7 @@ mod tests {
 
     #[test]
     fn energy_is_convex_in_each_joint() {
-        let postures = Postures::of(&study("panda", "")).unwrap();
+        let postures = PostureSet::of(&study("panda", "")).unwrap();
         let nominal = vec![1.0; 7];
         let relaxed = Relaxed::new(&postures, &nominal).unwrap();
         let mut scratch = relaxed.scratch();

@@ -6,13 +6,13 @@ use phihat_certificate::extremes::Extremes as _;
 use nalgebra::{Matrix4, SymmetricEigen};
 use phihat_model::{FrameId, Model, Pose, Workspace};
 
-use crate::arm::postures::{Loaded, Postures};
+use crate::arm::postures::{Loaded, PostureSet};
 
 /// Rotation beside translation, row by row: 3 × 4.
 type Affine = [f64; 12];
 
 /// `∫ [r; 1][r; 1]ᵀ dm`: second moment, first moment, mass.
-type Moment = [[f64; 4]; 4];
+type MassMoment = [[f64; 4]; 4];
 
 /// Slack for rounding, relative.
 const ROUNDING: f64 = 1e-9;
@@ -22,14 +22,14 @@ pub(super) type Corners = Vec<(f64, f64)>;
 
 /// One joint with the body it moves.
 #[derive(Debug, Clone)]
-struct Link {
+struct RelaxedLink {
     parent: Option<usize>,
     /// Joints that move the body, itself last.
     movers: Vec<usize>,
     /// Placement in the parent `A_0 + x A_1 + y A_2`; of a sliding joint at `x` it is `A_0 + x A_1`.
     terms: [Affine; 3],
     slides: bool,
-    moment: Moment,
+    moment: MassMoment,
 }
 
 /// `W(x, y)`: `M̄^{-1/2} M M̄^{-1/2}` as a function of all joints' `(x_j, y_j)`.
@@ -39,9 +39,9 @@ struct Link {
 /// therefore convex in each `(x_j, y_j)` while the others stay: over a product of triangles its maximum is at corners.
 #[derive(Debug, Clone)]
 pub(super) struct Relaxed {
-    links: Vec<Link>,
+    links: Vec<RelaxedLink>,
     /// The payload's link, and the moments of the heaviest ones in its axes.
-    loads: (usize, Vec<Moment>),
+    loads: (usize, Vec<MassMoment>),
     /// `1/√M̄`, and `rotor/M̄`.
     scale: Vec<f64>,
     rotor: Vec<f64>,
@@ -70,19 +70,25 @@ pub(super) struct Scratch {
 }
 
 impl Relaxed {
-    pub(super) fn new(postures: &Postures, nominal: &[f64]) -> Option<Self> {
+    pub(super) fn new(postures: &PostureSet, nominal: &[f64]) -> Option<Self> {
         let (light, heavy) =
             (postures.payloads.first()?, &postures.payloads[1..=postures.heaviest]);
         let n = nominal.len();
         let model = &light.model;
         let movers: Vec<Vec<usize>> = (0..n).map(|k| movers(model, k)).collect::<Option<_>>()?;
         let moments = moments(light);
-        let links: Vec<Link> = (0..n)
+        let links: Vec<RelaxedLink> = (0..n)
             .map(|k| {
                 let parent = movers[k].iter().rev().nth(1).copied();
                 let slides = postures.slides[k];
                 let terms = terms(model, (k, parent), slides)?;
-                Some(Link { parent, movers: movers[k].clone(), terms, slides, moment: moments[k] })
+                Some(RelaxedLink {
+                    parent,
+                    movers: movers[k].clone(),
+                    terms,
+                    slides,
+                    moment: moments[k],
+                })
             })
             .collect::<Option<_>>()?;
         let loads = loads(&moments, heavy);
@@ -235,7 +241,7 @@ fn is_above(w: &mut [f64], rotor: &[f64], limit: f64) -> bool {
 }
 
 /// Adds a body's energy to the upper triangle: `W_ab += tr(∂_a T P ∂_b Tᵀ)`.
-fn add(w: &mut [f64], (moment, movers): (&Moment, &[usize]), derivatives: &[Affine]) {
+fn add(w: &mut [f64], (moment, movers): (&MassMoment, &[usize]), derivatives: &[Affine]) {
     let n = derivatives.len();
     for (at, &a) in movers.iter().enumerate() {
         let d = &derivatives[a];
@@ -326,7 +332,7 @@ fn relative(parent: Option<Pose>, own: &Pose) -> Affine {
 }
 
 /// The moments of all bodies; what is negative in them, which no body has, is left out: that adds energy only.
-fn moments(loaded: &Loaded) -> Vec<Moment> {
+fn moments(loaded: &Loaded) -> Vec<MassMoment> {
     let all = loaded.model.dynamic_parameters();
     all.iter().map(|parameters| semidefinite(&raw(parameters))).collect()
 }
@@ -353,7 +359,7 @@ fn raw(&[m, hx, hy, hz, xx, xy, yy, xz, yz, zz]: &[f64; 10]) -> Matrix4<f64> {
     )
 }
 
-fn semidefinite(moment: &Matrix4<f64>) -> Moment {
+fn semidefinite(moment: &Matrix4<f64>) -> MassMoment {
     let parts = SymmetricEigen::new(*moment);
     let mut upper = *moment;
     for i in 0..4 {
@@ -366,15 +372,15 @@ fn semidefinite(moment: &Matrix4<f64>) -> Moment {
 }
 
 /// Link that carries the payload, and the moments that each heaviest payload adds to it.
-fn loads(bare: &[Moment], heavy: &[Loaded]) -> (usize, Vec<Moment>) {
-    let more = |loaded: &Loaded| -> (usize, Moment) {
+fn loads(bare: &[MassMoment], heavy: &[Loaded]) -> (usize, Vec<MassMoment>) {
+    let more = |loaded: &Loaded| -> (usize, MassMoment) {
         let loaded = moments(loaded);
         let differs = |k: &usize| loaded[*k][3][3] > bare[*k][3][3];
         let link = (0..bare.len()).find(differs).unwrap_or(0);
         let entry = |i: usize, j: usize| loaded[link][i][j] - bare[link][i][j];
         (link, core::array::from_fn(|i| core::array::from_fn(|j| entry(i, j))))
     };
-    let all: Vec<(usize, Moment)> = heavy.iter().map(more).collect();
+    let all: Vec<(usize, MassMoment)> = heavy.iter().map(more).collect();
     let link = all.first().map_or(0, |(link, _)| *link);
     (link, all.into_iter().map(|(_, moment)| moment).collect())
 }

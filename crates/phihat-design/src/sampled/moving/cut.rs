@@ -4,7 +4,7 @@ use crate::JointRecord;
 use crate::claims::{Refutation, UnitLaw};
 use crate::sampled::model::LoopModel;
 use crate::sampled::open_loop::OpenLoop;
-use crate::sampled::polynomial::Polynomial;
+use crate::sampled::polynomial::SampledPolynomial;
 use crate::sampled::refutation::{plausible, plausible_loop, refuse};
 
 /// Claim that a refusal is about.
@@ -12,15 +12,15 @@ pub(super) const CLAIM: &str = "stability while moving";
 
 /// One joint's loop, cut where its torque meets the inertia.
 #[derive(Debug)]
-pub(super) struct Cut<'a> {
+pub(super) struct LoopCut<'a> {
     pub(super) gains: &'a JointRecord,
     pub(super) model: &'a LoopModel,
     pub(super) open: OpenLoop,
     /// `K`.
-    pub(super) kick: Polynomial,
+    pub(super) kick: SampledPolynomial,
 }
 
-impl<'a> Cut<'a> {
+impl<'a> LoopCut<'a> {
     /// Cuts a loop whose torque acts at once.
     pub(super) fn of(gains: &'a JointRecord, model: &'a LoopModel) -> Result<Self, Refutation> {
         plausible(CLAIM, gains)?;

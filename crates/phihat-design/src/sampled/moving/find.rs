@@ -5,7 +5,7 @@ use nalgebra::Complex;
 use phihat_certificate::extremes::Extremes as _;
 use phihat_certificate::{Moving, Unstable};
 
-use super::cut::Cut;
+use super::cut::LoopCut;
 use crate::sampled::polynomial::on_circle;
 use crate::sampled::window::angles;
 
@@ -36,8 +36,8 @@ const THINKS: f64 = 1e-6;
 const JOINS: u32 = 40;
 
 /// The largest rate with its proof.
-pub(super) fn largest(about: &[Cut<'_>], range: (f64, f64)) -> Result<Moving, Unstable> {
-    let mut grid = Grid::of(about, range);
+pub(super) fn largest(about: &[LoopCut<'_>], range: (f64, f64)) -> Result<Moving, Unstable> {
+    let mut grid = ConditionGrid::of(about, range);
     let (mut below, mut above) = RATES;
     let mut best = grid.proved(about, below)?;
     for _ in 0..HALVINGS {
@@ -51,13 +51,13 @@ pub(super) fn largest(about: &[Cut<'_>], range: (f64, f64)) -> Result<Moving, Un
 }
 
 /// `N`, `Δ`, `K` at the frequencies of the grid.
-struct Grid {
+struct ConditionGrid {
     range: (f64, f64),
     /// One list for each loop.
-    points: Vec<Vec<Point>>,
+    points: Vec<Vec<ConditionPoint>>,
 }
 
-struct Point {
+struct ConditionPoint {
     theta: f64,
     /// `|N + cΔ|²`.
     shifted: f64,
@@ -74,8 +74,8 @@ struct Point {
     counts: bool,
 }
 
-impl Point {
-    fn at(theta: f64, about: &Cut<'_>, (low, high): (f64, f64)) -> Self {
+impl ConditionPoint {
+    fn at(theta: f64, about: &LoopCut<'_>, (low, high): (f64, f64)) -> Self {
         let w = on_circle(theta, 1.0);
         let [n, d, k]: [Complex<f64>; 3] =
             [&about.open.numerator, &about.open.denominator, &about.kick].map(|p| p.at(w));
@@ -95,14 +95,14 @@ impl Point {
 }
 
 /// Condition (M2) on the taps at one point, over its scale: `Σ h_j gain_j − |h_j| cost_j − room ≥ least`.
-struct Row {
+struct ConditionRow {
     /// `gain_j`, `cost_j`, in the order of [`TAPS`].
     taps: Vec<(f64, f64)>,
     least: f64,
 }
 
-impl Row {
-    fn new(p: &Point, before: &Moving, eta: f64) -> Self {
+impl ConditionRow {
+    fn new(p: &ConditionPoint, before: &Moving, eta: f64) -> Self {
         let Moving { low, high, delta, drift, .. } = *before;
         let r = 0.5 * (high - low);
         let size = p.open + p.kick / drift;
@@ -123,11 +123,11 @@ impl Row {
     }
 }
 
-impl Grid {
-    fn of(about: &[Cut<'_>], range: (f64, f64)) -> Self {
-        let own = |cut: &Cut<'_>| {
-            let points = angles().into_iter().map(|theta| Point::at(theta, cut, range));
-            let mut points: Vec<Point> = points.filter(|p| p.matters).collect();
+impl ConditionGrid {
+    fn of(about: &[LoopCut<'_>], range: (f64, f64)) -> Self {
+        let own = |cut: &LoopCut<'_>| {
+            let points = angles().into_iter().map(|theta| ConditionPoint::at(theta, cut, range));
+            let mut points: Vec<ConditionPoint> = points.filter(|p| p.matters).collect();
             for (i, point) in points.iter_mut().enumerate() {
                 point.counts = about.len() == 1 || i % SPARSE == 0;
             }
@@ -137,7 +137,7 @@ impl Grid {
     }
 
     /// A multiplier for a rate, with its proof.
-    fn proved(&mut self, about: &[Cut<'_>], rate: f64) -> Result<Moving, Unstable> {
+    fn proved(&mut self, about: &[LoopCut<'_>], rate: f64) -> Result<Moving, Unstable> {
         let mut failure = Unstable {
             inequality: format!("a multiplier exists for inertia that changes at {rate:.3} 1/s"),
             theta: 0.0,
@@ -152,7 +152,7 @@ impl Grid {
             let mut fails = false;
             for (cut, points) in about.iter().zip(&mut self.points) {
                 if let Err(why) = moving.stable(cut.gains, cut.model) {
-                    points.push(Point::at(why.theta, cut, self.range));
+                    points.push(ConditionPoint::at(why.theta, cut, self.range));
                     (failure, fails) = (why, true);
                 }
             }
@@ -190,8 +190,10 @@ impl Grid {
 
     /// Taps that leave the most room, up to what is enough, at every point of the grid.
     fn taps(&mut self, before: &Moving, eta: f64) -> Option<Vec<f64>> {
-        let of = |points: &Vec<Point>| points.iter().map(|p| Row::new(p, before, eta)).collect();
-        let rows: Vec<Vec<Row>> = self.points.iter().map(of).collect();
+        let of = |points: &Vec<ConditionPoint>| {
+            points.iter().map(|p| ConditionRow::new(p, before, eta)).collect()
+        };
+        let rows: Vec<Vec<ConditionRow>> = self.points.iter().map(of).collect();
         let mut taps = Vec::new();
         for _ in 0..JOINS {
             let both = self.points.iter().flatten().zip(rows.iter().flatten());
@@ -217,7 +219,7 @@ impl Grid {
 }
 
 /// Takes the points with the least room among their neighbours into the programme where that is less than it thinks.
-fn join(points: &mut [Point], rows: &[Row], taps: &[f64], thinks: f64) -> bool {
+fn join(points: &mut [ConditionPoint], rows: &[ConditionRow], taps: &[f64], thinks: f64) -> bool {
     let room: Vec<f64> = rows.iter().map(|row| row.room(taps)).collect();
     let mut more = false;
     for (i, point) in points.iter_mut().enumerate() {
@@ -231,7 +233,10 @@ fn join(points: &mut [Point], rows: &[Row], taps: &[f64], thinks: f64) -> bool {
 }
 
 /// Taps, in the order of [`TAPS`], and the room that they leave; `None` where that is not enough.
-fn programme<'a>(rows: impl Iterator<Item = &'a Row>, high: f64) -> Option<(Vec<f64>, f64)> {
+fn programme<'a>(
+    rows: impl Iterator<Item = &'a ConditionRow>,
+    high: f64,
+) -> Option<(Vec<f64>, f64)> {
     let mut problem = Problem::new(OptimizationDirection::Maximize);
     let room = problem.add_var(1.0, (-1.0, ROOM));
     let mut tap = |j: &usize| problem.add_var(-SMALL * *j as f64 / high, (0.0, f64::INFINITY));

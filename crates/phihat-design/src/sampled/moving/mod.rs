@@ -10,7 +10,7 @@ use super::model::LoopModel;
 use super::refutation::refuse;
 use crate::JointRecord;
 use crate::claims::Refutation;
-use cut::{CLAIM, Cut};
+use cut::{CLAIM, LoopCut};
 
 /// Finding [`Moving`].
 pub trait FindMoving: Sized {
@@ -27,10 +27,10 @@ impl FindMoving for Moving {
         loops: &[(&JointRecord, &LoopModel)],
         (low, high): (f64, f64),
     ) -> Result<Self, Refutation> {
-        let mut about: Vec<Cut<'_>> = Vec::new();
+        let mut about: Vec<LoopCut<'_>> = Vec::new();
         for (gains, model) in loops {
             if !about.iter().any(|known| known.is_of(gains, model)) {
-                about.push(Cut::of(gains, model).map_err(|why| why.on(&gains.name))?);
+                about.push(LoopCut::of(gains, model).map_err(|why| why.on(&gains.name))?);
             }
         }
         if about.is_empty() {

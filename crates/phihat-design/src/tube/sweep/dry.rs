@@ -1,13 +1,13 @@
 //! Linear runs of dry friction along the motion.
 
 use super::guess::Guess;
-use super::stretch::Stretch;
+use super::stretch::SweepStretch;
 use crate::lanes::{Lane, WIDE};
 use crate::tube::deviation::Deviation;
 use crate::tube::scene::{Scene, dry};
 
 /// Runs of dry friction so far: a column for the middle, then one per level that is not known.
-pub(super) struct DryFriction {
+pub(super) struct DryInputs {
     n: usize,
     /// Joints whose dry friction has an interval with width, in the order of columns.
     levels: Vec<usize>,
@@ -28,7 +28,7 @@ pub(super) struct DryRuns {
     pub(super) change: Vec<f64>,
 }
 
-impl DryFriction {
+impl DryInputs {
     pub(super) fn new(scene: &Scene<'_>) -> Self {
         let wide = |i: &usize| scene.friction[*i].level.1 > scene.friction[*i].level.0;
         let levels: Vec<usize> = (0..scene.n).filter(wide).collect();
@@ -48,7 +48,7 @@ impl DryFriction {
     }
 
     /// The runs over a bin, if the guess holds.
-    pub(super) fn over(&self, at: &Stretch<'_>, guess: &Guess) -> DryRuns {
+    pub(super) fn over(&self, at: &SweepStretch<'_>, guess: &Guess) -> DryRuns {
         let scene = at.along.course.scene;
         let (columns, n) = (self.columns(), self.n);
         let length = at.to - at.from;
@@ -81,7 +81,7 @@ impl DryFriction {
 
     /// Torque that drives the runs over interval `k`, `[pack][joint]`: the middle of the interval's sign
     /// against that of the nominal run, and the sign itself per level.
-    fn torque(&self, at: &Stretch<'_>, guess: &Guess, k: usize) -> Vec<Lane<WIDE>> {
+    fn torque(&self, at: &SweepStretch<'_>, guess: &Guess, k: usize) -> Vec<Lane<WIDE>> {
         let (n, nominal) = (self.n, at.along.nominal);
         let mut torque = vec![Lane::ZERO; self.runs.len() * n];
         for (i, friction) in at.along.course.scene.friction.iter().enumerate() {

@@ -3,13 +3,13 @@
 use phihat_certificate::extremes::{Extremes as _, larger, smaller};
 
 use super::guess::Guess;
-use super::stretch::Stretch;
+use super::stretch::SweepStretch;
 use crate::tube::basis::Slice;
 use crate::tube::products::{contracted, times, times_abs, transposed_abs};
 use crate::tube::scene::dry;
 
 /// Boxes on all inputs of a bin, if the guess holds in it.
-pub(super) fn inputs_of(at: &Stretch<'_>, misread: &[f64], guess: &Guess) -> Vec<f64> {
+pub(super) fn inputs_of(at: &SweepStretch<'_>, misread: &[f64], guess: &Guess) -> Vec<f64> {
     let terms = Terms::new(at, guess);
     let mut torque = vec![0.0; at.n];
     let mut momentum = terms.momentum();
@@ -31,7 +31,7 @@ pub(super) fn inputs_of(at: &Stretch<'_>, misread: &[f64], guess: &Guess) -> Vec
 
 /// Every box in its place.
 fn placed(
-    at: &Stretch<'_>,
+    at: &SweepStretch<'_>,
     misread: &[f64],
     torque: &[f64],
     (momentum, payload): (&[f64], &[f64]),
@@ -53,7 +53,7 @@ fn placed(
 
 /// Data of the terms of one bin.
 struct Terms<'a> {
-    at: &'a Stretch<'a>,
+    at: &'a SweepStretch<'a>,
     guess: &'a Guess,
     /// `|ε̇|`.
     v: Vec<f64>,
@@ -62,7 +62,7 @@ struct Terms<'a> {
 }
 
 impl<'a> Terms<'a> {
-    fn new(at: &'a Stretch<'a>, guess: &'a Guess) -> Self {
+    fn new(at: &'a SweepStretch<'a>, guess: &'a Guess) -> Self {
         let n = at.n;
         let v: Vec<f64> = (0..n)
             .map(|i| guess.v.iter().skip(i).step_by(n).map(|v| larger(v.1, -v.0)).largest())

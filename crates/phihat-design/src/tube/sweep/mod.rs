@@ -11,15 +11,15 @@ use phihat_certificate::extremes::larger;
 pub(super) use outputs::Bin;
 
 use super::along::Along;
-use super::group::Group;
+use super::group::BinGroup;
 use super::kernel::Kernel;
 use super::refusal::TubeRefusal;
 use crate::lanes::{Lane, WIDE, add_product};
-use dry::{DryFriction, DryRuns};
+use dry::{DryInputs, DryRuns};
 use guess::Guess;
 use inputs::inputs_of;
-use outputs::Outputs;
-use stretch::Stretch;
+use outputs::SweepOutputs;
+use stretch::SweepStretch;
 
 /// Rounds in one bin before it is given up.
 const ROUNDS: u32 = 80;
@@ -34,7 +34,7 @@ const SLACK: f64 = 1.01;
 const LOST: f64 = 1.0;
 
 /// The state of a sweep.
-pub(super) struct Sweep<'a> {
+pub(super) struct TubeSweep<'a> {
     along: &'a Along<'a>,
     /// Largest error of a reading \[rad\].
     misread: &'a [f64],
@@ -45,14 +45,14 @@ pub(super) struct Sweep<'a> {
     /// Sizes of the state that arrives at each segment's start from kernels that end there, and of all that is there.
     arriving: Vec<Vec<f64>>,
     tail: Vec<Vec<f64>>,
-    friction: DryFriction,
+    friction: DryInputs,
     first_reading: &'a Kernel,
     /// Boxes of the present group's bins, which bins after the group have not heard of.
     untold: Vec<Vec<f64>>,
     pub(super) bin_results: Vec<Bin>,
 }
 
-impl<'a> Sweep<'a> {
+impl<'a> TubeSweep<'a> {
     pub(super) fn new(along: &'a Along<'a>, misread: &'a [f64], first_reading: &'a Kernel) -> Self {
         let inputs = along.course.inputs();
         let none = vec![vec![0.0; along.course.states()]; along.segments.len() + 1];
@@ -69,7 +69,7 @@ impl<'a> Sweep<'a> {
             before: vec![0.0; inputs.count()],
             arriving,
             tail: none,
-            friction: DryFriction::new(along.course.scene),
+            friction: DryInputs::new(along.course.scene),
             first_reading,
             untold: Vec::new(),
             bin_results: Vec::with_capacity(along.bins),
@@ -77,7 +77,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Goes through the bins of a group.
-    pub(super) fn group(&mut self, group: &Group) -> Result<(), TubeRefusal> {
+    pub(super) fn group(&mut self, group: &BinGroup) -> Result<(), TubeRefusal> {
         let (first, end) = group.bins;
         for b in first..end {
             self.bin((b, end), group)?;
@@ -87,8 +87,8 @@ impl<'a> Sweep<'a> {
     }
 
     /// Goes through one bin of a group that ends before bin `end`.
-    fn bin(&mut self, (b, end): (usize, usize), group: &Group) -> Result<(), TubeRefusal> {
-        let at = Stretch::new(self.along, group, b);
+    fn bin(&mut self, (b, end): (usize, usize), group: &BinGroup) -> Result<(), TubeRefusal> {
+        let at = SweepStretch::new(self.along, group, b);
         let tail = self.tails(b);
         let mut guess = self.first_guess(&at);
         let mut rounds = 0;
@@ -121,7 +121,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// A little more than at the end of the bin before.
-    fn first_guess(&self, at: &Stretch<'_>) -> Guess {
+    fn first_guess(&self, at: &SweepStretch<'_>) -> Guess {
         let n = at.n;
         let rows = &self.ahead[at.b];
         let own = |i: usize| rows[i].abs() * 1.05 + 1e-9;
@@ -148,14 +148,14 @@ impl<'a> Sweep<'a> {
     /// Bounds that follow in a bin, and the guess that they would be.
     fn outputs(
         &self,
-        at: &Stretch<'_>,
+        at: &SweepStretch<'_>,
         inputs: &[f64],
         tail: &[f64],
         runs: &DryRuns,
     ) -> (Bin, Guess) {
         let boxes = &self.boxes(inputs);
         let summed = &self.summed(at, boxes, tail);
-        Outputs { at, boxes, summed, friction: &self.friction, runs }.bounds()
+        SweepOutputs { at, boxes, summed, friction: &self.friction, runs }.bounds()
     }
 
     /// The larger box of each input, of this bin and the one before.
@@ -164,7 +164,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Sums over all inputs so far, per row of the outputs.
-    fn summed(&self, at: &Stretch<'_>, boxes: &[f64], tail: &[f64]) -> Vec<f64> {
+    fn summed(&self, at: &SweepStretch<'_>, boxes: &[f64], tail: &[f64]) -> Vec<f64> {
         let mut summed = vec![0.0; at.inputs.rows()];
         for (row, sum) in summed.iter_mut().enumerate() {
             let own = at.group.kernel.lag(0, row);
@@ -178,7 +178,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Puts what a bin's inputs do into the later bins of its group, and what is left of it in the end into the tails.
-    fn scatter(&mut self, (b, end): (usize, usize), group: &Group, inputs: &[f64]) {
+    fn scatter(&mut self, (b, end): (usize, usize), group: &BinGroup, inputs: &[f64]) {
         let boxes = self.boxes(inputs);
         let kernel = &group.kernel;
         for lag in 1..kernel.lags.min(end - b) {

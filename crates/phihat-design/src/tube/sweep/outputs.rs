@@ -2,11 +2,11 @@
 
 use phihat_certificate::extremes::larger;
 
-use super::dry::{DryFriction, DryRuns};
+use super::dry::{DryInputs, DryRuns};
 use super::guess::Guess;
-use super::stretch::Stretch;
+use super::stretch::SweepStretch;
 use crate::tube::products::times;
-use crate::tube::shapes::Shape;
+use crate::tube::shapes::LinearRun;
 
 /// Bounds in one bin.
 #[derive(Debug, Clone, Default)]
@@ -20,20 +20,20 @@ pub(in crate::tube) struct Bin {
 }
 
 /// Data of a bin's outputs.
-pub(super) struct Outputs<'a> {
-    pub(super) at: &'a Stretch<'a>,
+pub(super) struct SweepOutputs<'a> {
+    pub(super) at: &'a SweepStretch<'a>,
     /// Boxes on the inputs of this bin and the one before.
     pub(super) boxes: &'a [f64],
     /// Sums per row of the outputs.
     pub(super) summed: &'a [f64],
-    pub(super) friction: &'a DryFriction,
+    pub(super) friction: &'a DryInputs,
     pub(super) runs: &'a DryRuns,
 }
 
-impl Outputs<'_> {
+impl SweepOutputs<'_> {
     /// The bounds, and the guess that they would be.
     pub(super) fn bounds(&self) -> (Bin, Guess) {
-        let Stretch { n, from, to, inputs, .. } = *self.at;
+        let SweepStretch { n, from, to, inputs, .. } = *self.at;
         let (momentum, payload) = self.momentum();
         let direct = self.at.direct(momentum, payload);
         let wide: Vec<f64> = (0..n).map(|i| self.summed[n + i] + direct[i]).collect();
@@ -57,13 +57,13 @@ impl Outputs<'_> {
 
     /// Boxes on momentum, of the arm and of the payload.
     fn momentum(&self) -> (&[f64], &[f64]) {
-        let Stretch { n, inputs, .. } = *self.at;
+        let SweepStretch { n, inputs, .. } = *self.at;
         let (arm, payload) = (inputs.momentum(), inputs.payload());
         (&self.boxes[arm..arm + n], &self.boxes[payload..payload + inputs.twist])
     }
 
     /// Ends of what the payload's parameters do, from what each of them does.
-    fn hull(&self, unit: impl Fn(&Shape) -> f64) -> (f64, f64) {
+    fn hull(&self, unit: impl Fn(&LinearRun) -> f64) -> (f64, f64) {
         let along = self.at.along;
         along.slice.map_or((0.0, 0.0), |slice| {
             slice.hull(&core::array::from_fn(|d| along.shapes[d].as_ref().map_or(0.0, &unit)))
@@ -93,7 +93,7 @@ impl Outputs<'_> {
         let rows = along.course.jacobian(k).chunks_exact(n);
         for (twist, row) in twist.iter_mut().zip(rows) {
             let along_row = |v: &[f64]| -> f64 { row.iter().zip(v).map(|(j, v)| j * v).sum() };
-            let unit = |shape: &Shape| along_row(&shape.v[k * n..(k + 1) * n]);
+            let unit = |shape: &LinearRun| along_row(&shape.v[k * n..(k + 1) * n]);
             let shapes = &along.shapes;
             let unit = core::array::from_fn(|d| shapes[d].as_ref().map_or(0.0, unit));
             let mut size = slice.size(&unit);

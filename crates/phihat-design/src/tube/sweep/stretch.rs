@@ -4,18 +4,18 @@ use phihat_certificate::extremes::{larger, smaller};
 
 use super::guess::Guess;
 use crate::tube::along::Along;
-use crate::tube::group::Group;
-use crate::tube::kernel::Inputs;
-use crate::tube::linear::Interval;
+use crate::tube::group::BinGroup;
+use crate::tube::kernel::KernelInputs;
+use crate::tube::linear::StepInterval;
 use crate::tube::products::times_abs;
 use crate::tube::within::Within;
 
 /// The stretch of the run that a bin covers.
 #[derive(Clone, Copy)]
-pub(super) struct Stretch<'a> {
+pub(super) struct SweepStretch<'a> {
     pub(super) along: &'a Along<'a>,
-    pub(super) group: &'a Group,
-    pub(super) inputs: Inputs,
+    pub(super) group: &'a BinGroup,
+    pub(super) inputs: KernelInputs,
     /// Number of joints.
     pub(super) n: usize,
     /// The bin.
@@ -24,15 +24,15 @@ pub(super) struct Stretch<'a> {
     pub(super) from: usize,
     pub(super) to: usize,
     /// The interval in the middle.
-    pub(super) interval: &'a Interval,
+    pub(super) interval: &'a StepInterval,
     /// The payload's Jacobian in the middle; empty without one.
     pub(super) jacobian: &'a [f64],
     /// Changes over one of its samples of what linear runs hold.
     pub(super) within: &'a Within,
 }
 
-impl<'a> Stretch<'a> {
-    pub(super) fn new(along: &'a Along<'a>, group: &'a Group, b: usize) -> Self {
+impl<'a> SweepStretch<'a> {
+    pub(super) fn new(along: &'a Along<'a>, group: &'a BinGroup, b: usize) -> Self {
         let course = along.course;
         let (from, to) = along.samples(b);
         let middle = usize::midpoint(from, to);

@@ -49,7 +49,7 @@ pub(super) fn figure(class: &ClassBound, gains: &Gains, metrics: &Metrics) -> Op
         "|e| [mrad]",
         MILLI,
         |pace| pace.error_rad,
-        |joint| joint.error_spec_rad,
+        |joint| joint.error_bound_rad,
     );
     let step = panel(
         "Largest bound on the torque step",
