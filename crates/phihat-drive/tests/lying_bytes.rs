@@ -407,7 +407,7 @@ impl Robot {
     fn close(&mut self, answers: &mut Vec<u8>) {
         match self.side.close(false, answers) {
             RobotCycle::Torque(tau) | RobotCycle::Finished(tau) | RobotCycle::Lost(tau) => {
-                self.world.step(&tau)
+                self.world.step(&tau);
             }
             RobotCycle::Still | RobotCycle::Reflex(_) => {}
         }

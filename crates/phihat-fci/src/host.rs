@@ -264,7 +264,7 @@ impl Host {
         let lost = runs && world.loses_command();
         match self.side.close(lost, &mut self.answers) {
             RobotCycle::Torque(tau) | RobotCycle::Finished(tau) | RobotCycle::Lost(tau) => {
-                world.step(&tau)
+                world.step(&tau);
             }
             RobotCycle::Still | RobotCycle::Reflex(_) => {}
         }

@@ -288,7 +288,7 @@ impl Lists<'_> {
             })?;
             let (speed, key) = (limits.velocity_max_rad_s.as_ref(), "limits.velocity_max_rad_s");
             self.set(robot, key, speed, ExtrasRange::Positive, |joint, x| {
-                joint.velocity_max = Some(x)
+                joint.velocity_max = Some(x);
             })?;
             let key = "limits.torque_rate_max_nm_s";
             self.set(robot, key, rate.as_ref(), ExtrasRange::Positive, |joint, x| {

@@ -135,7 +135,7 @@ impl<S: Scalar> Screws<S> {
                 match segment.motion {
                     JointMotion::Revolute => angles[i] += q[segment.joint],
                     JointMotion::Prismatic => {
-                        self.shifts[i] = q[segment.joint] + S::splat(segment.d)
+                        self.shifts[i] = q[segment.joint] + S::splat(segment.d);
                     }
                     JointMotion::Fixed => {}
                 }

@@ -4,7 +4,8 @@ use phihat_kernel::{JointLoop, Polynomial};
 
 use super::complex::Complex;
 
-/// `N`, `Δ` and `R` of a [`JointLoop`] in `w = z − 1`, rounded coefficient by coefficient: nothing is lost near `w = 0`.
+/// `N`, `Δ` and `R` of a [`JointLoop`] in `w = z − 1`, rounded coefficient by coefficient: nothing is lost near
+/// `w = 0`.
 pub(crate) struct CheckedResponse {
     back: Vec<f64>,
     open: Vec<f64>,

@@ -207,7 +207,7 @@ impl<'a> InputCourse<'a> {
                 for i in 0..n {
                     match place.kind {
                         InputKind::TorqueAtEnd => {
-                            run.state[n + i][c] += interval.inverse[i * n + j]
+                            run.state[n + i][c] += interval.inverse[i * n + j];
                         }
                         InputKind::TorqueAtStart => {
                             run.state[i][c] += start(i, j);

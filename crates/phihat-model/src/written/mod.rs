@@ -211,7 +211,7 @@ impl Program {
             match steps[k] {
                 WrittenStep::Constant(_) | WrittenStep::Input(_) => (),
                 WrittenStep::Sine(a) | WrittenStep::Cosine(a) | WrittenStep::Minus(a) => {
-                    live[a] = true
+                    live[a] = true;
                 }
                 WrittenStep::Plus(a, b)
                 | WrittenStep::Less(a, b)

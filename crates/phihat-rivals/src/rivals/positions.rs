@@ -51,12 +51,13 @@ use crate::tuning::{Scalar, Tuning};
 #[derive(Debug)]
 pub(crate) struct PositionsFirst;
 
-/// The law of [`PositionsFirst`] with one more state, `φ̂'`, and one more real pole: a load that grows steadily leaves no error.
+/// The law of [`PositionsFirst`] with one more state, `φ̂'`, and one more real pole: a load that grows steadily leaves no
+/// error.
 #[derive(Debug)]
 pub(crate) struct PositionsSecond;
 
-/// The law of [`PositionsFirst`] and [`PositionsSecond`] with gains and order of its own for each joint, from the search of
-/// `phihat design` for the least error whose torque steps, as far as the encoder makes them, stay within the
+/// The law of [`PositionsFirst`] and [`PositionsSecond`] with gains and order of its own for each joint, from the
+/// search of `phihat design` for the least error whose torque steps, as far as the encoder makes them, stay within the
 /// comparison's allowance of noise.
 ///
 /// # Not claimed
