@@ -14,10 +14,13 @@ pub struct JointFound {
     /// Its name.
     pub name: String,
     /// Largest bound on |e| in the steady part \[rad\].
+    #[serde(alias = "bound_rad")]
     pub error_bound_rad: f64,
     /// Largest |e| in the steady part \[rad\].
+    #[serde(alias = "error_rad")]
     pub error_peak_rad: f64,
     /// Likewise |ė| \[rad/s\].
+    #[serde(alias = "velocity_bound_rad_s")]
     pub velocity_error_bound_rad_s: f64,
     /// Likewise |ė| \[rad/s\].
     pub velocity_rad_s: f64,

@@ -23,8 +23,10 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct Bounds {
     /// `|e|` \[rad\].
+    #[serde(alias = "error_rad")]
     pub error_bound_rad: f64,
     /// `|ė|` \[rad/s\].
+    #[serde(alias = "velocity_error_rad_s")]
     pub velocity_error_bound_rad_s: f64,
     /// `|∫e|` \[rad·s\], for a run as long as the certificate says; `None`: grows without bound.
     pub integral_rad_s: Option<f64>,

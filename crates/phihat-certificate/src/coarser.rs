@@ -11,6 +11,7 @@ pub struct CoarserEncoder {
     /// Number of bits that each encoder has less.
     pub bits_fewer: u32,
     /// Largest |e| of each joint from the settling time on \[rad\]; empty: there is no tube.
+    #[serde(alias = "error_max_rad")]
     pub error_bound_rad: Vec<f64>,
     /// Largest change of each joint's torque from one sample to the next \[N·m\]; empty: there is no tube.
     pub torque_step_max_nm: Vec<f64>,

@@ -39,6 +39,7 @@ pub struct TubeTip {
     /// `ℓ_i` per joint and bin: the largest over the samples of the bin \[m; 1 of a joint that slides\].
     pub lever_m: Vec<Vec<f64>>,
     /// Largest distance of the tip from where the reference has it, of the bins from the tube's `settle_s` on \[m\].
+    #[serde(alias = "error_max_m")]
     pub error_bound_m: f64,
     /// Largest angle between the tip's axes and those of the reference, of the same bins \[rad\].
     pub angle_max_rad: f64,

@@ -84,8 +84,10 @@ pub struct TubeJoint {
     /// Largest `ė` \[rad/s\].
     pub velocity_high_rad_s: Vec<f64>,
     /// Largest |e| of the bins from `settle_s` on \[rad\].
+    #[serde(alias = "error_max_rad")]
     pub error_bound_rad: f64,
     /// Largest |ė| of the bins from `settle_s` on \[rad/s\].
+    #[serde(alias = "velocity_error_max_rad_s")]
     pub velocity_error_bound_rad_s: f64,
     /// Largest commanded torque of the whole run \[N·m\].
     pub torque_max_nm: f64,

@@ -22,6 +22,7 @@ mod documents;
 mod exact;
 mod forged_leaves;
 mod forgeries;
+mod old_names;
 mod positions;
 mod second_method;
 mod small;

@@ -72,6 +72,7 @@ pub struct ArmRecord {
     /// `U` \[kg·m²\] per joint: unit of every rival's torque gains, and `M̄` of those that know it.
     pub inertia: Vec<f64>,
     /// The specification's largest |e| \[rad\] per joint.
+    #[serde(alias = "error_max_rad")]
     pub error_bound_rad: Vec<f64>,
 }
 

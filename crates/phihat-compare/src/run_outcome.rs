@@ -58,6 +58,7 @@ pub struct Figures {
     /// Root mean square of `e` \[rad\].
     pub error_rms_rad: f64,
     /// Largest |e| \[rad\].
+    #[serde(alias = "error_max_rad")]
     pub error_peak_rad: f64,
     /// Largest |e| over the specification's: up to 1 it is kept.
     pub error_over_spec: f64,
@@ -80,6 +81,7 @@ pub struct Figures {
     /// it was before the push \[s\]; `None`: no push, or it did not come back.
     pub recovery_s: Option<f64>,
     /// The bound stated before the run, of the joint whose measured error comes closest to it \[rad\].
+    #[serde(alias = "bound_rad")]
     pub error_bound_rad: Option<f64>,
     /// The smallest bound/measured over the joints: below 1 the bound was broken.
     pub bound_over_measured: Option<f64>,

@@ -22,18 +22,22 @@ pub struct JointMetrics {
     /// Root mean square of `e` over the steady part \[rad\].
     pub error_rms_rad: f64,
     /// Largest |e| of the whole run \[rad\].
+    #[serde(alias = "error_max_rad")]
     pub error_peak_rad: f64,
     /// Largest |e| of the steady part \[rad\].
     pub error_steady_max_rad: f64,
     /// The study's bound on the steady |e|, if it states one \[rad\].
+    #[serde(alias = "error_spec_rad")]
     pub error_bound_rad: Option<f64>,
     /// Largest |∫e| of the steady part \[rad·s\].
     pub error_integral_steady_max_rad_s: f64,
     /// The study's bound on it \[rad·s\].
+    #[serde(alias = "error_integral_spec_rad_s")]
     pub error_integral_bound_rad_s: Option<f64>,
     /// Largest |ė| of the steady part \[rad/s\].
     pub velocity_error_steady_max_rad_s: f64,
     /// The study's bound on it \[rad/s\].
+    #[serde(alias = "velocity_error_spec_rad_s")]
     pub velocity_error_bound_rad_s: Option<f64>,
     /// Largest |τ_applied| \[N·m\].
     pub tau_max_nm: f64,

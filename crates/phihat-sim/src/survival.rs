@@ -19,6 +19,7 @@ pub struct Survival {
     /// Why the robot's interface stopped the run, if it did.
     pub stopped: Option<String>,
     /// Largest |e| of any joint from the first fault on \[rad\]; of the whole run where there is none.
+    #[serde(alias = "error_max_rad")]
     pub error_peak_rad: f64,
     /// Largest |e| of any joint over the last tenth of the run \[rad\].
     pub error_end_rad: f64,

@@ -14,10 +14,12 @@ pub struct TipMetrics {
     /// The tip's frame (link).
     pub frame: String,
     /// Largest distance of the tip from where the reference has it, of the whole run \[m\].
+    #[serde(alias = "error_max_m")]
     pub error_peak_m: f64,
     /// The same of the steady part.
     pub error_steady_max_m: f64,
     /// The study's bound on the steady one, if it states one \[m\].
+    #[serde(alias = "error_spec_m")]
     pub error_bound_m: Option<f64>,
     /// Largest angle between the tip's axes and those of the reference in the steady part \[rad\].
     pub angle_steady_max_rad: f64,

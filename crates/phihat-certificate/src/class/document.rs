@@ -52,14 +52,17 @@ pub struct ClassBound {
     /// Largest error of a reading \[rad\] per joint.
     pub reading_rad: Vec<f64>,
     /// Bound on `|e|` \[rad\] per joint.
+    #[serde(alias = "error_rad")]
     pub error_bound_rad: Vec<f64>,
     /// Bound on `|ė|` \[rad/s\] per joint.
+    #[serde(alias = "velocity_error_rad_s")]
     pub velocity_error_bound_rad_s: Vec<f64>,
     /// Bound on the change of the commanded torque per sample \[N·m\], per joint.
     pub torque_step_nm: Vec<f64>,
     /// Bound on the torque \[N·m\] per joint.
     pub torque_nm: Vec<f64>,
     /// Bound on `|e|` of an arm whose posture were frozen \[rad\] per joint: informs.
+    #[serde(alias = "frozen_error_rad")]
     pub frozen_error_bound_rad: Vec<f64>,
     /// Spectral radius of the matrix by which an error adds to itself: the class closes where it is below 1.
     pub spectral_radius: f64,
@@ -97,6 +100,7 @@ pub struct ClassPace {
     /// Factor on the speed.
     pub factor: f64,
     /// Largest bound on `|e|` of a joint \[rad\]; `None`: the class does not close.
+    #[serde(alias = "error_rad")]
     pub error_bound_rad: Option<f64>,
     /// Largest bound on the change of torque per sample \[N·m\]; `None`: the class does not close.
     pub torque_step_nm: Option<f64>,

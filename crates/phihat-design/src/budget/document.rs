@@ -49,6 +49,7 @@ pub struct JointBudget {
     /// True if it is prismatic: figures are in metres then.
     pub prismatic: bool,
     /// Error that the study allows \[rad; m\].
+    #[serde(alias = "allowed_rad")]
     pub error_bound_rad: Option<f64>,
     /// All causes together \[rad; m\]; `None`: no figure.
     pub total_rad: Option<f64>,
