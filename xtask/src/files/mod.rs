@@ -3,6 +3,7 @@
 mod circles;
 mod figures;
 mod names;
+mod repeated;
 mod tree;
 mod uses;
 
@@ -13,7 +14,7 @@ use tree::ModuleTree;
 
 /// Everything that the rules do not allow, over every crate of the workspace.
 pub(crate) fn wrong(root: &Path) -> Result<Vec<String>, String> {
-    let (mut wrong, mut lines) = (Vec::new(), Vec::new());
+    let (mut wrong, mut lines, mut types) = (Vec::new(), Vec::new(), Vec::new());
     for (name, tree) in crates(root)? {
         wrong.extend(some(&name, "files on circles", &circles::told(&tree).1));
         wrong.extend(some(&name, "functions over 80 lines", &figures::long_functions(&tree)));
@@ -21,12 +22,14 @@ pub(crate) fn wrong(root: &Path) -> Result<Vec<String>, String> {
             wrong.extend(some(&name, "let among other conditions", &figures::let_chains(&tree)));
         }
         lines.extend(figures::lines(&tree));
+        types.extend(repeated::types(&name, &tree));
         // The project's chores tell a person, and nobody else.
         if name != "xtask" {
             wrong.extend(some(&name, "Result<_, String>", &figures::errors_of_text(&tree)));
         }
     }
     wrong.extend(figures::median(lines));
+    wrong.extend(repeated::wrong(types));
     Ok(wrong)
 }
 
