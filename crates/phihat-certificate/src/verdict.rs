@@ -48,8 +48,8 @@ impl Certificate {
     /// Bounds on the errors with their standing, after the derivations that were made from a study; joints without a
     /// bound are left out.
     ///
-    /// Two derivations that bound the same error by `E₁` and `E₂` both show `|e| ≤ max(E₁, E₂)`: that is the bound which is
-    /// derived twice.
+    /// Two derivations that bound the same error by `E₁` and `E₂` both show `|e| ≤ max(E₁, E₂)`: that is the bound
+    /// which is derived twice.
     pub(crate) fn checked_bounds(
         &self,
         gains: &Gains,

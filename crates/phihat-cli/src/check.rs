@@ -1,12 +1,12 @@
 //! `phihat check`: all that is wrong with a study, at once, without running it.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
 use phihat_model::input::plain;
-use phihat_session::{StudyCheck, check};
-use phihat_study::Study;
+use phihat_session::{StudyCheck, check, check_rewritten};
+use phihat_study::{RenamedKey, Study};
 use serde_json::json;
 
 /// Tell all that is wrong with studies, and what would be valid, without running them.
@@ -15,7 +15,7 @@ use serde_json::json;
 /// line, key, value, and what would be valid. Gains that are left to the design are not designed.
 #[derive(Debug, Args)]
 #[command(after_help = "Exit code 2: there are errors.\n\nExample:\n  \
-                        phihat check studies/first.toml studies/panda.toml")]
+                        phihat check studies/first.toml studies/panda.toml\n  phihat check --rewrite studies/first.toml")]
 pub(crate) struct CheckVerb {
     /// The study files (TOML).
     #[arg(required = true)]
@@ -23,6 +23,11 @@ pub(crate) struct CheckVerb {
     /// Look at these gains (a gains.json) in place of those the studies state.
     #[arg(long, value_name = "FILE")]
     gains: Option<PathBuf>,
+    /// First give keys of earlier versions their names of now, in the files themselves; comments and order stay.
+    ///
+    /// Gains that were designed for such a study name the sum of its text: design them again.
+    #[arg(long)]
+    rewrite: bool,
     /// Print one JSON document in place of lines.
     #[arg(long)]
     json: bool,
@@ -30,37 +35,66 @@ pub(crate) struct CheckVerb {
 
 impl CheckVerb {
     pub(crate) fn execute(&self) -> ExitCode {
-        let looked = |path: &PathBuf| (path.clone(), check(path, self.gains.as_deref()));
+        let gains = self.gains.as_deref();
+        let looked = |path: &PathBuf| {
+            let (renamed, found) = if self.rewrite {
+                check_rewritten(path, gains)
+            } else {
+                (Vec::new(), check(path, gains))
+            };
+            (path.clone(), renamed, found)
+        };
         let all: Vec<_> = self.studies.iter().map(looked).collect();
-        let valid = all.iter().all(|(_, found)| found.errors.is_empty());
+        let valid = all.iter().all(|(.., found)| found.errors.is_empty());
         let code = if valid { 0 } else { 2 };
         if self.json {
-            let studies: Vec<_> = all.iter().map(|(path, found)| document(path, found)).collect();
+            let studies: Vec<_> = all.iter().map(document).collect();
             println!("{:#}", json!({ "valid": valid, "exit_code": code, "studies": studies }));
         } else {
-            for (path, found) in &all {
-                tell(path, found);
-            }
+            all.iter().for_each(tell);
         }
         ExitCode::from(code)
     }
 }
 
-fn document(path: &Path, found: &StudyCheck) -> serde_json::Value {
+/// Warns of keys that studies have under the names of earlier versions; of a study that cannot be read, others tell.
+pub(crate) fn warn_of_renamed<'a>(studies: impl IntoIterator<Item = &'a PathBuf>) {
+    for study in studies.into_iter().filter_map(|path| Study::read(path).ok()) {
+        study.renamed.iter().for_each(|key| eprintln!("warning: {}", plain(&key.to_string())));
+    }
+}
+
+/// A study's file, the keys that were renamed in it, and what was found.
+type CheckedFile = (PathBuf, Vec<RenamedKey>, StudyCheck);
+
+fn document((path, renamed, found): &CheckedFile) -> serde_json::Value {
+    let renamed: Vec<_> = renamed
+        .iter()
+        .map(|key| json!({ "line": key.line(), "before": key.before(), "now": key.now() }))
+        .collect();
     json!({
         "study": path,
         "valid": found.errors.is_empty(),
         "errors": found.errors,
         "warnings": found.warnings,
+        "renamed": renamed,
     })
 }
 
-fn tell(path: &Path, found: &StudyCheck) {
+fn tell((path, renamed, found): &CheckedFile) {
+    let file = path.display().to_string();
+    for key in renamed {
+        println!("{file}:{}: {} renamed to {}", key.line(), key.before(), key.now());
+    }
     for error in &found.errors {
         eprintln!("error: {}", plain(&error.to_string()));
     }
     for warning in &found.warnings {
-        eprintln!("warning: {}: {}", path.display(), plain(warning));
+        // That of a renamed key names the file and its line itself.
+        let named = found.study.iter().flat_map(|study| &study.renamed);
+        let whole = named.map(ToString::to_string).any(|line| line == *warning);
+        let place = if whole { String::new() } else { format!("{file}: ") };
+        eprintln!("warning: {}", plain(&format!("{place}{warning}")));
     }
     match (found.errors.len(), &found.study) {
         (0, Some(study)) => println!("valid: {} · {}", path.display(), words(study)),

@@ -15,6 +15,7 @@ use phihat_session::{
 };
 use phihat_synthesis::{Advice, BudgetSearch};
 
+use crate::check::warn_of_renamed;
 use crate::failure::Failure;
 use crate::shown::{TerminalWatch, spinner};
 use crate::table;
@@ -77,6 +78,7 @@ enum Method {
 impl Design {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         let mut study = read(&self.study)?;
+        warn_of_renamed([&self.study]);
         if let Some(method) = self.method {
             study.design.method = match method {
                 Method::Ours => DesignMethod::Ours,

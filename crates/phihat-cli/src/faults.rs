@@ -9,6 +9,7 @@ use phihat_campaign::faults::{FaultsAnswer, FaultsOptions, Summary};
 use phihat_session::TraceKind;
 use serde_json::json;
 
+use crate::check::warn_of_renamed;
 use crate::failure::Failure;
 use crate::shown::TerminalWatch;
 use crate::table::Fitted;
@@ -65,6 +66,7 @@ pub(crate) struct FaultsVerb {
 
 impl FaultsVerb {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
+        warn_of_renamed(&self.studies);
         let options = FaultsOptions {
             studies: self.studies.clone(),
             orders: self.orders.clone(),

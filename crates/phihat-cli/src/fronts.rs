@@ -10,6 +10,7 @@ use phihat_campaign::statistics::{Spread, Standing};
 use phihat_compare::fronts::{AtCap, Fronts, FrontsAnswer, FrontsOptions};
 use serde_json::json;
 
+use crate::check::warn_of_renamed;
 use crate::failure::Failure;
 use crate::shown::TerminalWatch;
 use crate::table::Fitted;
@@ -109,6 +110,7 @@ fn shard(text: &str) -> Result<Shard, Failure> {
 
 impl FrontsVerb {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
+        warn_of_renamed([&self.study]);
         let options = FrontsOptions {
             study: self.study.clone(),
             held_out: self.held_out.clone(),

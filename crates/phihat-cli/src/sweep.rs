@@ -10,6 +10,7 @@ use phihat_campaign::sweep::{
 };
 use serde_json::json;
 
+use crate::check::warn_of_renamed;
 use crate::failure::Failure;
 use crate::shown::TerminalWatch;
 use crate::table::Fitted;
@@ -93,6 +94,7 @@ const BAR: &str = "{wide_bar} {pos} of {len} runs · {elapsed} · {eta} left";
 
 impl SweepVerb {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
+        warn_of_renamed([&self.study]);
         let options = SweepOptions {
             study: self.study.clone(),
             gains: self.gains.clone(),

@@ -13,6 +13,7 @@ use phihat_session::{Checked, Verification, VerifyStage, WORLDS, verify};
 use phihat_sim::Metrics;
 use serde_json::json;
 
+use crate::check::warn_of_renamed;
 use crate::failure::Failure;
 use crate::shown::spinner;
 use crate::table;
@@ -68,6 +69,7 @@ impl Verify {
             }
             (None, None) => return Err(Failure::plain("give a gains document, or --run FOLDER")),
         };
+        warn_of_renamed(&self.study);
         let bar = spinner();
         let found = verify(checked, &|stage| {
             bar.set_message(match stage {

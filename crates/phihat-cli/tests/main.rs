@@ -20,6 +20,7 @@ mod mistakes;
 mod new;
 mod panda;
 mod records;
+mod renamed;
 mod reproduce;
 mod run;
 mod serve;

@@ -77,7 +77,7 @@ impl ArmCase {
         if study.design.payload.mass.1 <= 0.0 {
             return Err(lacks("design.payload_max_kg", "the heaviest payload"));
         }
-        let table: Table = study.text.parse().map_err(|e: toml::de::Error| unfit(e.into()))?;
+        let table: Table = study.table().map_err(|e: toml::de::Error| unfit(e.into()))?;
         if table.contains_key("profile") || !study.faults.is_empty() {
             let why = "a comparison runs bare laws: remove [profile] and [[fault]]";
             return Err(unfit(why.into()));

@@ -4,8 +4,8 @@
 //!
 //! The rivals of the paper's Table 1, measured on the same arms: `phihat compare`.
 //!
-//! A [`ComparisonPlan`] is arms × rivals × worlds × choices of gains × seeds. Every rival is first tuned on every arm by
-//! one optimiser ([`tune`]) with one budget, on motions and in a world of its own; then it runs in every
+//! A [`ComparisonPlan`] is arms × rivals × worlds × choices of gains × seeds. Every rival is first tuned on every arm
+//! by one optimiser ([`tune`]) with one budget, on motions and in a world of its own; then it runs in every
 //! [`ComparisonWorld`], with default and with tuned gains, on other motions. What comes of it is a [`Comparison`].
 #![forbid(unsafe_code)]
 

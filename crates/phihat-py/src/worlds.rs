@@ -108,7 +108,7 @@ impl Worlds {
         let bounds = study.spec.error_bound.clone().unwrap_or_else(|| vec![f64::NAN; n]);
         let joint_names = study.robot.joint_names();
         let period = study.control.period_ns as f64 * 1e-9;
-        let table: Table = study.text.parse().map_err(|why| internal(py, why))?;
+        let table: Table = study.table().map_err(|why| internal(py, why))?;
         let mut maker =
             Maker { study, origin, table, inertia: Vec::new(), gains, corrects, records };
         let first = maker.world(maker.study.clone(), None);

@@ -5,12 +5,12 @@ use std::path::Path;
 
 use phihat_design::{DesignError, Gains, requested_gains};
 use phihat_sim::Demand;
-use phihat_study::{DesignMethod, Study, StudyError};
+use phihat_study::{DesignMethod, RenamedKey, Study, StudyError};
 use serde::Serialize;
 
 use crate::design;
 use crate::error::SessionError;
-use crate::files::read_gains;
+use crate::files::{read_gains, write};
 use crate::session::Session;
 
 /// One thing that is wrong: where, what, and what would be valid.
@@ -122,6 +122,36 @@ pub fn check_text(text: &str, path: &Path) -> StudyCheck {
     }
 }
 
+/// Gives keys of earlier versions the names of now in a study's file, which is not touched where there are none.
+fn rewrite(path: &Path) -> Result<Vec<RenamedKey>, SessionError> {
+    let study = Study::read(path)?;
+    if study.renamed.is_empty() {
+        return Ok(Vec::new());
+    }
+    let why =
+        "has a key of an earlier version at several places (as `key.joint1`): rename it there";
+    let text = study.rewritten().ok_or_else(|| SessionError::at(path, why))?;
+    write(path, &text)?;
+    Ok(study.renamed)
+}
+
+/// As [`check`], of the study's file written anew: keys of earlier versions have the names of now, and all else is as
+/// it was. Returns the keys that were renamed too.
+pub fn check_rewritten(path: &Path, gains: Option<&Path>) -> (Vec<RenamedKey>, StudyCheck) {
+    let renamed = rewrite(path);
+    let mut looked = check(path, gains);
+    match renamed {
+        Ok(keys) => (keys, looked),
+        Err(why) => {
+            // What is wrong with the study itself is among the errors.
+            if looked.errors.is_empty() {
+                looked.errors.push(Mistake::of(&why, path));
+            }
+            (Vec::new(), looked)
+        }
+    }
+}
+
 /// Checks a study that could be read.
 fn looked(
     study: Box<Study>,
@@ -129,7 +159,7 @@ fn looked(
     gains: Option<(Gains, &Path)>,
     mut errors: Vec<Mistake>,
 ) -> StudyCheck {
-    let mut warnings = study.robot.warnings.clone();
+    let mut warnings = study.warnings();
     let unfit = if gains.is_some() || requested_gains(&study).is_some() {
         match Session::new(study.clone(), path, gains, false) {
             Ok(session) => {

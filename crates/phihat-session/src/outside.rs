@@ -56,7 +56,7 @@ impl OutsideRun {
             Some(inertia) => inertia,
             None => design::arm(&study, path)?.nominal(),
         };
-        let mut warnings = study.robot.warnings.clone();
+        let mut warnings = study.warnings();
         let lacks = |what: &str| format!("another controller drove this run: {what}");
         if std::mem::take(&mut study.sensor.velocity_filter_designed) {
             study.sensor.velocity_filter_hz = None;

@@ -18,7 +18,7 @@ use crate::files;
 /// limits of position and velocity.
 pub fn referred(study: &Study, path: &Path, file: &Path) -> Result<Box<Study>, SessionError> {
     let whole: PathBuf = std::path::absolute(file).map_err(|e| SessionError::at(file, e))?;
-    let mut table: Table = study.text.parse().map_err(|e| SessionError::at(path, e))?;
+    let mut table: Table = study.table().map_err(|e| SessionError::at(path, e))?;
     table.remove("reference");
     if let Some(supervisor) = table.get_mut("supervisor").and_then(Value::as_table_mut) {
         supervisor.remove("start_imbalance_nm");

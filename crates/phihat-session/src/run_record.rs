@@ -16,6 +16,7 @@ use crate::observer::{RunFigures, RunObserver, figures, settle};
 use crate::origin::{is_unfinished, origin, trace_of};
 use crate::page::write_page;
 use crate::record::Done;
+use crate::renamed;
 
 /// A record whose files belong together.
 #[derive(Debug)]
@@ -107,8 +108,9 @@ impl RunRecord {
     /// [`SessionError`]: they are not, or cannot be read.
     pub(crate) fn figures_hold(&self, folder: &Path) -> Result<(), SessionError> {
         let path = folder.join("metrics.json");
-        let stated: serde_json::Value =
+        let mut stated: serde_json::Value =
             serde_json::from_str(&files::read(&path)?).map_err(|e| SessionError::at(&path, e))?;
+        renamed::rename(&mut stated);
         let mut found = figures(&self.seen.metrics, self.seen.tube.as_ref());
         // Records of before say nothing of the tip.
         if let (None, Some(figures)) = (stated.get("tip"), found.as_object_mut()) {

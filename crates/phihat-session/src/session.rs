@@ -184,7 +184,7 @@ impl Session {
         let law = chosen
             .joint_gains(&study.robot.joint_names(), study.control.period_ns, study.control.form)
             .map_err(|e| SessionError::at(source, e))?;
-        let mut warnings = study.robot.warnings.clone();
+        let mut warnings = study.warnings();
         // Whoever runs what may not run is shown what comes of it.
         warnings.extend(overload);
         if let Some(why) = not_armed((&study, &arm, &chosen), source, uncertified)? {
@@ -271,6 +271,7 @@ impl Session {
 
     /// Says before a run what the robot's torque interface will not bear, and what else is worth knowing before.
     pub(crate) fn warn(&self, watch: &mut dyn Watch) {
+        self.study.renamed.iter().for_each(|key| watch.warn(&format!("warning: {key}")));
         let told = |line: &&String| line.starts_with(FORECAST) || line.starts_with(JOINT_BY_JOINT);
         self.warnings.iter().filter(told).for_each(|line| watch.warn(line));
     }

@@ -60,7 +60,7 @@ impl NumericKey {
         let find = Finder { path, origin };
         let steps = find.steps()?;
         let table: Table =
-            study.text.parse().map_err(|_| find.error(Kind::Syntax, "not in a readable study"))?;
+            study.table().map_err(|_| find.error(Kind::Syntax, "not in a readable study"))?;
         let mut section: &'static FormatSection = &STUDY;
         let mut at: Option<&Table> = Some(&table);
         for (depth, &(name, place)) in steps.iter().enumerate() {

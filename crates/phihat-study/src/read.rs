@@ -19,7 +19,8 @@ use crate::source::Source;
 use crate::study::{Interface, MotionClass, ReferenceRequest, Sensor, Study};
 use crate::supervisor::SupervisorRequest;
 use crate::{
-    control, design, fault, feedforward, gains, profile, reference, spec, supervisor, world,
+    control, design, fault, feedforward, gains, profile, reference, renamed, spec, supervisor,
+    world,
 };
 
 /// Largest study \[byte\].
@@ -141,10 +142,12 @@ fn read_text(source: Source<'_>, base: Base<'_>) -> Result<Study, StudyError> {
     let name = found.keep(study_name(source.origin))?.unwrap_or_default();
     check_size(&source)?;
     // What stands behind text that is not TOML is not known.
-    let document = DeTable::parse(source.text).map_err(|error| syntax(&source, &error))?;
+    let mut document = DeTable::parse(source.text).map_err(|error| syntax(&source, &error))?;
+    let renamed = renamed::rename(&source, document.get_mut())?;
     check_table(&source, &STUDY, "", &(0..0), document.get_ref())?;
     found.first_pass_ends();
-    resolve(&Node::top(source, &STUDY, document.get_ref()), name, base)
+    let study = resolve(&Node::top(source, &STUDY, document.get_ref()), name, base)?;
+    Ok(Study { renamed, ..study })
 }
 
 /// The robot's files and the reference's: what they are called in a record, and where they are.
@@ -196,7 +199,6 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let run = period_ns.map(|_| ReferenceRun { duration, rate, seed, base });
     let reference = run.map(|run| reference::read(&top.child("reference"), &arm, run));
     let reference = reference.map_or(Ok(None), |reference| found.keep(reference))?;
-    let all = (sensor, interface, spec, design, feedforward, supervisor, reference);
     let (
         Some(sensor),
         Some(interface),
@@ -205,7 +207,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         Some(feedforward),
         Some(supervisor),
         Some(reference),
-    ) = all
+    ) = (sensor, interface, spec, design, feedforward, supervisor, reference)
     else {
         return Err(found.last());
     };
@@ -228,6 +230,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         faults,
         reference,
         inputs: inputs(top, &arm, base)?,
+        renamed: Vec::new(),
         robot: arm.robot,
     })
 }

@@ -63,6 +63,8 @@ pub struct Study {
     pub robot: Robot,
     /// Files that the study names and a run needs: what each is called beside the study of a record, and where it is.
     pub inputs: Vec<(PathBuf, PathBuf)>,
+    /// Keys that the file has under the names of an earlier version, in the order of the file.
+    pub renamed: Vec<crate::RenamedKey>,
     /// The error the user can live with.
     pub spec: Spec,
     /// The gains asked for; `None`: they are to be designed.

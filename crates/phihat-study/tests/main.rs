@@ -9,6 +9,7 @@ mod numeric;
 mod per_joint;
 mod published;
 mod refused;
+mod renamed;
 mod samples;
 mod studies;
 mod supervisor;

@@ -14,8 +14,8 @@ use crate::judged::judge;
 use crate::recordings::Recordings;
 
 /// The gains that a study states with their certificate: claims about the loop, and of an arm with a description the
-/// tube, or the reason why there is none. Clauses of the specification that they do not satisfy are listed as not proved.
-/// `None`: the study leaves its gains to a search or to the paper's recipe.
+/// tube, or the reason why there is none. Clauses of the specification that they do not satisfy are listed as not
+/// proved. `None`: the study leaves its gains to a search or to the paper's recipe.
 ///
 /// # Errors
 ///

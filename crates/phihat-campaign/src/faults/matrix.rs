@@ -304,7 +304,7 @@ impl FaultedArm {
             let why = "the study has faults of its own: the matrix adds its own, one at a time";
             return Err(unfit(why.into()));
         }
-        let table: Table = plain.text.parse().map_err(|e: toml::de::Error| unfit(e.into()))?;
+        let table: Table = plain.table().map_err(|e: toml::de::Error| unfit(e.into()))?;
         let motion = Motion::new(&plain.reference, &plain.robot, plain.duration);
         let motion = motion.map_err(|e| unfit(e.into()))?;
         let mut arm = Self {

@@ -66,7 +66,7 @@ impl Rollouts {
         uncertified: bool,
     ) -> Result<Self, RolloutsError> {
         let given = gains.is_some();
-        let mut table: Table = study.text.parse().unwrap_or_default();
+        let mut table: Table = study.table().unwrap_or_default();
         let own_gains = !given && table.contains_key("gains");
         let told = numbers.into_iter().map(|numbers| told(&study, numbers, runs, own_gains));
         let told = told.collect::<Result<Vec<_>, _>>()?;

@@ -61,7 +61,7 @@ impl SweepPlan {
                 return Err(SweepError::Twice(one.key().path().to_owned()));
             }
         }
-        let mut table: Table = study.text.parse().unwrap_or_default();
+        let mut table: Table = study.table().unwrap_or_default();
         let given = gains.is_some();
         let session = Session::new(study, path, gains, uncertified)?;
         let (study, gains) = session.into_parts();

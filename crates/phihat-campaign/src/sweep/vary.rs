@@ -96,7 +96,7 @@ impl Vary {
                 "an integer is not multiplied: write its values".to_owned()
             }
             _ if *times => {
-                let table: Table = study.text.parse().unwrap_or_default();
+                let table: Table = study.table().unwrap_or_default();
                 let nothing = "the study has no number there to multiply";
                 return key.numbers(&table).is_empty().then(|| nothing.to_owned());
             }

@@ -23,6 +23,7 @@ impl NotCounted {
             title: _,
             inputs: _,
             text: _,
+            renamed: _,
             sha256: _,
             // Of what is random, each is listed by itself.
             seed: _,

@@ -8,6 +8,7 @@ use phihat_compare::{CompareAnswer, CompareOptions, Comparison, Repeated, RunOut
 use phihat_session::TraceKind;
 use serde_json::json;
 
+use crate::check::warn_of_renamed;
 use crate::failure::Failure;
 use crate::shown::TerminalWatch;
 use crate::terminal::PageOptions;
@@ -84,6 +85,7 @@ impl Compare {
             list::rival(id, self.json)?;
             return Ok(ExitCode::SUCCESS);
         }
+        warn_of_renamed(&self.studies);
         let options = CompareOptions {
             studies: self.studies.clone(),
             laws: Vec::new(),

@@ -51,8 +51,8 @@ use crate::tuning::{Scalar, Tuning};
 #[derive(Debug)]
 pub(crate) struct PositionsFirst;
 
-/// The law of [`PositionsFirst`] with one more state, `φ̂'`, and one more real pole: a load that grows steadily leaves no
-/// error.
+/// The law of [`PositionsFirst`] with one more state, `φ̂'`, and one more real pole: a load that grows steadily leaves
+/// no error.
 #[derive(Debug)]
 pub(crate) struct PositionsSecond;
 

@@ -8,8 +8,8 @@ use crate::rival::Rival;
 use crate::rivals::proposed::{PRINTED, ProposedLaw};
 use crate::tuning::{Scalar, Tuning};
 
-/// The law of [`ProposedFirst`](super::proposed::ProposedFirst) and [`Second`](super::proposed::Second) with gains that a
-/// design found for a specification: what a user gets who states the error to live with and runs no tuner.
+/// The law of [`ProposedFirst`](super::proposed::ProposedFirst) and [`Second`](super::proposed::Second) with gains that
+/// a design found for a specification: what a user gets who states the error to live with and runs no tuner.
 ///
 /// # Law
 ///

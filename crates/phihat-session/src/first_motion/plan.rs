@@ -68,7 +68,7 @@ pub fn first_study(
     let guess = guessed(study, center);
     let torque = caps(study, center, told).map_err(refuse)?;
     let (waypoints, duration) = motion(study, center, told).map_err(refuse)?;
-    let mut table: Table = study.text.parse().map_err(|e| SessionError::at(path, e))?;
+    let mut table: Table = study.table().map_err(|e| SessionError::at(path, e))?;
     let told_stop = 2.0 * told.amplitude;
     for section in ["design", "gains", "spec", "reference", "feedforward"] {
         table.remove(section);
