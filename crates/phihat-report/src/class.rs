@@ -27,8 +27,8 @@ pub(crate) const CLASS_CLAUSES: [ClassClause; 4] = [
         symbol: "|e|",
         unit: "mrad",
         scale: MILLI,
-        bound: |class| &class.error_rad,
-        measured: |joint| joint.error_bound_rad,
+        bound: |class| &class.error_bound_rad,
+        measured: |joint| joint.error_peak_rad,
     },
     ClassClause {
         symbol: "|ė|",

@@ -145,7 +145,10 @@ pub(crate) static CHARTS: [ChartKind; 8] = [
         scale: 1e3,
         curves: &[E],
         bound: spec(|m| m.error_bound_rad),
-        envelope: EnvelopeParts { tube: Some(band::error), class: Some(|class| &class.error_rad) },
+        envelope: EnvelopeParts {
+            tube: Some(band::error),
+            class: Some(|class| &class.error_bound_rad),
+        },
         ..PLAIN
     },
     ChartKind {

@@ -34,12 +34,14 @@ fn of_class() -> Fixture {
             gyration_m: 0.0,
         },
         force_nm: vec![0.3; 3],
+        start_nm: vec![0.0; 3],
+        start_s: 0.0,
         reading_rad: vec![1e-5; 3],
-        error_rad: above(|j| j.error_bound_rad),
+        error_bound_rad: above(|j| j.error_peak_rad),
         velocity_error_bound_rad_s: above(|j| j.velocity_error_steady_max_rad_s),
         torque_step_nm: above(|j| j.tau_step_max_nm),
         torque_nm: above(|j| j.tau_max_nm),
-        frozen_error_bound_rad: above(|j| 0.5 * j.error_bound_rad),
+        frozen_error_bound_rad: above(|j| 0.5 * j.error_peak_rad),
         spectral_radius: 0.149,
         postures: 101,
         points: 4385,
@@ -51,8 +53,13 @@ fn of_class() -> Fixture {
     fixture
 }
 
-fn pace(factor: f64, error_rad: Option<f64>) -> ClassPace {
-    ClassPace { factor, error_rad, torque_step_nm: error_rad, spectral_radius: factor / 6.0 }
+fn pace(factor: f64, error_bound_rad: Option<f64>) -> ClassPace {
+    ClassPace {
+        factor,
+        error_bound_rad,
+        torque_step_nm: error_bound_rad,
+        spectral_radius: factor / 6.0,
+    }
 }
 
 fn class(fixture: &mut Fixture) -> &mut ClassBound {
@@ -80,11 +87,11 @@ fn the_verdict_says_bound_measurement_and_status() {
     assert_eq!(class, "verdict within");
     // The third joint starts farthest away: 70 mrad.
     let worst = &fixture.metrics.joints[2];
-    assert!((worst.error_bound_rad - 0.07).abs() < 1e-3);
+    assert!((worst.error_peak_rad - 0.07).abs() < 1e-3);
     let bound = format!(
         "|e| ≤ {:.2} mrad (the largest bound, of joint3; measured {:.2})",
-        1250.0 * worst.error_bound_rad,
-        1e3 * worst.error_bound_rad
+        1250.0 * worst.error_peak_rad,
+        1e3 * worst.error_peak_rad
     );
     for part in [
         "Any motion within ±0.3 rad, 0.2 rad/s, 0.4 … 0.6 rad/s², 1 rad/s³:",
@@ -104,7 +111,7 @@ fn the_verdict_says_bound_measurement_and_status() {
 #[test]
 fn a_run_beyond_the_bound_is_called_so_where_the_bound_is_a_promise() {
     let mut broken = of_class();
-    class(&mut broken).error_rad[1] *= 0.5;
+    class(&mut broken).error_bound_rad[1] *= 0.5;
     let said = verdicts(&broken);
     assert_eq!(said[1].0, "verdict outside");
     assert!(said[1].1.contains("please report") && said[1].1.contains("joint2: |e|"), "{said:?}");
@@ -141,7 +148,7 @@ fn numbers(path: &str) -> Vec<f64> {
 fn the_error_of_every_joint_is_drawn_in_its_band() {
     let mut fixture = of_class();
     // Twice as far as the axis is high for the curve alone.
-    class(&mut fixture).error_rad = vec![0.1, 0.1, 0.2];
+    class(&mut fixture).error_bound_rad = vec![0.1, 0.1, 0.2];
     let drawn = figures(&fixture.record());
     let svg = &drawn.iter().find(|figure| figure.name == "error").unwrap().svg;
     let document = Document::parse(svg).unwrap();
@@ -185,7 +192,7 @@ fn other_paces_are_drawn_and_those_without_a_bound_are_named() {
 fn lists_of_another_length_break_no_page() {
     let mut fixture = of_class();
     let class = class(&mut fixture);
-    class.error_rad.truncate(1);
+    class.error_bound_rad.truncate(1);
     class.box_rad.0.clear();
     class.speed_max_rad_s = vec![f64::NAN; 9];
     class.paces[0].factor = f64::NAN;

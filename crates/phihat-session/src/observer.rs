@@ -68,7 +68,7 @@ pub(crate) fn watch_bound(study: &mut Study, gains: &Gains) {
     let class = gains.certificate.as_ref().and_then(|certificate| certificate.class.as_deref());
     let (Some(class), Some(own)) = (class, &mut study.supervisor) else { return };
     if class.covers(own.reference_box.as_ref(), own.motion.as_ref()) {
-        let ends = class.error_rad.iter().zip(&class.reading_rad);
+        let ends = class.error_bound_rad.iter().zip(&class.reading_rad);
         own.error_bound = Some(ends.map(|(error, reading)| error + reading).collect());
     }
 }

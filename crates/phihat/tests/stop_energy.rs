@@ -421,7 +421,7 @@ fn f35_an_arm_pushed_beyond_its_bound_stops_there_and_gets_no_energy() {
         let push = 60.0 * if dice.bits().is_multiple_of(2) { 1.0 } else { -1.0 };
         let event = Event::Push(joint, push, dice.within(0.1, 0.5));
         let (watched, speed) = (true, dice.within(0.0, 0.5));
-        let case = Case { event, watched, speed, ..case(&mut dice) };
+        let case = Case { event, speed, watched, ..case(&mut dice) };
         let outcome = play(&case, &mut dice);
         judge(seed, &case, &outcome);
         assert_ne!(outcome.fault, Some(Fault::TrackingError), "{case:?} {outcome:?}");

@@ -236,6 +236,7 @@ fn gains(joints: usize) -> Gains {
         study_sha256: "0123456789abcdef".repeat(4),
         rate_hz: 1000.0,
         velocity_filter_hz: None,
+        torque_filter_hz: None,
         method: "bandwidths stated in the study".into(),
         joints: (0..joints).map(joint).collect(),
         sliding: Vec::new(),

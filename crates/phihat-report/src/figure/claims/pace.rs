@@ -13,14 +13,14 @@ pub(super) fn figure(class: &ClassBound, gains: &Gains, metrics: &Metrics) -> Op
     let largest = |list: &[f64]| list.iter().copied().reduce(f64::max);
     let own = ClassPace {
         factor: 1.0,
-        error_rad: largest(&class.error_rad),
+        error_bound_rad: largest(&class.error_bound_rad),
         torque_step_nm: largest(&class.torque_step_nm),
         spectral_radius: class.spectral_radius,
     };
     let mut paces: Vec<&ClassPace> = class.paces.iter().chain([&own]).collect();
     paces.retain(|pace| pace.factor.is_finite());
     paces.sort_by(|a, b| a.factor.total_cmp(&b.factor));
-    let open = paces.iter().filter(|pace| pace.error_rad.is_none());
+    let open = paces.iter().filter(|pace| pace.error_bound_rad.is_none());
     let open: Vec<String> = open.map(|pace| stated(pace.factor)).collect();
     let ends = extent(paces.iter().map(|pace| pace.factor).chain([0.0]), 0.03);
     let slides = gains.joints.iter().any(|joint| gains.slides(&joint.name));
@@ -48,7 +48,7 @@ pub(super) fn figure(class: &ClassBound, gains: &Gains, metrics: &Metrics) -> Op
         "Largest bound on |e|",
         "|e| [mrad]",
         MILLI,
-        |pace| pace.error_rad,
+        |pace| pace.error_bound_rad,
         |joint| joint.error_bound_rad,
     );
     let step = panel(
