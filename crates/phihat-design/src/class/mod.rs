@@ -1,6 +1,6 @@
 //! Error bound for every motion of a class: joint box, speed, acceleration, jerk.
 //!
-//! docs/theory/class.md has the theorem; labels (CM1) … (CM6) are its equations. [`class_bound`] is the way in:
+//! docs/theory/class.md has the theorem; labels (CM1) … (CM7) are its equations. [`class_bound`] is the way in:
 //!
 //! 1. `scene`: the class, the arm with each payload, friction, encoder, feed-forward, read from a study.
 //! 2. `slopes`: `M`, `∂M` and the gradient of gravity at a posture.

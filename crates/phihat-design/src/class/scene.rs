@@ -51,7 +51,7 @@ pub(super) struct ClassScene<'a> {
     pub(super) added: Option<Model>,
     /// Torque by which a start may be out of balance \[N·m\] per joint.
     pub(super) start: Vec<f64>,
-    /// Time for which it may be, before the law begins \[s\].
+    /// Time for which it may be so before the law begins, as (CM7) counts it \[s\].
     pub(super) before: f64,
     /// Largest age of the acceleration that is fed forward, against the middle of the time in which it acts, in samples.
     pub(super) late: f64,
