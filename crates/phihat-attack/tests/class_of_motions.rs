@@ -42,6 +42,7 @@ const TEXT: &str = r#"
 fn supervised() -> Study {
     let text = TEXT
         .replace("[start]\n    torque_nm = \"balance\"", "[supervisor]\n    error_stop_rad = 0.2")
+        .replace("payload_max_kg = 0.2", "payload_max_kg = 0.05")
         .replace("[spec]", "[profile]\n    name = \"ideal\"\n    adds_gravity = true\n    [spec]");
     Study::from_text(&text, "any.toml", "".as_ref()).unwrap()
 }

@@ -26,7 +26,7 @@ const ANY: &str = r#"
     settle_s = 1.0
     error_bound_rad = 3e-3
     [design]
-    payload_max_kg = 0.2
+    payload_max_kg = 0.05
     window_margin = 1.1
     [loop]
     delay_samples = 1
@@ -35,7 +35,7 @@ const ANY: &str = r#"
     encoder_bits = 19
     [world]
     coulomb_extra_nm = 0.05
-    payload = { mass_kg = 0.2 }
+    payload = { mass_kg = 0.05 }
     [supervisor]
     error_stop_rad = 0.2
     [reference]
