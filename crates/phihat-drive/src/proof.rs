@@ -20,6 +20,16 @@ pub struct Proof {
     pub sentence: String,
 }
 
+/// The first clause that is not proved.
+#[derive(Debug)]
+struct Unproved(String);
+
+impl Unproved {
+    fn of(why: &str) -> Self {
+        Self(why.to_owned())
+    }
+}
+
 /// Subject of a drive, as far as a bound depends on it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Subject<'a> {
@@ -38,31 +48,31 @@ impl Proof {
             Ok((error, scope)) => {
                 (Some(error), format!("proved ≤ {:.3} mrad {scope}", 1e3 * error))
             }
-            Err(why) => (None, format!("NOT PROVED: {why}")),
+            Err(Unproved(why)) => (None, format!("NOT PROVED: {why}")),
         };
         Self { error_bound_rad, sentence }
     }
 }
 
 /// The largest bound of a joint \[rad\], and its scope; else the first clause that is not proved.
-fn bound(subject: Subject<'_>, checks: &[Check]) -> Result<(f64, String), String> {
+fn bound(subject: Subject<'_>, checks: &[Check]) -> Result<(f64, String), Unproved> {
     let Subject { study, sha256, gains, first } = subject;
     if first {
-        return Err("a first motion, whose gains are cautious and not certified".to_owned());
+        return Err(Unproved::of("a first motion, whose gains are cautious and not certified"));
     }
     let Some(certificate) = &gains.certificate else {
-        return Err("the gains carry no certificate".to_owned());
+        return Err(Unproved::of("the gains carry no certificate"));
     };
     if let Some(why) = certificate.refused() {
-        return Err(why.to_string());
+        return Err(Unproved(why.to_string()));
     }
     if gains.study_sha256 != sha256 {
-        return Err("the certificate is about another study".to_owned());
+        return Err(Unproved::of("the certificate is about another study"));
     }
     let accepted =
         |check: &&Check| check.state == State::Accepted && RESTS_ON.contains(&check.name);
     if let Some(check) = checks.iter().find(accepted) {
-        return Err(format!("driven in spite of the check `{}`", check.name.word()));
+        return Err(Unproved(format!("driven in spite of the check `{}`", check.name.word())));
     }
     if let Some(class) = &certificate.class {
         return within_class(study, class);
@@ -72,18 +82,19 @@ fn bound(subject: Subject<'_>, checks: &[Check]) -> Result<(f64, String), String
         return Ok((error, "for this motion from its start, by the tube".to_owned()));
     }
     let why = certificate.class_refused.as_ref().or(certificate.tube_refused.as_ref());
-    Err(why.cloned().unwrap_or_else(|| "no bound for this motion in the certificate".to_owned()))
+    let none = || "no bound for this motion in the certificate".to_owned();
+    Err(Unproved(why.cloned().unwrap_or_else(none)))
 }
 
 /// The bound for a class of motions, where the drive stays in it.
-fn within_class(study: &Study, class: &ClassBound) -> Result<(f64, String), String> {
-    let (_, error) = class.worst().ok_or("the class is that of no joint")?;
+fn within_class(study: &Study, class: &ClassBound) -> Result<(f64, String), Unproved> {
+    let (_, error) = class.worst().ok_or_else(|| Unproved::of("the class is that of no joint"))?;
     let kept = study.supervisor.as_deref().map(|own| {
         class.covers(own.reference_box.as_ref(), own.motion.as_ref()) && class.is_supervised()
     });
     let drawn = matches!(study.reference, ReferenceRequest::Any { .. });
     if !kept.unwrap_or(drawn && !class.is_supervised()) {
-        return Err("the references are not kept in the class of motions".to_owned());
+        return Err(Unproved::of("the references are not kept in the class of motions"));
     }
     let conditions = if kept.is_some() {
         "holding and tracking, as long as no limit acts, every sample comes in time and no fault is reported"

@@ -1,6 +1,6 @@
-//! What a drive says of its error before it moves, and how near it came. Wrong if a drive whose references are kept in a
-//! class says nothing or another bound, if one that is not proved does not say so, or if the share is not that of the
-//! record.
+//! Statement of a drive about its error before it moves, and how near it came. Wrong if a drive whose references are
+//! kept in a class says nothing or another bound, if one that is not proved does not say so, or if the share is not
+//! that of the record.
 
 use std::fs;
 use std::path::Path;

@@ -47,6 +47,33 @@ fn lengths(py: Python<'_>, n: usize, given: [&Option<Vec<f64>>; 7]) -> PyResult<
     })
 }
 
+impl Supervisor {
+    /// A supervisor of an arm that is idle.
+    fn idle(
+        names: Vec<String>,
+        (arm, rules): (ArmRules<f64>, Vec<JointRules<f64>>),
+        period_ns: u64,
+    ) -> Self {
+        let n = names.len();
+        let mut report = Report::default();
+        report.brake = true;
+        Self {
+            rules,
+            arm,
+            names,
+            state: ArmState::new(),
+            memories: vec![JointMemory::new(); n],
+            measurements: vec![Measurement::default(); n],
+            references: vec![Reference::default(); n],
+            preset: vec![0.0; n],
+            feed_forward: vec![0.0; n],
+            commands: vec![Command::default(); n],
+            report,
+            period_ns,
+        }
+    }
+}
+
 #[pymethods]
 impl Supervisor {
     #[new]
@@ -134,22 +161,8 @@ impl Supervisor {
             };
             JointRules::new(i, &laws[i], &joint, &options).map_err(|e| refused(py, &names, &e))
         };
-        let mut report = Report::default();
-        report.brake = true;
-        Ok(Self {
-            rules: (0..n).map(rule).collect::<PyResult<_>>()?,
-            arm,
-            names,
-            state: ArmState::new(),
-            memories: vec![JointMemory::new(); n],
-            measurements: vec![Measurement::default(); n],
-            references: vec![Reference::default(); n],
-            preset: vec![0.0; n],
-            feed_forward: vec![0.0; n],
-            commands: vec![Command::default(); n],
-            report,
-            period_ns,
-        })
+        let rules = (0..n).map(rule).collect::<PyResult<_>>()?;
+        Ok(Self::idle(names, (arm, rules), period_ns))
     }
 
     /// Answers one period: the torque to apply until the next.

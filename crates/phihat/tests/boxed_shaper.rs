@@ -10,7 +10,8 @@ fn at(q: f64) -> Reference<f64> {
     Reference { q, dq: 0.0, ddq: 0.0 }
 }
 
-/// Sides of the box, and limits: of an arm that is slow, of one that never reaches its speed or its acceleration, and of
+/// Sides of the box, and limits: of an arm that is slow, of one that never reaches its speed or its acceleration,
+/// and of
 /// a box that is as wide as a braking motion.
 const CASES: [(f64, MotionLimits); 6] = [
     (0.3, MotionLimits { velocity: 0.2, acceleration: 0.2, jerk: 1.0 }),

@@ -410,7 +410,8 @@ fn f31_a_stop_takes_energy_out_of_the_arm_and_leaves_it_at_rest() {
     assert!(stopped > cases / 3 && reversed < 12.0, "{stopped} {reversed}");
 }
 
-/// A push that nothing explains: the stop begins at the bound on the error, and takes energy out as any other does. Wrong
+/// A push that nothing explains: the stop begins at the bound on the error, and takes energy out as any other does.
+/// Wrong
 /// if the arm goes on to the error that stops, or if this stop gives an arm more energy than others.
 #[test]
 fn f35_an_arm_pushed_beyond_its_bound_stops_there_and_gets_no_energy() {

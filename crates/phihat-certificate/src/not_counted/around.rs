@@ -45,7 +45,8 @@ impl List {
         }
     }
 
-    /// Nothing of a supervisor is in the loop model: what adds nothing until it acts, and what acts always. The bound for
+    /// Nothing of a supervisor is in the loop model: what adds nothing until it acts, and what acts always. The
+    /// bound for
     /// a class of motions counts its modes, its references and its start.
     pub(super) fn supervisor(&mut self, request: &SupervisorRequest, class: bool) {
         let SupervisorRequest {

@@ -53,7 +53,8 @@ pub(super) struct ClassScene<'a> {
     pub(super) start: Vec<f64>,
     /// Time for which it may be so before the law begins, as (CM7) counts it \[s\].
     pub(super) before: f64,
-    /// Largest age of the acceleration that is fed forward, against the middle of the time in which it acts, in samples.
+    /// Largest age of the acceleration that is fed forward, against the middle of the time in which it acts, in
+    /// samples.
     pub(super) late: f64,
 }
 
