@@ -444,6 +444,20 @@ typedef struct phihat_guard {
    * pushes [N m, root mean square]. INFINITY: not judged.
    */
   double first_motion_nm;
+  /**
+   * Certified bound on the measured |e| in holding and tracking [rad]: the bound on |e|, and half a quantum of the
+   * encoder. An error beyond it in three samples in a row stops the arm. INFINITY, or 0: not compared.
+   */
+  double error_bound_rad;
+  /**
+   * Ends of the box that every reference is kept in [rad], with the three limits of the reference; equal, or
+   * infinite: none. An arm that is not inside is not engaged.
+   */
+  double reference_min_rad;
+  /**
+   * See reference_min_rad.
+   */
+  double reference_max_rad;
 } phihat_guard;
 
 /**
