@@ -77,7 +77,7 @@ pub fn supervised_run(
         for (i, reference) in control.references().iter().enumerate().filter(|_| acts) {
             let at = world.acted(i, 1.0);
             let more = |list: &mut [f64], size: f64| list[i] = f64::max(list[i], size);
-            more(&mut found.errors, (at.q - reference.q).abs() / bound.error_rad[i]);
+            more(&mut found.errors, (at.q - reference.q).abs() / bound.error_bound_rad[i]);
             more(
                 &mut found.velocities,
                 (at.dq - reference.dq).abs() / bound.velocity_error_bound_rad_s[i],

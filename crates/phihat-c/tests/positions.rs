@@ -50,8 +50,8 @@ fn text(of: &[c_char]) -> String {
 /// Change of a joint, the reported member and its value.
 type Case = (fn(&mut phihat_joint), &'static str, f64);
 
-fn refused_by_name(joint: phihat_joint, (change, member, value): Case) {
-    let mut joints = [joint; 3];
+fn refused_by_name(joint: &phihat_joint, (change, member, value): Case) {
+    let mut joints = [*joint; 3];
     change(&mut joints[2]);
     for (status, why) in made(&joints) {
         assert_eq!(status, Status::BadGain, "{member}");
@@ -83,7 +83,7 @@ fn what_is_no_innovation_filter_is_refused_by_the_name_of_its_member() {
         (|j| j.section_weights_per_s2[0][0] = f64::NAN, "section_weights_per_s2[0]", f64::NAN),
     ];
     for case in cases {
-        refused_by_name(filtered(), case);
+        refused_by_name(&filtered(), case);
     }
 }
 
@@ -110,7 +110,7 @@ fn what_cannot_be_is_refused_by_the_name_of_its_member() {
         (|j| j.torque_max_nm = -87.0, "torque_max_nm", -87.0),
     ];
     for case in cases {
-        refused_by_name(seeing(), case);
+        refused_by_name(&seeing(), case);
     }
     let unused = [
         phihat_joint { delay_samples: most, ..seeing() },

@@ -92,7 +92,7 @@ fn share(trace: &Trace) -> f64 {
     let joints = trace.joints.iter().enumerate().map(|(i, joint)| {
         let errors = joint.q_measured.iter().zip(&joint.q_desired).skip(3);
         let most = errors.map(|(q, desired)| (q - desired).abs()).fold(0.0, f64::max);
-        most / (class.error_rad[i] + class.reading_rad[i])
+        most / (class.error_bound_rad[i] + class.reading_rad[i])
     });
     joints.fold(0.0, f64::max)
 }
