@@ -6,7 +6,9 @@ use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::{Certificate, CoarserEncoder, JointLimit, JointRecord, PositionObserver, TradeOff};
+use crate::{
+    Certificate, CoarserEncoder, JointLimit, JointRecord, LoopModel, PositionObserver, TradeOff,
+};
 
 /// Value of `format` in every gains document.
 pub const FORMAT: &str = "phihat-gains";
@@ -250,8 +252,18 @@ impl Gains {
 }
 
 impl JointRecord {
+    /// The core's gains of this law in a loop, without limits.
+    ///
+    /// # Errors
+    ///
+    /// [`GainError`]: numbers that the core refuses, or those of another form.
+    pub fn core_gains_in(&self, model: &LoopModel) -> Result<JointGains<f64>, GainError> {
+        let gains = self.core_gains(self.form_or(model.form), model.period_s)?;
+        gains.with_torque_filter(model.torque_filter_hz)
+    }
+
     /// The core's gains for these numbers, in a form, at a sample period \[s\], without limits and low-pass:
-    /// [`LoopModel::core_gains`](crate::LoopModel::core_gains) has the latter.
+    /// [`Self::core_gains_in`] has the latter.
     ///
     /// # Errors
     ///

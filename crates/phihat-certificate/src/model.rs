@@ -1,10 +1,8 @@
 //! The sampled loop around one joint: what is between the law and the inertia.
 
-use phihat::{Form, GainError, JointGains, TorqueSource, VelocitySource};
+use phihat::{Form, TorqueSource, VelocitySource};
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
-
-use crate::JointRecord;
 
 /// Spelling of the core's words in a document: the core itself knows no file format.
 mod spelling {
@@ -73,16 +71,6 @@ pub struct LoopModel {
 }
 
 impl LoopModel {
-    /// The core's gains of a joint's law in this loop, without limits.
-    ///
-    /// # Errors
-    ///
-    /// [`GainError`]: numbers that the core refuses, or those of another form.
-    pub fn core_gains(&self, record: &JointRecord) -> Result<JointGains<f64>, GainError> {
-        let gains = record.core_gains(record.form_or(self.form), self.period_s)?;
-        gains.with_torque_filter(self.torque_filter_hz)
-    }
-
     /// The loop that a study puts around a joint, by its index.
     pub fn from_study(study: &Study, joint: usize) -> Self {
         let drives = study.world.drive_bandwidth_hz.as_ref();

@@ -17,8 +17,8 @@ impl<const W: usize> Lane<W> {
 
     /// Adds a multiple of another signal.
     ///
-    /// Vectors of eight are written out: with the profiles' second level of optimisation the compiler makes none of loops as
-    /// short as these. The bits are those of `self + factor x`, run by run.
+    /// Vectors of eight are written out: with the profiles' second level of optimisation the compiler makes none of
+    /// loops as short as these. The bits are those of `self + factor x`, run by run.
     #[expect(clippy::inline_always, reason = "one instruction each")]
     #[inline(always)]
     pub(crate) fn add_scaled(&mut self, factor: f64, x: &Self) {

@@ -1,6 +1,6 @@
 //! A low-pass on the torque command from the study to the certificate and a run: both forms of the law on a small arm.
-//! Wrong if a run leaves the error bound of gains that verify, if the second derivation of the tube finds it too narrow,
-//! if the gains run without the filter, or if a certificate for another filter verifies.
+//! Wrong if a run leaves the error bound of gains that verify, if the second derivation of the tube finds it too
+//! narrow, if the gains run without the filter, or if a certificate for another filter verifies.
 
 use std::path::Path;
 

@@ -2,23 +2,10 @@
 
 use crate::position_gains::PositionGains;
 use crate::sampled::sampled_coefficients;
-use crate::{Gain, GainError, Limits, ORDER_MAX, Real};
+use crate::{Form, Gain, GainError, Limits, ORDER_MAX, Real};
 
 /// Largest measured value, in any unit: 2³².
 const VALUE_MAX: f64 = 4_294_967_296.0;
-
-/// Form of the law, and so the meaning of a joint's state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
-pub enum Form {
-    /// A disturbance observer fed with velocity and the torque that acted (T4): the default.
-    #[default]
-    Observer,
-    /// The paper's (9), (10), (16): integrals of the error. For reproduction; it winds up under
-    /// saturation, and starts with `φ̂(0) ≠ 0` when the error does not start at zero.
-    Literal,
-    /// An observer that sees the position and the torque that acted: [`JointGains::from_positions`].
-    Positions,
-}
 
 /// Numbers of the observer form, see [`JointGains::update`].
 #[derive(Debug, Clone, Copy, PartialEq)]

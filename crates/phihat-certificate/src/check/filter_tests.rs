@@ -146,7 +146,8 @@ fn the_matrices_answer_as_the_core_does() {
     let mut dice = CheckDice(17);
     for (record, model) in laws(5, 1).into_iter().map(|law| (law, positions())).chain(fed_laws()) {
         let record = JointRecord { inertia_kg_m2: 1.0, ..record };
-        let (law, own) = (model.core_gains(&record).unwrap(), LawMatrices::unit(&record, &model));
+        let (law, own) =
+            (record.core_gains_in(&model).unwrap(), LawMatrices::unit(&record, &model));
         let mut state = JointState::new();
         let mut x = vec![0.0; own.len()];
         let mut most = 0.0_f64;

@@ -99,7 +99,7 @@ impl LawMatrices {
     /// nothing holds of it.
     pub(crate) fn unit(record: &JointRecord, model: &LoopModel) -> Self {
         let unit = JointRecord { inertia_kg_m2: 1.0, ..record.clone() };
-        let own = model.core_gains(&unit).ok().and_then(|gains| Self::of(&gains));
+        let own = unit.core_gains_in(model).ok().and_then(|gains| Self::of(&gains));
         own.unwrap_or_else(|| Self {
             entries: Vec::new(),
             places: Vec::new(),

@@ -48,8 +48,8 @@ const NO_VELOCITY: VelocityModel =
 
 /// The law's matrices as the kernel takes them.
 fn played(claim: &str, record: &JointRecord, model: &LoopModel) -> Result<Law, Refutation> {
-    let gains = model
-        .core_gains(record)
+    let gains = record
+        .core_gains_in(model)
         .map_err(|why| refuse(claim, &format!("gains that the core runs: {why}"), 0.0, 0.0))?;
     let law = LawMatrices::of(&gains)
         .ok_or_else(|| refuse(claim, "the core answers a unit", 0.0, 1.0))?;

@@ -11,7 +11,7 @@ use crate::{JointRecord, LoopModel};
 
 /// One joint's loop from the reading to the torque that is sent to the drive.
 ///
-/// State: `y` last reading, `v` filtered velocity, [late messages], the law's as the core has it, commands from the newest
+/// State: `y` last reading, `v` filtered velocity, [late messages], the law's as the core has it, commands from newest
 /// to the one that acts, [the gap of a drive's torque at the start of the interval].
 ///
 /// # Law of a drive
@@ -79,7 +79,8 @@ impl LawLoop {
         let period = study.control.period_ns as f64 * 1e-9;
         let refused =
             || ScopeRefusal::NotCounted { what: "gains that the core refuses".to_owned() };
-        let law = LoopModel::from_study(study, joint).core_gains(record).map_err(|_| refused())?;
+        let law =
+            record.core_gains_in(&LoopModel::from_study(study, joint)).map_err(|_| refused())?;
         let matrices = LawMatrices::of(&law).ok_or_else(refused)?;
         let late = study.sensor.delay_samples as usize;
         let delay = study.control.delay_samples as usize;

@@ -310,8 +310,8 @@ impl<const W: usize> ControlState<W> {
         self.sent.first().map_or(Lane::ZERO, |sent| Lane(sent.map(|u| side.inertia * u)))
     }
 
-    /// Of a law that stores its torques: replaces the motion that it estimates and the torque that it sent last by their
-    /// differences from the true motion and from the torque that it wants; after the command has acted.
+    /// Of a law that stores its torques: replaces the motion that it estimates and the torque that it sent last by
+    /// their differences from the true motion and from the torque that it wants; after the command has acted.
     pub(crate) fn become_relative(&mut self, side: &ControlSide, motion: (&Lane<W>, &Lane<W>)) {
         if !self.sent.is_empty() {
             self.sent[0] = side.law.lag(&self.law, &self.sent);

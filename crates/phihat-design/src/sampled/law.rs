@@ -170,7 +170,7 @@ impl Law {
     /// Those of the core, where it does not run them.
     pub(crate) fn of(record: &JointRecord, model: &LoopModel) -> Result<Self, GainError> {
         let unit = JointRecord { inertia_kg_m2: 1.0, ..record.clone() };
-        Ok(Self::from_linear(&model.core_gains(&unit)?.linear()))
+        Ok(Self::from_linear(&unit.core_gains_in(model)?.linear()))
     }
 
     /// The law of gains that the core runs; else one whose torque is no number, so that no claim about it holds.
@@ -447,7 +447,7 @@ impl Law {
         }
     }
 
-    /// What the torques of the last samples weigh, with `z^d`, `d` at least their number: `z^d − Σ C_r,j z^{d−j}`.
+    /// Weights of the torques of the last samples, with `z^d`, `d` at least their number: `z^d − Σ C_r,j z^{d−j}`.
     pub(crate) fn on_sent(&self, d: usize) -> SampledPolynomial {
         let weights = self.linear.output_sent.iter().take(self.linear.sent).enumerate();
         weights.fold(SampledPolynomial::z_power(d), |sum, (j, weight)| {

@@ -23,8 +23,8 @@ use crate::JointRecord;
 /// ```
 ///
 /// The law is `A_o τ = R_e e + R_v q̇ + z R_a τ_acted` besides the `l` torques of the last samples that it uses, see
-/// [`Law::transfer`]; `d` counts the samples of both delays, `D = max(d, l)`. A law that receives the torque demanded has
-/// `X` in place of `X − c₁w` in `Δ`, one that does not use the velocity has no `F`.
+/// [`Law::transfer`]; `d` counts the samples of both delays, `D = max(d, l)`. A law that receives the torque demanded
+/// has `X` in place of `X − c₁w` in `Δ`, one that does not use the velocity has no `F`.
 ///
 /// The loop is cut where the torque meets the inertia: what the observer is told has acted stays known.
 #[derive(Debug, Clone, PartialEq)]
