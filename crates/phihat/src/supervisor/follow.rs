@@ -40,7 +40,7 @@ impl<R: Real> JointRules<R> {
             self.begin_to_stop(gains, memory, m, now);
         }
         let reference = self.refer(memory, now, &mut news.events);
-        if !now.stops() {
+        if self.bound_inverse > R::ZERO && !now.stops() {
             self.compare_with_bound(memory, m.q - reference.q, &mut news);
         }
         let told = match S::FORM {
@@ -103,13 +103,11 @@ impl<R: Real> JointRules<R> {
         let base =
             if now.aim == Aim::Track { memory.asked } else { Reference::at_rest(memory.home) };
         let kept = self.keep(base, events);
-        if let Some(boxed) = &self.boxed {
-            let shaped = boxed.step(&memory.reference, &kept, &mut memory.braking);
-            *events |= Events::SHAPED.when(shaped != kept);
-            return shaped;
-        }
         if let Some(shaper) = &self.shaper {
-            let shaped = shaper.step(&memory.reference, &kept);
+            let shaped = match &self.boxed {
+                Some(boxed) => boxed.step(&memory.reference, &kept, &mut memory.braking),
+                None => shaper.step(&memory.reference, &kept),
+            };
             *events |= Events::SHAPED.when(shaped != kept);
             return shaped;
         }
