@@ -59,7 +59,7 @@ fn promise_and_measurement_stand_side_by_side() {
     );
     assert!(kept["left"].is_null() && kept["no_promise"].is_null());
     let page = fs::read_to_string(folder.join("out/swing/report.html")).unwrap();
-    assert!(page.contains("Tube and measurement") && page.contains("\"tube\":[["));
+    assert!(page.contains("Tube and measurement") && page.contains("\"band\":[["));
     fs::remove_file(folder.join("out/swing/report.html")).unwrap();
     assert_eq!(phihat(&folder, &["report", "out/swing/trace.parquet"]).code, 0);
     let again = fs::read_to_string(folder.join("out/swing/report.html")).unwrap();
