@@ -9,6 +9,7 @@ pub enum Form {
     /// The paper's (9), (10), (16): integrals of the error. For reproduction; it winds up under
     /// saturation, and starts with `φ̂(0) ≠ 0` when the error does not start at zero.
     Literal,
-    /// An observer that sees the position and the torque that acted: [`JointGains::from_positions`](crate::JointGains::from_positions).
+    /// An observer of the position and the torque that acted, see
+    /// [`JointGains::from_positions`](crate::JointGains::from_positions).
     Positions,
 }

@@ -22,8 +22,8 @@ pub struct Reaction {
 /// The closed loop of one joint at one inertia ratio, one sample to the next, in units of `M̄`.
 ///
 /// The state is `(q, q̇/ω, ξ …)`, `ω = √K_p`, `ξ` the law's as in [`phihat::LinearLaw`], and, where the loop has them:
-/// last sensed position, filtered velocity, mean torque of the interval just ended, torque at its end, the delay line, the
-/// torques sent last; all divided by a power of `ω` so that they count in radians.
+/// last sensed position, filtered velocity, mean torque of the interval just ended, torque at its end, the delay line,
+/// the torques sent last; all divided by a power of `ω` so that they count in radians.
 ///
 /// # Method
 ///
