@@ -324,10 +324,11 @@ impl<'a> ClassSetting<'a> {
             m.form == phihat::Form::Positions
                 && m.drive_bandwidth_hz.is_none()
                 && m.sample_delay_samples == 0
+                && m.torque_filter_hz.is_none()
         });
         Refutation::unless(
             CLAIM,
-            "laws from positions, no drive lag, no late sample",
+            "laws from positions, no drive lag, no late sample, no torque filter",
             0.0,
             1.0,
             plain,
