@@ -2,24 +2,24 @@
 //!
 //! Written by a test (`written::kernels`): not to be edited.
 
-use super::{Code, Numbers};
+use super::{Code, ArmNumbers};
 use crate::Scalar;
-use crate::shape::{Shape, Tilt};
+use crate::shape::{SegmentShape, Tilt};
 
 pub(super) struct Chain;
 
 impl Code<6> for Chain {
-    const SHAPES: [Shape; 6] = [
-        Shape { tilt: Tilt::Level, reaches: false, slides: true },
-        Shape { tilt: Tilt::Any, reaches: true, slides: true },
-        Shape { tilt: Tilt::Any, reaches: true, slides: true },
-        Shape { tilt: Tilt::Any, reaches: true, slides: true },
-        Shape { tilt: Tilt::Any, reaches: true, slides: true },
-        Shape { tilt: Tilt::Any, reaches: true, slides: true },
+    const SHAPES: [SegmentShape; 6] = [
+        SegmentShape { tilt: Tilt::Level, reaches: false, slides: true },
+        SegmentShape { tilt: Tilt::Any, reaches: true, slides: true },
+        SegmentShape { tilt: Tilt::Any, reaches: true, slides: true },
+        SegmentShape { tilt: Tilt::Any, reaches: true, slides: true },
+        SegmentShape { tilt: Tilt::Any, reaches: true, slides: true },
+        SegmentShape { tilt: Tilt::Any, reaches: true, slides: true },
     ];
 
     #[inline(always)]
-    fn forward<S: Scalar>(arm: &impl Numbers<S>) -> [S; 6] {
+    fn forward<S: Scalar>(arm: &impl ArmNumbers<S>) -> [S; 6] {
         let v126 = arm.lift(0); let v135 = arm.cosine(0); let v153 = v126 * v135; let v127 = arm.lift(1); let v129 = arm.sine(0);
         let v154 = v127 * v129; let v155 = v153 + v154; let v156 = v127 * v135; let v157 = v126 * v129; let v158 = v156 - v157;
         let v141 = arm.dq(0); let v159 = v141 * v141; let v6 = arm.h(0, 0); let v182 = v6 * v158; let v7 = arm.h(0, 1);

@@ -2,25 +2,25 @@
 //!
 //! Written by a test (`written::kernels`): not to be edited.
 
-use super::{Code, Numbers};
+use super::{Code, ArmNumbers};
 use crate::Scalar;
-use crate::shape::{Shape, Tilt};
+use crate::shape::{SegmentShape, Tilt};
 
 pub(super) struct Chain;
 
 impl Code<7> for Chain {
-    const SHAPES: [Shape; 7] = [
-        Shape { tilt: Tilt::Level, reaches: false, slides: true },
-        Shape { tilt: Tilt::Any, reaches: true, slides: true },
-        Shape { tilt: Tilt::Any, reaches: true, slides: true },
-        Shape { tilt: Tilt::Any, reaches: true, slides: true },
-        Shape { tilt: Tilt::Any, reaches: true, slides: true },
-        Shape { tilt: Tilt::Any, reaches: true, slides: true },
-        Shape { tilt: Tilt::Any, reaches: true, slides: true },
+    const SHAPES: [SegmentShape; 7] = [
+        SegmentShape { tilt: Tilt::Level, reaches: false, slides: true },
+        SegmentShape { tilt: Tilt::Any, reaches: true, slides: true },
+        SegmentShape { tilt: Tilt::Any, reaches: true, slides: true },
+        SegmentShape { tilt: Tilt::Any, reaches: true, slides: true },
+        SegmentShape { tilt: Tilt::Any, reaches: true, slides: true },
+        SegmentShape { tilt: Tilt::Any, reaches: true, slides: true },
+        SegmentShape { tilt: Tilt::Any, reaches: true, slides: true },
     ];
 
     #[inline(always)]
-    fn forward<S: Scalar>(arm: &impl Numbers<S>) -> [S; 7] {
+    fn forward<S: Scalar>(arm: &impl ArmNumbers<S>) -> [S; 7] {
         let v147 = arm.lift(0); let v157 = arm.cosine(0); let v178 = v147 * v157; let v148 = arm.lift(1); let v150 = arm.sine(0);
         let v179 = v148 * v150; let v180 = v178 + v179; let v181 = v148 * v157; let v182 = v147 * v150; let v183 = v181 - v182;
         let v164 = arm.dq(0); let v184 = v164 * v164; let v6 = arm.h(0, 0); let v207 = v6 * v183; let v7 = arm.h(0, 1);

@@ -2,25 +2,25 @@
 //!
 //! Written by a test (`written::kernels`): not to be edited.
 
-use super::{Code, Numbers};
+use super::{Code, ArmNumbers};
 use crate::Scalar;
-use crate::shape::{Shape, Tilt};
+use crate::shape::{SegmentShape, Tilt};
 
 pub(super) struct Chain;
 
 impl Code<7> for Chain {
-    const SHAPES: [Shape; 7] = [
-        Shape { tilt: Tilt::Level, reaches: false, slides: false },
-        Shape { tilt: Tilt::Up, reaches: false, slides: false },
-        Shape { tilt: Tilt::Up, reaches: false, slides: true },
-        Shape { tilt: Tilt::Up, reaches: true, slides: false },
-        Shape { tilt: Tilt::Up, reaches: true, slides: true },
-        Shape { tilt: Tilt::Up, reaches: false, slides: false },
-        Shape { tilt: Tilt::Up, reaches: true, slides: false },
+    const SHAPES: [SegmentShape; 7] = [
+        SegmentShape { tilt: Tilt::Level, reaches: false, slides: false },
+        SegmentShape { tilt: Tilt::Up, reaches: false, slides: false },
+        SegmentShape { tilt: Tilt::Up, reaches: false, slides: true },
+        SegmentShape { tilt: Tilt::Up, reaches: true, slides: false },
+        SegmentShape { tilt: Tilt::Up, reaches: true, slides: true },
+        SegmentShape { tilt: Tilt::Up, reaches: false, slides: false },
+        SegmentShape { tilt: Tilt::Up, reaches: true, slides: false },
     ];
 
     #[inline(always)]
-    fn forward<S: Scalar>(arm: &impl Numbers<S>) -> [S; 7] {
+    fn forward<S: Scalar>(arm: &impl ArmNumbers<S>) -> [S; 7] {
         let v139 = arm.lift(0); let v149 = arm.cosine(0); let v170 = v139 * v149; let v140 = arm.lift(1); let v142 = arm.sine(0);
         let v171 = v140 * v142; let v172 = v170 + v171; let v173 = v140 * v149; let v174 = v139 * v142; let v175 = v173 - v174;
         let v5 = arm.h(0, 0); let v199 = v5 * v175; let v6 = arm.h(0, 1); let v200 = v6 * v172; let v201 = v199 - v200;

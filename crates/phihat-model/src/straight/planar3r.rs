@@ -2,21 +2,21 @@
 //!
 //! Written by a test (`written::kernels`): not to be edited.
 
-use super::{Code, Numbers};
+use super::{Code, ArmNumbers};
 use crate::Scalar;
-use crate::shape::{Shape, Tilt};
+use crate::shape::{SegmentShape, Tilt};
 
 pub(super) struct Chain;
 
 impl Code<3> for Chain {
-    const SHAPES: [Shape; 3] = [
-        Shape { tilt: Tilt::Level, reaches: false, slides: false },
-        Shape { tilt: Tilt::Level, reaches: true, slides: false },
-        Shape { tilt: Tilt::Level, reaches: true, slides: false },
+    const SHAPES: [SegmentShape; 3] = [
+        SegmentShape { tilt: Tilt::Level, reaches: false, slides: false },
+        SegmentShape { tilt: Tilt::Level, reaches: true, slides: false },
+        SegmentShape { tilt: Tilt::Level, reaches: true, slides: false },
     ];
 
     #[inline(always)]
-    fn forward<S: Scalar>(arm: &impl Numbers<S>) -> [S; 3] {
+    fn forward<S: Scalar>(arm: &impl ArmNumbers<S>) -> [S; 3] {
         let v60 = arm.lift(0); let v66 = arm.cosine(0); let v75 = v60 * v66; let v61 = arm.lift(1); let v63 = arm.sine(0);
         let v76 = v61 * v63; let v77 = v75 + v76; let v78 = v61 * v66; let v79 = v60 * v63; let v80 = v78 - v79; let v69 = arm.dq(0);
         let v81 = v69 * v69; let v5 = arm.h(0, 0); let v104 = v5 * v80; let v6 = arm.h(0, 1); let v105 = v6 * v77; let v106 = v104 - v105;

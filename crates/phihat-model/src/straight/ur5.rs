@@ -2,24 +2,24 @@
 //!
 //! Written by a test (`written::kernels`): not to be edited.
 
-use super::{Code, Numbers};
+use super::{Code, ArmNumbers};
 use crate::Scalar;
-use crate::shape::{Shape, Tilt};
+use crate::shape::{SegmentShape, Tilt};
 
 pub(super) struct Chain;
 
 impl Code<6> for Chain {
-    const SHAPES: [Shape; 6] = [
-        Shape { tilt: Tilt::Level, reaches: false, slides: false },
-        Shape { tilt: Tilt::Up, reaches: true, slides: true },
-        Shape { tilt: Tilt::Level, reaches: true, slides: true },
-        Shape { tilt: Tilt::Level, reaches: true, slides: true },
-        Shape { tilt: Tilt::Up, reaches: false, slides: true },
-        Shape { tilt: Tilt::Up, reaches: false, slides: false },
+    const SHAPES: [SegmentShape; 6] = [
+        SegmentShape { tilt: Tilt::Level, reaches: false, slides: false },
+        SegmentShape { tilt: Tilt::Up, reaches: true, slides: true },
+        SegmentShape { tilt: Tilt::Level, reaches: true, slides: true },
+        SegmentShape { tilt: Tilt::Level, reaches: true, slides: true },
+        SegmentShape { tilt: Tilt::Up, reaches: false, slides: true },
+        SegmentShape { tilt: Tilt::Up, reaches: false, slides: false },
     ];
 
     #[inline(always)]
-    fn forward<S: Scalar>(arm: &impl Numbers<S>) -> [S; 6] {
+    fn forward<S: Scalar>(arm: &impl ArmNumbers<S>) -> [S; 6] {
         let v122 = arm.lift(0); let v131 = arm.cosine(0); let v149 = v122 * v131; let v123 = arm.lift(1); let v125 = arm.sine(0);
         let v150 = v123 * v125; let v151 = v149 + v150; let v152 = v123 * v131; let v153 = v122 * v125; let v154 = v152 - v153;
         let v137 = arm.dq(0); let v155 = v137 * v137; let v5 = arm.h(0, 0); let v178 = v5 * v154; let v6 = arm.h(0, 1);

@@ -102,24 +102,24 @@ fn rust<const N: usize>(title: &str, shapes: &[SegmentShape]) -> String {
         "//! Forward dynamics of {title}: what `lockstep::sweep::placed` does with it, {} operations.\n\
          //!\n\
          //! Written by a test (`written::kernels`): not to be edited.\n\n\
-         use super::{{Code, Numbers}};\n\
+         use super::{{Code, ArmNumbers}};\n\
          use crate::Scalar;\n\
-         use crate::shape::{{Shape, Tilt}};\n\n\
+         use crate::shape::{{SegmentShape, Tilt}};\n\n\
          pub(super) struct Chain;\n\n\
-         impl Code<{N}> for Chain {{\n    const SHAPES: [Shape; {N}] = [\n",
+         impl Code<{N}> for Chain {{\n    const SHAPES: [SegmentShape; {N}] = [\n",
         program.operations()
     );
     for SegmentShape { tilt, reaches, slides } in shapes {
         let _ = writeln!(
             text,
-            "        Shape {{ tilt: Tilt::{tilt:?}, reaches: {reaches}, slides: {slides} }},"
+            "        SegmentShape {{ tilt: Tilt::{tilt:?}, reaches: {reaches}, slides: {slides} }},"
         );
     }
     let _ = write!(
         text,
         "    ];\n\n    \
          #[inline(always)]\n    \
-         fn forward<S: Scalar>(arm: &impl Numbers<S>) -> [S; {N}] {{\n"
+         fn forward<S: Scalar>(arm: &impl ArmNumbers<S>) -> [S; {N}] {{\n"
     );
     let mut line = String::new();
     for statement in statements {
