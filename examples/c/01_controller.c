@@ -11,6 +11,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 int main(void) {
   const double pi = 3.141592653589793, T = 1e-3;
@@ -22,6 +23,7 @@ int main(void) {
   phihat_joint joint;
   phihat_error error;
   phihat_controller *controller = NULL;
+  memset(&joint, 0, sizeof joint); /* what is not named here is off */
   joint.size = sizeof joint;
   joint.inertia_kg_m2 = 0.25; /* a guess: the true one is 0.32 */
   joint.kp_per_s2 = 20.0 * 20.0;

@@ -20,6 +20,12 @@ pub(crate) fn law(joint: &phihat_joint, period: f64) -> Result<JointGains<f64>, 
             Err(RefusedCall::new(Status::BadGain, why).member("form", f64::from(other)))
         }
     }?;
+    // A structure that nobody set to zero has any number here: one that would hold the torque is refused.
+    if joint.torque_filter_hz.abs() < 1.0 && joint.torque_filter_hz != 0.0 {
+        let why = "torque_filter_hz is neither 0, for none, nor at least 1 Hz";
+        let refused = RefusedCall::new(Status::BadGain, why);
+        return Err(refused.member("torque_filter_hz", joint.torque_filter_hz));
+    }
     let low_pass = (joint.torque_filter_hz != 0.0).then_some(joint.torque_filter_hz);
     let gains = gains
         .with_torque_filter(low_pass)

@@ -64,9 +64,10 @@ fn refused_by_name(joint: &phihat_joint, (change, member, value): Case) {
 
 #[test]
 fn what_is_no_innovation_filter_is_refused_by_the_name_of_its_member() {
-    let cases: [Case; 11] = [
+    let cases: [Case; 12] = [
         (|j| j.sections = 3, "sections", 3.0),
         (|j| j.torque_filter_hz = -1.0, "torque_filter_hz", -1.0),
+        (|j| j.torque_filter_hz = 0.5, "torque_filter_hz", 0.5),
         (|j| j.torque_filter_hz = f64::NAN, "torque_filter_hz", f64::NAN),
         (|j| j.sections = u64::MAX, "sections", u64::MAX as f64),
         // On the circle, beyond -1, growing.
