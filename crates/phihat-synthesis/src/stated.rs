@@ -1,17 +1,17 @@
 //! Certificate of the gains that a study states.
 
 use phihat_design::prelude::*;
-use phihat_design::tube::{Desired, PARTS};
+use phihat_design::tube::PARTS;
 use phihat_design::{
     Arm, ArmBasis, Certificate, DesignError, Gains, Outcome, PhiOf, requested_gains,
 };
-use phihat_sim::{Demand, Motion};
+use phihat_sim::Demand;
 use phihat_study::{DesignMethod, Study};
 
 use crate::candidates::with_phi;
 use crate::error::SynthesisError;
-use crate::judged::judge;
 use crate::recordings::Recordings;
+use crate::tube_of::bound_by_tube;
 
 /// The gains that a study states with their certificate: claims about the loop, and of an arm with a description the
 /// tube, or the reason why there is none. Clauses of the specification that they do not satisfy are listed as not
@@ -33,9 +33,7 @@ pub(crate) fn certified(
     if let Outcome::Designed(gains) = &mut outcome
         && gains.certificate.as_ref().is_some_and(|own| own.arm.basis == ArmBasis::Postures)
     {
-        let motion = Motion::of(study)?;
-        let desired = Desired::of(study, |joint, t| motion.told(joint, t));
-        judge(study, gains, (&desired, PARTS));
+        bound_by_tube(study, gains, PARTS)?;
     }
     Ok(Some(outcome))
 }
