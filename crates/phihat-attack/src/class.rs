@@ -49,6 +49,17 @@ impl ClassRuns {
         self.outside += other.outside;
         self.broken.extend(&other.broken);
     }
+
+    /// One run with its judgement: outside where it was lost, or a share is beyond 1 or is no number.
+    pub(crate) fn judged(mut self, lost: bool, seed: u64) -> Self {
+        let lists = [&self.errors, &self.velocities, &self.steps];
+        let beyond = |share: &f64| share.is_nan() || *share > 1.0;
+        if lost || lists.iter().any(|list| list.iter().any(beyond)) {
+            self.outside = 1;
+            self.broken.push(seed);
+        }
+        self
+    }
 }
 
 /// Runs one motion of a study's class, drawn with payload, friction and encoder phases by a seed, and holds it against
@@ -81,14 +92,7 @@ pub fn class_run(
         let step = outcome.told_step_max.get(i).copied().unwrap_or(0.0);
         found.steps.push(step / bound.torque_step_nm[i]);
     }
-    let beyond = [&found.errors, &found.velocities, &found.steps]
-        .iter()
-        .any(|list| list.iter().any(|share| share.is_nan() || *share > 1.0));
-    if lost || beyond {
-        found.outside = 1;
-        found.broken.push(seed);
-    }
-    Ok(found)
+    Ok(found.judged(lost, seed))
 }
 
 /// The study with another motion of its class, payload and dry friction.

@@ -87,13 +87,7 @@ pub fn supervised_run(
         before.copy_from_slice(&tau);
     }
     let lost = world.abort().is_some() || world.end().divergence.is_some();
-    let lists = [&found.errors, &found.velocities, &found.steps];
-    let beyond = lists.iter().any(|list| list.iter().any(|share| share.is_nan() || *share > 1.0));
-    if lost || beyond || stopped {
-        found.outside = 1;
-        found.broken.push(seed);
-    }
-    Ok(found)
+    Ok(found.judged(lost || stopped, seed))
 }
 
 /// Arm, hold, track; then hold and track in turn, and in some runs a stop and all of it again.

@@ -97,15 +97,18 @@ fn a_bound_is_found_for_the_class_and_derived_a_second_time() {
     }
 }
 
+/// Returns true if gains whose bound is edited pass both checks.
+fn passes(gains: &Gains, study: &Study, change: fn(&mut ClassBound)) -> bool {
+    let mut gains = gains.clone();
+    let class = gains.certificate.as_mut().and_then(|all| all.class.as_deref_mut()).unwrap();
+    change(class);
+    let certificate = gains.certificate.clone().unwrap();
+    certificate.verify(&gains).is_ok() && certificate.derive_class(&gains, study).is_ok()
+}
+
 #[test]
 fn a_forged_bound_is_refuted() {
-    let forged = |change: fn(&mut ClassBound)| {
-        let mut gains = gains().clone();
-        let class = gains.certificate.as_mut().and_then(|all| all.class.as_deref_mut()).unwrap();
-        change(class);
-        let certificate = gains.certificate.clone().unwrap();
-        certificate.verify(&gains).is_ok() && certificate.derive_class(&gains, &study()).is_ok()
-    };
+    let forged = |change| passes(gains(), &study(), change);
     assert!(forged(|_| ()));
     for change in [
         (|class| class.error_bound_rad[0] *= 0.75) as fn(&mut ClassBound),
@@ -178,14 +181,7 @@ fn no_request_and_no_target_leaves_the_bound_of_a_supervised_arm() {
 
 #[test]
 fn a_forged_start_is_refuted_and_what_changes_the_law_is_refused() {
-    let forged = |change: fn(&mut ClassBound)| {
-        let mut gains = supervised_gains().clone();
-        let class = gains.certificate.as_mut().and_then(|all| all.class.as_deref_mut()).unwrap();
-        change(class);
-        let certificate = gains.certificate.clone().unwrap();
-        certificate.verify(&gains).is_ok()
-            && certificate.derive_class(&gains, &supervised()).is_ok()
-    };
+    let forged = |change| passes(supervised_gains(), &supervised(), change);
     assert!(forged(|_| ()));
     for change in [
         (|class| class.start_nm[0] *= 0.5) as fn(&mut ClassBound),

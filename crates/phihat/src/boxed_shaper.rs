@@ -1,5 +1,6 @@
 //! The reference governor with an end to the way: any reference in, one out that never leaves a box.
 
+use crate::shaper::moved;
 use crate::{Gain, GainError, MotionLimits, Real, Reference, Shaper};
 
 /// Parts of a braking motion: to the braking acceleration, at it, back to none; and before them, where it has the
@@ -243,16 +244,6 @@ impl<R: Real> BoxedShaper<R> {
             (last, R::ZERO - sign * a1 / n3),
         ];
         Some((Braking { parts }, at.q + sign * way))
-    }
-}
-
-/// The position, velocity and acceleration after a sample of constant jerk that ends at an acceleration.
-pub(crate) fn moved<R: Real>(now: &Reference<R>, ddq: R, t: R) -> Reference<R> {
-    let (half, sixth) = (R::from_f64(0.5), R::from_f64(1.0 / 6.0));
-    Reference {
-        q: now.q + t * now.dq + t * t * sixth * (R::from_f64(2.0) * now.ddq + ddq),
-        dq: now.dq + half * t * (now.ddq + ddq),
-        ddq,
     }
 }
 

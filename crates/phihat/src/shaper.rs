@@ -160,13 +160,7 @@ impl<R: Real> Shaper<R> {
         }
         // The velocity bound gives way to the jerk bound, which by induction it never needs to.
         ddq = now.ddq + (ddq - now.ddq).saturate(self.step);
-        Reference {
-            q: now.q
-                + t * now.dq
-                + t * t * R::from_f64(1.0 / 6.0) * (R::from_f64(2.0) * now.ddq + ddq),
-            dq: now.dq + half * t * (now.ddq + ddq),
-            ddq: ddq.snap(),
-        }
+        Reference { ddq: ddq.snap(), ..moved(now, ddq, t) }
     }
 
     /// Largest `a'` with `a'²/2J + a'T ≤ room`: the acceleration that can still be taken back before the
@@ -195,5 +189,15 @@ impl<R: Real> Shaper<R> {
             && within(travel, self.velocity * t)
             && within(speed - half * t * (target.ddq + now.ddq), half * self.step * t)
             && within(travel - half * t * (target.dq + now.dq), self.step * t * t)
+    }
+}
+
+/// The position, velocity and acceleration after a sample of constant jerk that ends at an acceleration.
+pub(crate) fn moved<R: Real>(now: &Reference<R>, ddq: R, t: R) -> Reference<R> {
+    let (half, sixth) = (R::from_f64(0.5), R::from_f64(1.0 / 6.0));
+    Reference {
+        q: now.q + t * now.dq + t * t * sixth * (R::from_f64(2.0) * now.ddq + ddq),
+        dq: now.dq + half * t * (now.ddq + ddq),
+        ddq,
     }
 }
