@@ -39,6 +39,28 @@ struct Anchor {
     shared: Vec<f64>,
 }
 
+/// Sums of the outputs of a window, which share one set of rows.
+#[derive(Clone)]
+struct SharedSums {
+    /// Sums that are the same for all of them, by row.
+    common: Vec<f64>,
+    /// Sums of torques, for the output so many samples after the first, by row: friction of a joint that reverses is
+    /// large for a few samples, and counts in those alone.
+    torques: Vec<Vec<f64>>,
+}
+
+impl SharedSums {
+    fn none(rows: usize, outputs: usize) -> Self {
+        Self { common: vec![0.0; rows], torques: vec![vec![0.0; rows]; outputs] }
+    }
+
+    /// Largest sum of any of the outputs, by row.
+    fn largest(&self) -> Vec<f64> {
+        let torques = |row: usize| self.torques.iter().map(|sums| sums[row]).largest();
+        self.common.iter().enumerate().map(|(row, common)| common + torques(row)).collect()
+    }
+}
+
 /// Bounds that grow, window by window.
 pub(super) struct CheckedSweep<'a> {
     setting: TubeSetting<'a>,
@@ -176,13 +198,13 @@ impl<'a> CheckedSweep<'a> {
         back: &mut Back,
         own_frame: Option<&Frame>,
         (from, own, shared): (usize, usize, bool),
-    ) -> (Vec<f64>, Vec<(Weights, usize)>) {
+    ) -> (SharedSums, Vec<(Weights, usize)>) {
         let rows = self.setting.rows();
-        let mut sums = vec![0.0; back.rows];
         let mut near = Vec::new();
         let anchor = self.anchors.iter().rev().find(|a| a.at + self.memory <= from);
         let stop = anchor.map_or(0, |a| a.at);
         let reach = if shared { self.shared } else { 1 };
+        let mut sums = SharedSums::none(back.rows, reach);
         for sample in (stop..from).rev() {
             let at = self.window_of[sample];
             let frame = match self.past.get(at) {
@@ -197,20 +219,29 @@ impl<'a> CheckedSweep<'a> {
                 near.push((weights.clone(), at));
             } else {
                 let boxes = if shared { &self.dilated[sample] } else { &self.raw[sample] };
-                weights.add(boxes, frame, self.setting.period, &mut sums);
+                weights.add_rest(boxes, frame, self.setting.period, &mut sums.common);
+                for (shift, sums) in sums.torques.iter_mut().enumerate() {
+                    weights.add_torques(&self.known(sample + shift, shift).u, sums);
+                }
             }
         }
         if let Some(anchor) = anchor {
             let bounds = if shared { &anchor.shared } else { &anchor.exact };
             for (lambda, bound) in back.lambda.chunks_exact(back.rows).zip(bounds) {
-                sums.iter_mut().zip(lambda).for_each(|(sum, l)| *sum += l.abs() * bound);
+                let sums = sums.common.iter_mut().zip(lambda);
+                sums.for_each(|(sum, l)| *sum += l.abs() * bound);
             }
         }
-        sums.iter_mut().zip(&back.noise).for_each(|(sum, noise)| *sum += noise);
+        sums.common.iter_mut().zip(&back.noise).for_each(|(sum, noise)| *sum += noise);
         (sums, near)
     }
 
-    fn history(&self, frame: &Frame) -> (Vec<f64>, Vec<(Weights, usize)>) {
+    /// Boxes of a finished sample, for rows that are those of an output so many samples earlier.
+    fn known(&self, sample: usize, shift: usize) -> &Boxes {
+        if shift == 0 { &self.raw[sample] } else { &self.shifted[sample] }
+    }
+
+    fn history(&self, frame: &Frame) -> (SharedSums, Vec<(Weights, usize)>) {
         let mut back = self.setting.start_rows(frame);
         let shared = frame.len > 1;
         self.go_back(&mut back, Some(frame), (frame.first + 1, frame.first, shared))
@@ -222,7 +253,7 @@ impl<'a> CheckedSweep<'a> {
         frame: &Frame,
         distance: &Distance,
         guess: &RoundGuess,
-        (shapes, history, near): (&Shapes, &[f64], &[(Weights, usize)]),
+        (shapes, history, near): (&Shapes, &SharedSums, &[(Weights, usize)]),
     ) -> Round {
         let n = self.setting.n;
         let sizes: Vec<f64> = (0..n)
@@ -273,11 +304,12 @@ impl<'a> CheckedSweep<'a> {
     fn radii(
         &self,
         frame: &Frame,
-        (history, near): (&[f64], &[(Weights, usize)]),
+        (history, near): (&SharedSums, &[(Weights, usize)]),
         boxes: &[Boxes],
         guess: &RoundGuess,
     ) -> Vec<f64> {
-        let mut sums = history.to_vec();
+        let mut sums = history.clone();
+        sums.torques.truncate(frame.len);
         let shared = frame.len > 1;
         let shift = if shared {
             let own = &boxes[0];
@@ -288,20 +320,23 @@ impl<'a> CheckedSweep<'a> {
         for (weights, at) in near {
             let own = self.past.get(*at).map_or(frame, |past| &past.frame);
             let mut cover = Boxes::none(self.setting.n, self.setting.hand);
-            let reach = if shared { self.shared } else { 1 };
-            for sample in weights.sample..(weights.sample + reach).min(frame.first + frame.len) {
-                if sample < frame.first {
-                    let known = if shared { &self.shifted[sample] } else { &self.raw[sample] };
-                    cover.cover(known);
+            for (later, sums) in sums.torques.iter_mut().enumerate() {
+                let sample = weights.sample + later;
+                let here = if sample < frame.first {
+                    self.known(sample, later).clone()
                 } else {
                     let mut here = boxes[sample - frame.first].clone();
-                    add(&mut here, &shift);
-                    cover.cover(&here);
-                }
+                    if later > 0 {
+                        add(&mut here, &shift);
+                    }
+                    here
+                };
+                weights.add_torques(&here.u, sums);
+                cover.cover(&here);
             }
-            weights.add(&cover, own, self.setting.period, &mut sums);
+            weights.add_rest(&cover, own, self.setting.period, &mut sums.common);
         }
-        sums
+        sums.largest()
     }
 
     fn finish(
@@ -396,15 +431,15 @@ impl<'a> CheckedSweep<'a> {
             back
         };
         let known = |from: usize| self.anchors.iter().any(|a| a.at + self.memory <= from);
-        let exact = self.go_back(&mut identity(), None, (next, next, false)).0;
+        let exact = self.go_back(&mut identity(), None, (next, next, false)).0.largest();
         let shared = if known(next) {
             let own = next + self.shared - 1;
-            self.go_back(&mut identity(), None, (next, own, true)).0
+            self.go_back(&mut identity(), None, (next, own, true)).0.largest()
         } else {
             let mut most = exact.clone();
             for later in 1..self.shared {
                 let at = next + later;
-                let here = self.go_back(&mut identity(), None, (at, at, false)).0;
+                let here = self.go_back(&mut identity(), None, (at, at, false)).0.largest();
                 most.iter_mut().zip(here).for_each(|(m, h)| *m = m.max(h));
             }
             most
