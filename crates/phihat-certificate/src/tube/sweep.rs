@@ -14,7 +14,7 @@ const WINDOW: f64 = 25e-3;
 /// Factor by which a window is shorter where the bounds of a longer one are too wide.
 const SHORTER: usize = 5;
 /// Share of its largest value below which a response to torque counts as forgotten.
-const FORGOTTEN: f64 = 0.001;
+const FORGOTTEN: f64 = 0.0003;
 /// Longest time that rows go back \[s\]; beyond, the whole state's bound takes their place.
 const MEMORY_MAX: f64 = 4.0;
 /// First anchor \[samples\]: from here on the laws are the same at every sample.
