@@ -35,6 +35,9 @@ pub(super) struct Swept {
     pub(super) torque_step: Vec<Vec<f64>>,
 }
 
+/// Torques and torque steps \[N·m\], by sample and joint.
+type Torques = (Vec<Vec<f64>>, Vec<Vec<f64>>);
+
 /// Bounds on the whole state over as many instants as a window has.
 struct Anchor {
     /// First of them.
@@ -395,11 +398,7 @@ impl<'a> CheckedSweep<'a> {
     }
 
     /// Largest torques and torque steps of each sample of a window, by joint.
-    fn torques(
-        &self,
-        frame: &Frame,
-        round: &Round,
-    ) -> Result<(Vec<Vec<f64>>, Vec<Vec<f64>>), ScopeRefusal> {
+    fn torques(&self, frame: &Frame, round: &Round) -> Result<Torques, ScopeRefusal> {
         let n = self.setting.n;
         let (mut torques, mut steps) = (Vec::new(), Vec::new());
         for at in 0..frame.len {
@@ -493,7 +492,7 @@ fn memory(setting: &TubeSetting<'_>, most: usize) -> usize {
         };
         let size = (0..n).map(of).largest();
         largest = larger(largest, size);
-        if !(size <= FORGOTTEN * largest) {
+        if reaches(size, FORGOTTEN * largest) {
             memory = sample;
         }
     }
