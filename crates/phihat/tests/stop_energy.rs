@@ -53,6 +53,8 @@ struct Case {
     speed: f64,
     /// The error is compared with a bound that is below the error that stops.
     watched: bool,
+    /// Factor on inertia and gravity of the arm.
+    scale: f64,
 }
 
 struct World {
@@ -174,7 +176,7 @@ struct Outcome {
 
 #[expect(clippy::too_many_lines, reason = "a run from its arm to what came of it")]
 fn play(case: &Case, dice: &mut Dice) -> Outcome {
-    let inertia: [f64; N] = core::array::from_fn(|_| dice.within(0.2, 2.0));
+    let inertia: [f64; N] = core::array::from_fn(|_| case.scale * dice.within(0.2, 2.0));
     // M̄^½ W M̄^½ with W = 1 + symmetric, eigenvalues within `RATIO`.
     let mut w = [[0.0; N]; N];
     for i in 0..N {
@@ -356,6 +358,7 @@ fn case(dice: &mut Dice) -> Case {
         brakes: dice.bits() % 2 == 0,
         speed: dice.within(0.0, 2.0),
         watched: false,
+        scale: 1.0,
     }
 }
 
@@ -431,4 +434,61 @@ fn f35_an_arm_pushed_beyond_its_bound_stops_there_and_gets_no_energy() {
     }
     println!("{at_bound} stopped at the bound, {elsewhere} by another fault");
     assert!(at_bound > 40, "{at_bound} {elsewhere}");
+}
+
+/// Pushes of a kind, on arms of a kind.
+#[derive(Debug, Clone, Copy)]
+struct Family {
+    /// Largest push \[N·m\].
+    most: f64,
+    form: Form,
+    watched: bool,
+    /// Factor on inertia and gravity of the arms.
+    scale: f64,
+}
+
+impl Family {
+    /// Light and heavy arms, under pushes up to four times what their drives can give, in every form.
+    fn all() -> Vec<Self> {
+        let mut all = Vec::new();
+        for (scale, most) in [(1.0, 60.0), (1.0, 120.0), (5.0, 120.0), (5.0, 600.0)] {
+            for form in [Form::Observer, Form::Literal, Form::Positions] {
+                all.extend([false, true].map(|watched| Self { most, form, watched, scale }));
+            }
+        }
+        all
+    }
+
+    fn case(&self, dice: &mut Dice) -> Case {
+        let Self { most, form, watched, scale } = *self;
+        let joint = usize::from(dice.bits().to_le_bytes()[0] % 3);
+        let event = Event::Push(joint, dice.within(-most, most), dice.within(0.02, 0.5));
+        let order = if form == Form::Positions { 1 } else { 1 + usize::from(dice.bits().is_multiple_of(2)) };
+        let rate = dice.bits().is_multiple_of(2).then_some(1000.0);
+        let brakes = dice.bits().is_multiple_of(2);
+        Case { form, order, rate, event, brakes, speed: dice.within(0.0, 2.0), watched, scale }
+    }
+}
+
+#[test]
+fn f35_pushes_beyond_what_drives_can_give_get_no_energy_from_them() {
+    let all = if std::env::var_os("PHIHAT_ALL").is_some() { 1_000 } else { 15 };
+    let cases = std::env::var("PHIHAT_STOPS").map_or(all, |n| n.parse().unwrap());
+    for (number, family) in Family::all().iter().enumerate() {
+        let (mut stopped, mut beyond, mut worst) = (0, 0, [0.0_f64; 2]);
+        for seed in 0..cases {
+            let mut dice = Dice(1_000_000 * (1 + number as u64) + seed);
+            let case = family.case(&mut dice);
+            let outcome = play(&case, &mut dice);
+            stopped += u64::from(outcome.stopped);
+            let over = outcome.given - outcome.reserves;
+            let at = &mut worst[usize::from(case.rate.is_some())];
+            *at = at.max(over);
+            if over > 0.5 || outcome.stopped && !outcome.rests || bounded(&case) && outcome.of_bound > 1.0 {
+                beyond += 1;
+                println!("  {number} {seed}: {over:.2} {case:?} {outcome:?}");
+            }
+        }
+        println!("{number} {family:?}: {stopped} of {cases} stopped, {beyond} beyond, {worst:.2?}");
+    }
 }
