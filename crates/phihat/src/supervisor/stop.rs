@@ -126,14 +126,15 @@ impl<R: Real> JointRules<R> {
             stopping.peak = if faster { stopping.peak } else { R::ZERO };
             return demand;
         }
-        stopping.peak = if speed > stopping.peak { speed } else { stopping.peak };
+        let fastest = speed >= stopping.peak;
+        stopping.peak = if fastest { speed } else { stopping.peak };
         if stopping.faster == 0 {
             memory.actuation = Actuation::default();
         }
         stopping.faster = stopping.faster.saturating_add(1);
         let half = stopping.faster & PROBED_SAMPLES == 0;
         let watched = (R::from_f64(PROBED_EXCITATION), PROBED_SUSPICIOUS);
-        if self.actuates(memory, gains, m, watched).is_some() {
+        if self.actuates(memory, gains, m, watched).is_some() && fastest {
             memory.stopping.let_go = 1;
             news.events |= Events::LET_GO;
             return R::ZERO;
