@@ -448,7 +448,7 @@ struct Family {
 }
 
 impl Family {
-    /// Light and heavy arms, under pushes up to four times what their drives can give, in every form.
+    /// Light and heavy arms in every form, under pushes up to four times the torque limit of the lightest joint.
     fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for (scale, most) in [(1.0, 60.0), (1.0, 120.0), (5.0, 120.0), (5.0, 600.0)] {
@@ -463,32 +463,47 @@ impl Family {
         let Self { most, form, watched, scale } = *self;
         let joint = usize::from(dice.bits().to_le_bytes()[0] % 3);
         let event = Event::Push(joint, dice.within(-most, most), dice.within(0.02, 0.5));
-        let order = if form == Form::Positions { 1 } else { 1 + usize::from(dice.bits().is_multiple_of(2)) };
-        let rate = dice.bits().is_multiple_of(2).then_some(1000.0);
+        let order = if form == Form::Positions {
+            1
+        } else {
+            1 + usize::from(dice.bits().is_multiple_of(2))
+        };
+        let rate = dice.bits().is_multiple_of(2).then_some(1000.0 * scale);
         let brakes = dice.bits().is_multiple_of(2);
         Case { form, order, rate, event, brakes, speed: dice.within(0.0, 2.0), watched, scale }
     }
 }
 
+/// Pushes that drives cannot hold: a stop begins on the way, or where the push ends. Wrong if a drive that follows its
+/// command is taken for a reversed one and loses its torque, if an arm does not come to rest, or if drives give energy
+/// in more cases, or more of it, than their rate limit and the gravity of another pose explain.
+///
+/// `PHIHAT_STOPS` says how many of each kind: `cargo xtask stops`.
 #[test]
-fn f35_pushes_beyond_what_drives_can_give_get_no_energy_from_them() {
-    let all = if std::env::var_os("PHIHAT_ALL").is_some() { 1_000 } else { 15 };
+fn f35_pushes_that_drives_cannot_hold_get_little_energy_and_no_drive_is_let_go() {
+    let all = if std::env::var_os("PHIHAT_ALL").is_some() { 400 } else { 20 };
     let cases = std::env::var("PHIHAT_STOPS").map_or(all, |n| n.parse().unwrap());
-    for (number, family) in Family::all().iter().enumerate() {
-        let (mut stopped, mut beyond, mut worst) = (0, 0, [0.0_f64; 2]);
+    let (mut stopped, mut given) = (0, 0);
+    for (number, family) in (1..).zip(Family::all()) {
+        let (mut most, mut often) = (0.0_f64, 0);
         for seed in 0..cases {
-            let mut dice = Dice(1_000_000 * (1 + number as u64) + seed);
+            let mut dice = Dice(1_000_000 * number + seed);
             let case = family.case(&mut dice);
             let outcome = play(&case, &mut dice);
+            let context = || format!("case {number} {seed}: {case:?} {outcome:?}");
+            let beyond = (outcome.given - outcome.reserves) / family.scale;
+            assert!(!outcome.released, "a drive that follows is let go: {}", context());
+            assert!(!outcome.stopped || outcome.rests, "it still moves: {}", context());
+            assert!(!bounded(&case) || outcome.of_bound <= 1.0, "too fast: {}", context());
+            assert!(beyond <= 10.0, "the drives give energy: {}", context());
             stopped += u64::from(outcome.stopped);
-            let over = outcome.given - outcome.reserves;
-            let at = &mut worst[usize::from(case.rate.is_some())];
-            *at = at.max(over);
-            if over > 0.5 || outcome.stopped && !outcome.rests || bounded(&case) && outcome.of_bound > 1.0 {
-                beyond += 1;
-                println!("  {number} {seed}: {over:.2} {case:?} {outcome:?}");
-            }
+            often += u64::from(beyond > 0.5);
+            most = most.max(beyond);
         }
-        println!("{number} {family:?}: {stopped} of {cases} stopped, {beyond} beyond, {worst:.2?}");
+        println!("{family:?}: {often} of {cases} beyond reserves and 0.5 J, at most {most:.2} J");
+        given += often;
     }
+    let number = cases * Family::all().len() as u64;
+    println!("{number} pushes, {stopped} stopped, {given} beyond reserves and 0.5 J per scale");
+    assert!(3 * stopped > number && 50 * given <= stopped + 50, "{stopped} {given}");
 }
