@@ -104,6 +104,8 @@ impl<R: Real> JointRules<R> {
     /// and what brakes is halved for 16 samples of 32, since a torque that stays at its limit says nothing. A
     /// push that is stronger than the drive makes a joint faster as well, and then torque still pushes the
     /// way it should.
+    /// The drive is judged at a new largest speed only: where a push ends beside a step of the torque, less of
+    /// what brakes goes with more deceleration for some samples.
     pub(crate) fn probed(
         &self,
         memory: &mut JointMemory<R>,
