@@ -477,19 +477,25 @@ impl Family {
     }
 }
 
+/// Kinds and seeds that went wrong once: a sound drive was let go where the push ended, or the holding torque had wound
+/// up to 5,000 N·m.
+const ONCE: [(u64, u64); 3] = [(11, 394), (9, 199), (21, 384)];
+
 /// Pushes that drives cannot hold: a stop begins on the way, or where the push ends. Wrong if a drive that follows its
 /// command is taken for a reversed one and loses its torque, if an arm does not come to rest, or if drives give energy
 /// in more cases, or more of it, than their rate limit and the gravity of another pose explain.
 ///
-/// `PHIHAT_STOPS` says how many of each kind: `cargo xtask stops`.
+/// `PHIHAT_STOPS` says how many: `cargo xtask stops`.
 #[test]
-fn f35_pushes_that_drives_cannot_hold_get_little_energy_and_no_drive_is_let_go() {
-    let all = if std::env::var_os("PHIHAT_ALL").is_some() { 400 } else { 20 };
-    let cases = std::env::var("PHIHAT_STOPS").map_or(all, |n| n.parse().unwrap());
+fn f36_pushes_that_drives_cannot_hold_get_little_energy_and_no_drive_is_let_go() {
+    let all = if std::env::var_os("PHIHAT_ALL").is_some() { 9_600 } else { 480 };
+    let all = std::env::var("PHIHAT_STOPS").map_or(all, |n| n.parse().unwrap());
+    let cases = u64::div_ceil(all, Family::all().len() as u64);
     let (mut stopped, mut given) = (0, 0);
     for (number, family) in (1..).zip(Family::all()) {
         let (mut most, mut often) = (0.0_f64, 0);
-        for seed in 0..cases {
+        let once = ONCE.iter().filter(|once| once.0 == number).map(|once| once.1);
+        for seed in (0..cases).chain(once) {
             let mut dice = Dice(1_000_000 * number + seed);
             let case = family.case(&mut dice);
             let outcome = play(&case, &mut dice);
@@ -499,7 +505,7 @@ fn f35_pushes_that_drives_cannot_hold_get_little_energy_and_no_drive_is_let_go()
             // A heavy arm whose holding torque is of another pose may still creep.
             assert!(!outcome.stopped || outcome.at_end < 0.1, "it still moves: {}", context());
             assert!(!bounded(&case) || outcome.of_bound <= 1.0, "too fast: {}", context());
-            assert!(beyond <= 10.0, "the drives give energy: {}", context());
+            assert!(beyond <= 6.0, "the drives give energy: {}", context());
             stopped += u64::from(outcome.stopped);
             often += u64::from(beyond > 0.5);
             most = most.max(beyond);
