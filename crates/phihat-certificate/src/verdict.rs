@@ -104,13 +104,12 @@ fn class_bound(claimed: f64, joint: usize, again: Option<&ClassAgain>) -> Standi
     let Some(again) = again else {
         return once(claimed, "the bound is on trust; --study STUDY derives it a second time");
     };
-    match again.joints.get(joint) {
-        Some(own) if own.derived_rad <= claimed => {
-            let why = format!(
-                "derived once; a second derivation without second-order terms gives {:.1} % less",
-                100.0 * (1.0 - own.derived_rad / claimed)
-            );
-            once(claimed, &why)
+    if let Some(why) = &again.on_trust {
+        return once(claimed, &format!("the bound could not be derived a second time, {why}"));
+    }
+    match again.joints.get(joint).map(|own| own.error_bound_rad) {
+        Some(pair) if pair.wider().is_finite() => {
+            (pair.wider(), Verdict::DerivedTwice, "the wider of two derivations".into())
         }
         _ => once(claimed, "the second derivation gives no bound"),
     }

@@ -158,11 +158,14 @@ fn again(
     (study, seed): (&Study, u64),
     stage: &(dyn Fn(VerifyStage) + Sync),
 ) -> Result<Again, SessionError> {
+    // What is drawn comes from the file and from the reader: nobody who wrote the file knows it.
+    let text = gains.to_json().map_err(SessionError::other)?;
+    let seed = seed_of(&text, seed);
     let checked = certificate.derive(gains, study).and_then(|derived| {
         verified.derived = derived;
         let share = |share| stage(VerifyStage::Tube(share));
         verified.tube = derived_tube((gains, certificate), study, &share)?;
-        verified.class = certificate.derive_class(gains, study)?;
+        verified.class = certificate.derive_class(gains, study, seed)?;
         Ok(certificate.concluded(verified, gains))
     });
     let verified = match checked {
@@ -170,8 +173,6 @@ fn again(
         Err(why) => return Ok(Err(why)),
     };
     let Some(tube) = &certificate.tube else { return Ok(Ok((verified, None))) };
-    let text = gains.to_json().map_err(SessionError::other)?;
-    let seed = seed_of(&text, seed);
     let found = runs(study, (gains, tube), seed, &|done| stage(VerifyStage::Worlds(done)))?;
     Ok(found.map(|kept| (verified, Some(kept))))
 }
