@@ -92,8 +92,10 @@ pub struct ClassAgain {
     pub on_trust: Option<String>,
     /// Claimed beside derived, joint by joint; empty where it is on trust.
     pub joints: Vec<JointOfClass>,
-    /// Clauses of the specification, and limits of the arm, that the file's bounds keep and the derived ones do not.
+    /// Clauses of the specification that the file's bounds keep and the derived ones do not.
     pub first_only: Vec<String>,
+    /// Limits of torque or torque rate that could act by the derived bounds, which are none then.
+    pub limits_acting: Vec<String>,
     /// Postures at which kicks were played.
     pub postures: usize,
     /// Postures at which second derivatives were looked at.
@@ -174,7 +176,7 @@ impl Certificate {
         let counts = (all.len(), bends.postures, maxima.points);
         let again = match of(&bends) {
             Ok(own) => beside((claimed, &own), (self, gains, study), counts),
-            Err(why) => again((Some(why.to_string()), Vec::new(), Vec::new()), counts),
+            Err(why) => ClassAgain { on_trust: Some(why.to_string()), ..again(counts) },
         };
         Ok(Some(again))
     }
@@ -199,13 +201,18 @@ fn refuted(least: &Solution, claimed: &ClassBound, gains: &Gains) -> Result<(), 
 /// Room of [`refuted`]: by so much two searches for maxima may differ that are both honest.
 const ROOM: f64 = 1.1;
 
-type Found = (Option<String>, Vec<JointOfClass>, Vec<String>);
-
-fn again(
-    (on_trust, joints, first_only): Found,
-    (postures, bent_postures, points): (usize, usize, usize),
-) -> ClassAgain {
-    ClassAgain { on_trust, joints, first_only, postures, bent_postures, points, margin: MARGIN }
+/// A derivation that has found nothing yet.
+fn again((postures, bent_postures, points): (usize, usize, usize)) -> ClassAgain {
+    ClassAgain {
+        on_trust: None,
+        joints: Vec::new(),
+        first_only: Vec::new(),
+        limits_acting: Vec::new(),
+        postures,
+        bent_postures,
+        points,
+        margin: MARGIN,
+    }
 }
 
 /// Claimed beside derived.
@@ -226,48 +233,50 @@ fn beside(
         torque_nm: pair(&claimed.torque_nm, &own.torque, i),
     });
     let joints: Vec<JointOfClass> = joints.collect();
-    let first_only = first_only(&joints, certificate, study);
-    again((None, joints, first_only), counts)
+    let [first_only, limits_acting] = first_only(&joints, certificate, study);
+    ClassAgain { joints, first_only, limits_acting, ..again(counts) }
 }
 
-/// Clauses and limits that the file's bounds keep and the derived ones do not.
-fn first_only(joints: &[JointOfClass], certificate: &Certificate, study: &Study) -> Vec<String> {
+/// Clauses of the specification that the file's bounds keep and the derived ones do not; and limits of the arm that
+/// could act by the derived ones.
+fn first_only(
+    joints: &[JointOfClass],
+    certificate: &Certificate,
+    study: &Study,
+) -> [Vec<String>; 2] {
     let of = |list: &Option<Vec<f64>>, i: usize| list.as_ref().and_then(|all| all.get(i)).copied();
-    let mut list = Vec::new();
+    let beyond = |own: f64, limit: f64| own.is_nan() || own > limit;
+    let [mut clauses, mut limits] = [Vec::new(), Vec::new()];
     for (i, (joint, record)) in joints.iter().zip(&certificate.joints).enumerate() {
-        let (torque, rate) = record.limits;
-        let clauses = [
-            ("spec.error_bound_rad", of(&study.spec.error_bound, i), joint.error_bound_rad),
+        let JointOfClass { name, error_bound_rad, velocity_error_bound_rad_s, .. } = joint;
+        let step = joint.torque_step_nm;
+        let (spec, design) = (&study.spec, &study.design);
+        for (key, limit, pair) in [
+            ("spec.error_bound_rad", of(&spec.error_bound, i), *error_bound_rad),
             (
                 "spec.velocity_error_bound_rad_s",
-                of(&study.spec.velocity_error_bound, i),
-                joint.velocity_error_bound_rad_s,
+                of(&spec.velocity_error_bound, i),
+                *velocity_error_bound_rad_s,
             ),
-            (
-                "design.torque_step_max_nm",
-                of(&study.design.torque_step_max, i),
-                joint.torque_step_nm,
-            ),
-            ("torque limit", torque, joint.torque_nm),
-            (
-                "torque-rate limit over a sample",
-                rate.map(|rate| rate * record.model.period_s),
-                joint.torque_step_nm,
-            ),
-        ];
-        for (key, limit, pair) in clauses {
-            let Some(limit) = limit else { continue };
-            let kept = pair.derived <= limit;
-            if pair.claimed <= limit && !kept {
+            ("design.torque_step_max_nm", of(&design.torque_step_max, i), step),
+        ] {
+            let first = |limit: &f64| pair.claimed <= *limit && beyond(pair.derived, *limit);
+            clauses.extend(limit.filter(first).map(|limit| {
                 let derived = pair.derived;
-                list.push(format!(
-                    "{key} = {limit} on {}: {derived:.4e} is derived here",
-                    joint.name
-                ));
-            }
+                format!("{key} = {limit} on {name}: {derived:.4e} is derived here")
+            }));
+        }
+        let (torque, rate) = record.limits;
+        let rate = rate.map(|rate| rate * record.model.period_s);
+        for (what, limit, own) in
+            [("torque", torque, joint.torque_nm.derived), ("torque step", rate, step.derived)]
+        {
+            limits.extend(limit.filter(|limit| beyond(own, *limit)).map(|limit| {
+                format!("the {what} of {name} may reach its limit: {own:.4} N·m of {limit:.4}")
+            }));
         }
     }
-    list
+    [clauses, limits]
 }
 
 /// The arm at the file's witnesses, with rotors at both ends of their intervals.

@@ -11,7 +11,7 @@ use crate::{JointRecord, LoopModel, Matrix, Refutation};
 const LONGEST: usize = 1 << 16;
 
 /// Size of a state, over the largest it had, at which a run has come to rest.
-const RESTED: f64 = 1e-8;
+const RESTED: f64 = 1e-10;
 
 /// Largest share of the answer to an impulse, summed, that a torque which goes on may leave by rounding.
 const FADED: f64 = 1e-6;
