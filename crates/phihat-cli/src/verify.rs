@@ -49,7 +49,7 @@ pub(crate) struct Verify {
     /// Derive again from this study what the file alone has to be trusted for.
     #[arg(long, value_name = "STUDY", conflicts_with = "run")]
     study: Option<PathBuf>,
-    /// Seed of the worlds that are drawn and run, beside the SHA-256 of the gains: a number of your own, which
+    /// Seed of the worlds and postures that are drawn, beside the SHA-256 of the gains: a number of your own, which
     /// whoever made the file cannot know.
     #[arg(long, value_name = "N", default_value_t = 0, requires = "study")]
     seed: u64,

@@ -1,7 +1,7 @@
 //! Rest of a sum after its last sample: by how much a loop shrinks every state over a block of samples.
 
 use crate::coupled::played::{OUTPUTS, PlayedRuns};
-use crate::extremes::{Extremes as _, larger};
+use crate::extremes::larger;
 use crate::{JointRecord, LoopModel, Matrix, Refutation};
 
 /// Squarings of the matrix of one sample at most.
@@ -126,10 +126,5 @@ impl RecentSizes {
     /// Sum over the last `N` samples.
     pub(super) fn sum(&self, run: usize) -> f64 {
         self.sizes.get(run).map_or(f64::NAN, |sizes| sizes.iter().sum())
-    }
-
-    /// The largest of all runs.
-    pub(super) fn largest(&self) -> f64 {
-        self.sizes.iter().flatten().copied().largest()
     }
 }

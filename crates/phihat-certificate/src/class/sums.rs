@@ -3,7 +3,7 @@
 use super::dynamics::Dynamics;
 use super::forget::{Decay, RecentSizes};
 use crate::coupled::played::{OUTPUTS, PlayedRuns};
-use crate::extremes::larger;
+use crate::extremes::{Extremes as _, larger};
 use crate::refutation::refuse;
 use crate::{JointRecord, LoopModel, Matrix, Refutation};
 
@@ -178,9 +178,11 @@ impl PlayedSums {
         let (mut now, mut before) = (Answers::new(n), Before::new(n));
         let mut commands = vec![vec![0.0; 4 * n]; n];
         let mut recent = RecentSizes::new(4 * n, decay.block);
-        let mut most = 0.0;
+        let (mut most, mut rested) = (0.0, false);
         for sample in 0..LONGEST {
-            recent.take(&played);
+            if rested {
+                recent.take(&played);
+            }
             played.step(|i, run, outputs: &[f64; OUTPUTS]| {
                 let change = outputs[3] - core::mem::replace(&mut commands[i][run], outputs[3]);
                 let values = [outputs[0], outputs[1], change, outputs[2]];
@@ -197,12 +199,14 @@ impl PlayedSums {
             });
             own.take(sample, (&now, &mut before), &blocks, period);
             if (sample + 1) % decay.block == 0 {
-                let size = recent.largest();
-                most = larger(most, size);
-                if size < RESTED * most {
+                if rested {
                     own.finish((&decay, &recent, sample + 1), (&before, &blocks), period)?;
                     return Ok(own);
                 }
+                // One more block, whose sizes bound what comes after it.
+                let size = (0..4 * n).map(|run| played.size(run)).largest();
+                most = larger(most, size);
+                rested = size < RESTED * most;
             }
         }
         Err(refuse("class of motions", "a kick is forgotten after 2^16 samples", 1.0, 0.0))
