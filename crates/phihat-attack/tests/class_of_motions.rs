@@ -246,7 +246,7 @@ fn leaves(value: &Value, at: &str, out: &mut Vec<String>) {
 /// A leaf edited in one of ten ways.
 fn edited(value: &Value, way: usize) -> Value {
     let Some(x) = value.as_f64() else {
-        return if way % 2 == 0 { json!("panda_link0") } else { json!(null) };
+        return if way.is_multiple_of(2) { json!("panda_link0") } else { json!(null) };
     };
     match way {
         0..=5 => json!([0.5, 0.9, 0.97, 1.03, 1.5, -1.0][way] * x),
