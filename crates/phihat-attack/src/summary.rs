@@ -51,6 +51,10 @@ pub struct AttackSummary {
     pub reached: Option<RatioSpread>,
     /// Results of `verify --study` for tubes of laws from positions, with their counts.
     pub derived: BTreeMap<String, usize>,
+    /// Second derivation's error bound of a joint over the first one's, the largest of each study where it closes.
+    pub second_over_first: Option<RatioSpread>,
+    /// Runs held against the second derivation.
+    pub second_runs: usize,
     /// Runs by other simulators, and what of studies they do not know.
     pub second: (usize, BTreeMap<String, usize>),
     /// Time of designs and of runs \[s\], summed over threads.
@@ -75,11 +79,17 @@ impl AttackSummary {
             ratio_step: None,
             reached: None,
             derived: BTreeMap::new(),
+            second_over_first: None,
+            second_runs: 0,
             second: (0, BTreeMap::new()),
             seconds: (0.0, 0.0),
             panics,
         };
         let (mut large, mut small) = (Vec::new(), Vec::new());
+        let again: Vec<_> = records.iter().filter_map(|record| record.second_derivation).collect();
+        summary.second_runs = again.iter().map(|again| again.runs).sum();
+        summary.second_over_first =
+            spread(&again.iter().map(|again| again.wider).collect::<Vec<_>>());
         for record in records {
             let ended = format!("{:?}", record.ended);
             *summary.ended.entry(ended).or_default() += 1;
@@ -184,6 +194,7 @@ impl fmt::Display for AttackSummary {
         for (name, spread) in [
             ("bound over measured, larger errors", self.ratio_large),
             ("bound over measured, errors below 15 %", self.ratio_small),
+            ("error bound by the second derivation over that by the first", self.second_over_first),
             ("laws from positions: bound over measured error", self.ratio_positions),
             ("laws from positions: bound over measured torque step", self.ratio_step),
             ("laws from positions: reached over claimed coupled gains", self.reached),
@@ -196,6 +207,7 @@ impl fmt::Display for AttackSummary {
                 )?;
             }
         }
+        writeln!(f, "runs held against the second derivation of their tube: {}", self.second_runs)?;
         list(f, "tubes of laws from positions, by verify --study", &self.derived)?;
         writeln!(f, "of what was drawn: certified, broken")?;
         for (tag, (certified, broken)) in &self.by_tag {
