@@ -131,3 +131,16 @@ fn class_bound(claimed: f64, joint: usize, again: Option<&ClassAgain>) -> Standi
         _ => once(claimed, "the second derivation gives no bound"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Verdict;
+
+    #[test]
+    fn a_bound_says_its_standing() {
+        assert_eq!(Verdict::DerivedTwice.of_bound("0.3 mrad"), "DERIVED TWICE ≤ 0.3 mrad");
+        assert_eq!(Verdict::Proved.of_bound("0.3 mrad"), "PROVED ≤ 0.3 mrad");
+        let once = Verdict::NotProved.of_bound("0.3 mrad");
+        assert!(once.starts_with("claimed ≤ 0.3 mrad (derived once") && !once.contains("PROVED"));
+    }
+}

@@ -241,3 +241,40 @@ impl<'a> Held<'a> {
         all
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use phihat_model::Robot;
+
+    use super::{Dynamics, STEP, Second};
+
+    #[test]
+    fn second_derivatives_are_those_of_the_first() {
+        // Coriolis torque comes from inverse dynamics there, from Christoffel's symbols here.
+        let robot = Robot::named("panda").unwrap();
+        let model = robot.plant_model().with_gravity(phihat_model::GRAVITY);
+        let q = [0.1, -0.7, 0.2, -2.1, 0.3, 1.4, 0.6];
+        let own = Second::at((&model, None), &q);
+        for b in 0..7 {
+            let moved = |by: f64| {
+                let place: Vec<f64> =
+                    (0..7).map(|i| if i == b { q[i] + by } else { q[i] }).collect();
+                Dynamics::at(&model, None, &place)
+            };
+            let (more, less) = (moved(STEP), moved(-STEP));
+            let rate = |a: f64, b: f64| (a - b) / (2.0 * STEP);
+            for (c, i, j) in (0..343).map(|k| (k / 49, k / 7 % 7, k % 7)) {
+                for (own, wanted) in [
+                    (own.mass(b, c, i, j), rate(more.slopes[c][i][j], less.slopes[c][i][j])),
+                    (
+                        own.coriolis(b, c, i, j),
+                        rate(more.coriolis[c][i][j], less.coriolis[c][i][j]),
+                    ),
+                    (own.gravity(b, i, j), rate(more.gravity[i][j], less.gravity[i][j])),
+                ] {
+                    assert!((own - wanted).abs() < 1e-4, "{b} {c} {i} {j}: {own} {wanted}");
+                }
+            }
+        }
+    }
+}

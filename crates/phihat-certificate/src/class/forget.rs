@@ -128,3 +128,32 @@ impl RecentSizes {
         self.sizes.get(run).map_or(f64::NAN, |sizes| sizes.iter().sum())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Decay, squared};
+    use crate::coupled::played::OUTPUTS;
+
+    #[test]
+    fn what_comes_after_is_at_least_a_sum_to_the_end() {
+        // y_k = 3 ρ^{k/N} with steps of whole blocks: the slowest output that the bound allows.
+        let (block, ratio) = (4, 0.2_f64);
+        let decay = Decay { block, ratio, outputs: vec![[3.0; OUTPUTS]] };
+        let size = |k: usize| ratio.powi(i32::try_from(k / block).unwrap_or(i32::MAX));
+        let last = 12;
+        let before: f64 = (last - block..last).map(size).sum();
+        for (p, bound) in decay.rest((0, 0), last).into_iter().enumerate() {
+            let age = |k: usize| (k as f64 + 2.0).powi(i32::try_from(p).unwrap_or(0));
+            let sum: f64 = (last..400).map(|k| 3.0 * size(k) * age(k)).sum();
+            // The block before counts once more.
+            let most: f64 = (last - block..400).map(|k| 3.0 * size(k) * age(k + 2 * block)).sum();
+            assert!(sum < before * bound && before * bound < most, "{p}: {sum} {bound} {most}");
+        }
+    }
+
+    #[test]
+    fn a_matrix_is_squared() {
+        let squared = squared(&[1.0, 2.0, 0.0, 3.0], 2);
+        assert!(squared.iter().zip([1.0, 8.0, 0.0, 9.0]).all(|(a, b)| (a - b).abs() < 1e-15));
+    }
+}
