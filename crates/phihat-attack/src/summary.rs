@@ -86,10 +86,6 @@ impl AttackSummary {
             panics,
         };
         let (mut large, mut small) = (Vec::new(), Vec::new());
-        let again: Vec<_> = records.iter().filter_map(|record| record.second_derivation).collect();
-        summary.second_runs = again.iter().map(|again| again.runs).sum();
-        summary.second_over_first =
-            spread(&again.iter().map(|again| again.wider).collect::<Vec<_>>());
         for record in records {
             let ended = format!("{:?}", record.ended);
             *summary.ended.entry(ended).or_default() += 1;
@@ -99,12 +95,6 @@ impl AttackSummary {
             }
             for why in &record.redrawn {
                 *summary.redrawn.entry(short(why)).or_default() += 1;
-            }
-            if let Some(second) = &record.second {
-                summary.second.0 += second.runs;
-                if let Some(why) = &second.skipped {
-                    *summary.second.1.entry(why.clone()).or_default() += 1;
-                }
             }
             summary.runs.0 += record.runs.0;
             summary.runs.1 += record.runs.1;
@@ -129,9 +119,23 @@ impl AttackSummary {
             }
         }
         summary.positions(records);
+        summary.second_derivations(records);
         summary.ratio_large = spread(&large);
         summary.ratio_small = spread(&small);
         summary
+    }
+
+    /// Adds the figures of second derivations.
+    fn second_derivations(&mut self, records: &[AttackRecord]) {
+        let again = || records.iter().filter_map(|record| record.second_derivation);
+        self.second_runs = again().map(|again| again.runs).sum();
+        for second in records.iter().filter_map(|record| record.second.as_ref()) {
+            self.second.0 += second.runs;
+            if let Some(why) = &second.skipped {
+                *self.second.1.entry(why.clone()).or_default() += 1;
+            }
+        }
+        self.second_over_first = spread(&again().map(|again| again.wider).collect::<Vec<_>>());
     }
 
     /// Adds the figures of laws from positions alone.

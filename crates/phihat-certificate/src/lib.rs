@@ -72,7 +72,7 @@ pub use arm::{ArmBasis, ArmInertia};
 pub use attenuation::{Attenuation, Interval};
 pub use bounds::Bounds;
 pub use certificate::{Certificate, ErrorBound, JointCertificate};
-pub use class::{ClassAgain, ClassBound, ClassPace, ClassWitness, JointOfClass};
+pub use class::{ClassAgain, ClassBound, ClassPace, ClassPair, ClassWitness, JointOfClass};
 pub use coarser::CoarserEncoder;
 pub use continuous::ContinuousLaw;
 pub use coupled::{CoupledGains, FrozenPayload, FrozenPosture};

@@ -113,7 +113,9 @@ impl Certificate {
         let (tube, class) = (verified.tube.as_ref(), verified.class.as_ref());
         verified.error_bounds = self.checked_bounds(gains, tube, class);
         verified.not_proved = self.not_proved();
-        verified.not_proved.extend(tube.into_iter().flat_map(|tube| tube.first_only.clone()));
+        let first_only = tube.map(|tube| &tube.first_only);
+        let all = first_only.into_iter().chain(class.map(|class| &class.first_only));
+        verified.not_proved.extend(all.flatten().cloned());
         let standing = verified.error_bounds.iter().map(|bound| bound.verdict).min();
         verified.verdict = if verified.bounded && verified.not_proved.is_empty() {
             standing.unwrap_or(Verdict::NotProved)

@@ -47,3 +47,4 @@ pub use beside::{CONFIRMED, JointBeside, TIGHTER, beside};
 pub use document::derive;
 pub use inputs::{TubeInputs, TubeReference};
 pub use scope::ScopeRefusal as TubeRefusal;
+pub(crate) use scope::counted;
