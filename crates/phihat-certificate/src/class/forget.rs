@@ -147,7 +147,10 @@ mod tests {
             let sum: f64 = (last..400).map(|k| 3.0 * size(k) * age(k)).sum();
             // The block before counts once more.
             let most: f64 = (last - block..400).map(|k| 3.0 * size(k) * age(k + 2 * block)).sum();
-            assert!(sum < before * bound && before * bound < 1.001 * most, "{p}: {sum} {bound} {most}");
+            assert!(
+                sum < before * bound && before * bound < 1.001 * most,
+                "{p}: {sum} {bound} {most}"
+            );
         }
     }
 
