@@ -125,7 +125,7 @@ fn class_bound(claimed: f64, joint: usize, again: Option<&ClassAgain>) -> Standi
     }
     match again.joints.get(joint).map(|own| own.error_bound_rad) {
         Some(pair) if pair.wider().is_finite() => {
-            let basis = "the wider of two derivations, on maxima that both searched (C8)";
+            let basis = "the wider of two derivations, on maxima that both searched, assumption C8";
             (pair.wider(), Verdict::DerivedTwice, basis.into())
         }
         _ => once(claimed, "the second derivation gives no bound"),

@@ -16,10 +16,10 @@ const RESTS_ON: [CheckName; 4] =
 pub struct DriveBound {
     /// Largest bound on `|e|` of a joint \[rad\]; `None`: there is none.
     pub error_bound_rad: Option<f64>,
-    /// BoundStanding of that bound, as `phihat verify` has it; `None`: there is none.
+    /// Standing of that bound, as `phihat verify` has it; `None`: there is none.
     pub standing: Option<BoundStanding>,
-    /// The statement in a sentence: the bound with its standing and its conditions, `DERIVED TWICE ≤ 0.264 mrad for …`, or
-    /// `NOT PROVED: …` with the first clause that is in the way.
+    /// The statement in a sentence: the bound with its standing and its conditions, `DERIVED TWICE ≤ 0.264 mrad for …`,
+    /// or `NOT PROVED: …` with the first clause that is in the way.
     pub sentence: String,
 }
 
@@ -43,7 +43,8 @@ pub(crate) struct Subject<'a> {
 }
 
 impl DriveBound {
-    /// Checks the claim that a drive rests on once more, as `phihat verify --study` does; that of a class takes seconds.
+    /// Checks the claim that a drive rests on once more, as `phihat verify --study` does; that of a class takes
+    /// seconds.
     pub(crate) fn of(subject: Subject<'_>, checks: &[Check]) -> Result<Self, SessionError> {
         Ok(match bound(subject, checks)? {
             Ok((standing, scope)) => Self {
@@ -61,9 +62,9 @@ impl DriveBound {
 }
 
 /// The largest bound of a joint, and its scope; else the first clause that is in the way.
-type Found = Result<(BoundStanding, String), Unbounded>;
+type FoundBound = Result<(BoundStanding, String), Unbounded>;
 
-fn bound(subject: Subject<'_>, checks: &[Check]) -> Result<Found, SessionError> {
+fn bound(subject: Subject<'_>, checks: &[Check]) -> Result<FoundBound, SessionError> {
     let Subject { study, own, gains } = subject;
     let Some(own) = own else {
         let why = "a first motion, whose gains are cautious and not certified";
@@ -120,7 +121,7 @@ fn within_class(study: &Study, class: &ClassBound) -> Result<String, Unbounded> 
         "as long as no limit acts"
     };
     Ok(format!(
-        "for any motion within {}; {conditions}; maxima are those of two searches (C8)",
+        "for any motion within {}; {conditions}; maxima are those of two searches, assumption C8",
         pace(class)
     ))
 }

@@ -1,6 +1,6 @@
 //! Statement of a drive about its error before it moves, and how near it came. Wrong if a drive whose references are
-//! kept in a class says nothing, another bound or another word than a check of its gains with their study, if one without
-//! a bound does not say so, or if the share is not that of the record.
+//! kept in a class says nothing, another bound or another word than a check of its gains with their study, if one
+//! without a bound does not say so, or if the share is not that of the record.
 
 use std::fs;
 use std::path::Path;

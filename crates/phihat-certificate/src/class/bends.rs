@@ -4,7 +4,7 @@ use phihat_model::{Model, Workspace};
 use phihat_study::MotionClass;
 
 use super::dynamics::{Dynamics, weights};
-use super::sums::Square;
+use super::sums::SquareBlock;
 use crate::extremes::larger;
 
 /// Step of second differences \[rad, m\].
@@ -15,33 +15,33 @@ pub(super) const MARGIN: f64 = 1.1;
 
 /// Maxima, entry by entry.
 #[derive(Debug, Clone)]
-pub(super) struct Bends {
+pub(super) struct ClassBends {
     /// `M₂ = Σ_cb |∂_b ∂_c M| v_c v_b`, `Q₂ = Σ_cb |∂_b (2 ∂_c M − D_c)| v_c v_b`, the same of `∂_c M − D_c`.
-    pub(super) mass: Square,
-    pub(super) twice: Square,
-    pub(super) once: Square,
+    pub(super) mass: SquareBlock,
+    pub(super) twice: SquareBlock,
+    pub(super) once: SquareBlock,
     /// `P₂ = Σ_c |∂_c M − D_c| a_c + Σ_cb |∂_b (∂_c M − D_c)| v_c v_b`, and its first sum alone.
-    pub(super) force: Square,
-    pub(super) push: Square,
+    pub(super) force: SquareBlock,
+    pub(super) push: SquareBlock,
     /// `Σ_b |∂_b K_g| v_b`, and `K_a`.
-    pub(super) gravity_rate: Square,
-    pub(super) gradient: Square,
+    pub(super) gravity_rate: SquareBlock,
+    pub(super) gradient: SquareBlock,
     /// `Σ_c |∂_c M| v_c`, `Σ_c |∂_c M − D_c| v_c`.
-    pub(super) moved: Square,
-    pub(super) started: Square,
+    pub(super) moved: SquareBlock,
+    pub(super) started: SquareBlock,
     /// `|∂g_0/∂q|` of the arm whose gravity the robot adds.
-    pub(super) added: Square,
+    pub(super) added: SquareBlock,
     /// For each `c`: `|∂_c M|`, `|D_c|`, `|∂_c K_g|`, `Σ_b |∂_c D_b| v_b`, `Σ_b |∂_c ∂_b M| v_b`.
-    pub(super) masses: Vec<Square>,
-    pub(super) coriolis: Vec<Square>,
-    pub(super) gravity: Vec<Square>,
-    pub(super) turned: Vec<Square>,
-    pub(super) bent: Vec<Square>,
+    pub(super) masses: Vec<SquareBlock>,
+    pub(super) coriolis: Vec<SquareBlock>,
+    pub(super) gravity: Vec<SquareBlock>,
+    pub(super) turned: Vec<SquareBlock>,
+    pub(super) bent: Vec<SquareBlock>,
     /// Postures looked at.
     pub(super) postures: usize,
 }
 
-impl Bends {
+impl ClassBends {
     pub(super) fn none(n: usize) -> Self {
         let zero = || vec![0.0; n * n];
         let each = || vec![zero(); n];
@@ -65,7 +65,7 @@ impl Bends {
         }
     }
 
-    fn lists(&mut self) -> impl Iterator<Item = &mut Square> {
+    fn lists(&mut self) -> impl Iterator<Item = &mut SquareBlock> {
         let single = [
             &mut self.mass,
             &mut self.twice,
@@ -110,7 +110,7 @@ impl Bends {
     ) -> Self {
         let n = q.len();
         let dynamics = Dynamics::at(model, added, q);
-        let bent = Second::at((model, added), q);
+        let bent = BentDynamics::at((model, added), q);
         let (v, a) = (&class.speed, &class.acceleration);
         let mut own = Self::none(n);
         own.postures = 1;
@@ -150,19 +150,19 @@ impl Bends {
     }
 }
 
-/// Second derivatives at a posture.
-struct Second {
+/// BentDynamics derivatives at a posture.
+struct BentDynamics {
     n: usize,
     /// `∂_b ∂_c M`, and `∂_b ∂_c g`, at `b n + c`.
-    mass: Vec<Square>,
+    mass: Vec<SquareBlock>,
     gravity: Vec<Vec<f64>>,
 }
 
-impl Second {
+impl BentDynamics {
     /// By differences of the mass matrix and of gravity's torque themselves, at four corners around the posture.
     fn at((model, added): (&Model, Option<&Model>), q: &[f64]) -> Self {
         let n = q.len();
-        let mut arm = Held::of(model, added, n);
+        let mut arm = AddedArm::of(model, added, n);
         let middle = arm.at(q);
         let mut own = Self { n, mass: vec![Vec::new(); n * n], gravity: vec![Vec::new(); n * n] };
         for b in 0..n {
@@ -213,14 +213,14 @@ fn second([a, b, c, d]: &[&Vec<f64>; 4], h: f64) -> Vec<f64> {
 }
 
 /// An arm at rest.
-struct Held<'a> {
+struct AddedArm<'a> {
     model: &'a Model,
     added: Option<(&'a Model, Workspace<f64>)>,
     room: Workspace<f64>,
     rest: Vec<f64>,
 }
 
-impl<'a> Held<'a> {
+impl<'a> AddedArm<'a> {
     fn of(model: &'a Model, added: Option<&'a Model>, n: usize) -> Self {
         let added = added.map(|bare| (bare, Workspace::new(bare)));
         Self { model, added, room: Workspace::new(model), rest: vec![0.0; n] }
@@ -246,7 +246,7 @@ impl<'a> Held<'a> {
 mod tests {
     use phihat_model::Robot;
 
-    use super::{Dynamics, STEP, Second};
+    use super::{BentDynamics, Dynamics, STEP};
 
     #[test]
     fn second_derivatives_are_those_of_the_first() {
@@ -254,7 +254,7 @@ mod tests {
         let robot = Robot::named("panda").unwrap();
         let model = robot.plant_model().with_gravity(phihat_model::GRAVITY);
         let q = [0.1, -0.7, 0.2, -2.1, 0.3, 1.4, 0.6];
-        let own = Second::at((&model, None), &q);
+        let own = BentDynamics::at((&model, None), &q);
         for b in 0..7 {
             let moved = |by: f64| {
                 let place: Vec<f64> =

@@ -6,14 +6,14 @@ use phihat_model::{Body, Model};
 use phihat_study::{ReferenceRequest, Study};
 use serde::Serialize;
 
-use super::bends::{Bends, MARGIN};
+use super::bends::{ClassBends, MARGIN};
 use super::document::ClassBound;
 use super::dynamics::Dynamics;
 use super::maxima::Maxima;
 use super::places::PostureDice;
 use super::setting::{CLAIM, ClassSetting, bodies, models, rotors};
 use super::shared::shared;
-use super::solve::{PlayedPosture, Problem, Solution};
+use super::solve::{BoundProblem, PlayedPosture, Solution};
 use super::sums::PlayedSums;
 use crate::check::plausible::at_most;
 use crate::extremes::{Extremes as _, larger};
@@ -77,8 +77,8 @@ impl JointOfClass {
 ///
 /// # Method
 ///
-/// (CM2) to (CM7) of docs/theory/class.md once more, by means of this crate. Impulses, misreadings and starts are played
-/// through the checker's own loop at the file's witnesses and at postures that a seed decides, with every payload in
+/// (CM2) to (CM7) of docs/theory/class.md once more, by means of this crate. Impulses, misreadings and starts are
+/// played through the checker's own loop at the file's witnesses and at postures that a seed decides, with every payload in
 /// turn; what comes after the played time is bounded by a power of the loop's matrix. Coriolis torque is taken from
 /// inverse dynamics, second derivatives from differences of the inertia and of gravity's torque.
 ///
@@ -130,7 +130,7 @@ impl ClassAgain {
 }
 
 /// A posture at which kicks are played: the arm with its payload, and its place.
-type Placed = (Model, Vec<f64>);
+type PlacedModel = (Model, Vec<f64>);
 
 impl Certificate {
     /// Derives the bound for a class again, and holds the file's against it; `None`: the file has none.
@@ -168,11 +168,11 @@ impl Certificate {
         });
         let all: Vec<PlayedPosture> = all.into_iter().collect::<Result<_, Refutation>>()?;
         let start = setting.start.imbalance((&maxima, claimed), (study, MARGIN))?;
-        let of = |bends: &Bends| {
+        let of = |bends: &ClassBends| {
             let start = (start.clone(), claimed.start_s);
-            Problem { setting: &setting, maxima: &maxima, bends, start }.solve(&all)
+            BoundProblem { setting: &setting, maxima: &maxima, bends, start }.solve(&all)
         };
-        refuted(&of(&Bends::none(setting.n))?, claimed, gains)?;
+        refuted(&of(&ClassBends::none(setting.n))?, claimed, gains)?;
         let counts = (all.len(), bends.postures, maxima.points);
         let again = match of(&bends) {
             Ok(own) => beside((claimed, &own), (self, gains, study), counts),
@@ -280,7 +280,7 @@ fn first_only(
 }
 
 /// The arm at the file's witnesses, with rotors at both ends of their intervals.
-fn witnesses(study: &Study, claimed: &ClassBound) -> Result<Vec<Placed>, Refutation> {
+fn witnesses(study: &Study, claimed: &ClassBound) -> Result<Vec<PlacedModel>, Refutation> {
     let bodies = bodies(study);
     let mut placed = Vec::new();
     for witness in &claimed.witnesses {
@@ -302,7 +302,7 @@ fn witnesses(study: &Study, claimed: &ClassBound) -> Result<Vec<Placed>, Refutat
 }
 
 /// So many postures that are drawn, with the models in turn.
-fn drawn(models: &[Model], count: usize, mut place: impl FnMut() -> Vec<f64>) -> Vec<Placed> {
+fn drawn(models: &[Model], count: usize, mut place: impl FnMut() -> Vec<f64>) -> Vec<PlacedModel> {
     models.iter().cycle().take(count).map(|model| (model.clone(), place())).collect()
 }
 
@@ -310,7 +310,7 @@ impl ClassSetting<'_> {
     fn played(
         &self,
         loops: &[(&JointRecord, &LoopModel)],
-        (model, q): &Placed,
+        (model, q): &PlacedModel,
     ) -> Result<PlayedPosture, Refutation> {
         let dynamics = Dynamics::at(model, self.added.as_ref(), q);
         let inverse = crate::coupled::inverse(&dynamics.mass, self.n)?;
@@ -320,13 +320,13 @@ impl ClassSetting<'_> {
     }
 
     /// Maxima of derivatives over the postures, with their margin.
-    fn bends(&self, placed: &[Placed], more: &[Placed]) -> Bends {
-        let all: Vec<&Placed> = placed.iter().chain(more).collect();
+    fn bends(&self, placed: &[PlacedModel], more: &[PlacedModel]) -> ClassBends {
+        let all: Vec<&PlacedModel> = placed.iter().chain(more).collect();
         let found = shared(all.len(), |at| {
             let (model, q) = all[at];
-            Bends::at((model, self.added.as_ref()), self.class, q)
+            ClassBends::at((model, self.added.as_ref()), self.class, q)
         });
-        let mut most = Bends::none(self.n);
+        let mut most = ClassBends::none(self.n);
         for own in found {
             most.and(own);
         }

@@ -10,8 +10,8 @@ const SQUARINGS: usize = 20;
 /// Sum of a row that a power of the matrix has at most.
 const SHRUNK: f64 = 0.25;
 
-/// Decay of a loop: `‖x_{k+N}‖ ≤ ρ ‖x_k‖` for every state, in the largest norm of the states' own units.
-pub(super) struct Decay {
+/// TailDecay of a loop: `‖x_{k+N}‖ ≤ ρ ‖x_k‖` for every state, in the largest norm of the states' own units.
+pub(super) struct TailDecay {
     /// `N` \[samples\].
     pub(super) block: usize,
     /// `ρ`.
@@ -20,7 +20,7 @@ pub(super) struct Decay {
     outputs: Vec<[f64; OUTPUTS]>,
 }
 
-impl Decay {
+impl TailDecay {
     /// From one sample of a state with a unit in each of its places, and its powers.
     ///
     /// # Errors
@@ -131,14 +131,14 @@ impl RecentSizes {
 
 #[cfg(test)]
 mod tests {
-    use super::{Decay, squared};
+    use super::{TailDecay, squared};
     use crate::coupled::played::OUTPUTS;
 
     #[test]
     fn what_comes_after_is_at_least_a_sum_to_the_end() {
         // y_k = 3 ρ^{k/N} with steps of whole blocks: the slowest output that the bound allows.
         let (block, ratio) = (4, 0.2_f64);
-        let decay = Decay { block, ratio, outputs: vec![[3.0; OUTPUTS]] };
+        let decay = TailDecay { block, ratio, outputs: vec![[3.0; OUTPUTS]] };
         let size = |k: usize| ratio.powi(i32::try_from(k / block).unwrap_or(i32::MAX));
         let last = 12;
         let before: f64 = (last - block..last).map(size).sum();

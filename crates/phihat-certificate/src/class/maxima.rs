@@ -15,12 +15,12 @@ const MOMENT: f64 = 3e-5;
 /// Passes over all signs and positions from the best of the points.
 const PASSES: usize = 3;
 
-/// Torques of the arm along motions of the class.
-pub(super) struct Torques<'a> {
+/// ClassTorques of the arm along motions of the class.
+pub(super) struct ClassTorques<'a> {
     pub(super) class: &'a MotionClass,
     /// `M̄`.
     pub(super) nominal: &'a [f64],
-    /// What is fed forward in place of `M̄ q̈_d`; true: gravity alone, on top of it.
+    /// Torque that is fed forward in place of `M̄ q̈_d`; true: gravity alone, on top of it.
     pub(super) fed: Option<(&'a Model, bool)>,
     /// The arm whose torque of gravity the robot adds by itself.
     pub(super) added: Option<&'a Model>,
@@ -56,7 +56,7 @@ const KINDS: usize = 4;
 
 /// A point of the class: posture, velocity, acceleration, and the index of the arm with its payload.
 #[derive(Debug, Clone)]
-struct Point {
+struct ClassPoint {
     q: Vec<f64>,
     dq: Vec<f64>,
     ddq: Vec<f64>,
@@ -68,23 +68,23 @@ type Rooms = (Workspace<f64>, Workspace<f64>, Workspace<f64>);
 
 impl Maxima {
     /// Looks at points of the class, all of them corners of speed and acceleration, with every payload.
-    pub(super) fn of(torques: &Torques<'_>, models: &[Model], dice: &mut PostureDice) -> Self {
+    pub(super) fn of(torques: &ClassTorques<'_>, models: &[Model], dice: &mut PostureDice) -> Self {
         let n = torques.nominal.len();
         let mut search = Search::new(torques, models);
-        let mut best: Vec<Option<(f64, Point)>> = vec![None; KINDS * n];
+        let mut best: Vec<Option<(f64, ClassPoint)>> = vec![None; KINDS * n];
         for k in 0..POINTS {
             let class = torques.class;
             let q = dice.place(class);
             let dq = class.speed.iter().map(|v| v * dice.sign()).collect();
             let ddq = class.acceleration.iter().map(|a| a * dice.sign()).collect();
-            let point = Point { q, dq, ddq, case: k % models.len().max(1) };
+            let point = ClassPoint { q, dq, ddq, case: k % models.len().max(1) };
             for (best, value) in best.iter_mut().zip(search.values(&point)) {
                 if best.as_ref().is_none_or(|(most, _)| value.is_nan() || value > *most) {
                     *best = Some((value, point.clone()));
                 }
             }
         }
-        let climbed = |(which, found): (usize, Option<(f64, Point)>)| {
+        let climbed = |(which, found): (usize, Option<(f64, ClassPoint)>)| {
             found.map_or(f64::NAN, |(value, point)| search.climbed(which, value, point, dice))
         };
         let most: Vec<f64> = best.into_iter().enumerate().map(climbed).collect();
@@ -97,7 +97,7 @@ impl Maxima {
 }
 
 struct Search<'a> {
-    torques: &'a Torques<'a>,
+    torques: &'a ClassTorques<'a>,
     models: &'a [Model],
     rooms: Vec<Rooms>,
     /// Size and rate by the jerk of the part in the acceleration, rate by the jerk of what is fed, what a start leaves.
@@ -106,7 +106,7 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(torques: &'a Torques<'a>, models: &'a [Model]) -> Self {
+    fn new(torques: &'a ClassTorques<'a>, models: &'a [Model]) -> Self {
         let room = |model: &Model| {
             let fed = torques.fed.map_or(model, |(fed, _)| fed);
             let bare = torques.added.unwrap_or(model);
@@ -118,7 +118,7 @@ impl<'a> Search<'a> {
     }
 
     /// The four kinds at a point, joint by joint; what depends on the posture alone is collected.
-    fn values(&mut self, point: &Point) -> Vec<f64> {
+    fn values(&mut self, point: &ClassPoint) -> Vec<f64> {
         let n = self.torques.nominal.len();
         let Some((model, rooms)) = self.models.get(point.case).zip(self.rooms.get_mut(point.case))
         else {
@@ -149,7 +149,7 @@ impl<'a> Search<'a> {
     }
 
     /// Of each joint at a posture: the part in the acceleration, and what the start leaves of gravity.
-    fn posture(&mut self, point: &Point) {
+    fn posture(&mut self, point: &ClassPoint) {
         let (torques, n) = (self.torques, self.torques.nominal.len());
         let Some((model, rooms)) = self.models.get(point.case).zip(self.rooms.get_mut(point.case))
         else {
@@ -186,7 +186,7 @@ impl<'a> Search<'a> {
         &mut self,
         which: usize,
         mut value: f64,
-        mut point: Point,
+        mut point: ClassPoint,
         dice: &mut PostureDice,
     ) -> f64 {
         let n = self.torques.nominal.len();
@@ -195,7 +195,7 @@ impl<'a> Search<'a> {
             for i in 0..n {
                 let (low, high) = (self.torques.class.low[i], self.torques.class.high[i]);
                 let drawn = low + (high - low) * dice.share();
-                let mut moved: Vec<Point> = Vec::new();
+                let mut moved: Vec<ClassPoint> = Vec::new();
                 for q in [low, high, drawn] {
                     let mut other = point.clone();
                     other.q[i] = q;
@@ -213,7 +213,7 @@ impl<'a> Search<'a> {
                 }
             }
             for case in 0..self.models.len() {
-                self.better(which, Point { case, ..point.clone() }, (&mut value, &mut point));
+                self.better(which, ClassPoint { case, ..point.clone() }, (&mut value, &mut point));
             }
             if value <= before * (1.0 + 1e-6) {
                 break;
@@ -222,7 +222,12 @@ impl<'a> Search<'a> {
         value
     }
 
-    fn better(&mut self, which: usize, other: Point, (value, point): (&mut f64, &mut Point)) {
+    fn better(
+        &mut self,
+        which: usize,
+        other: ClassPoint,
+        (value, point): (&mut f64, &mut ClassPoint),
+    ) {
         let own = self.values(&other).get(which).copied().unwrap_or(f64::NAN);
         if own.is_nan() || own > *value {
             (*value, *point) = (own, other);
@@ -230,7 +235,7 @@ impl<'a> Search<'a> {
     }
 }
 
-impl Torques<'_> {
+impl ClassTorques<'_> {
     /// Torque of a motion without friction, less what the robot adds, and of what is fed forward for it.
     fn at(
         &self,

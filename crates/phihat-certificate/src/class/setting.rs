@@ -4,7 +4,7 @@ use phihat_model::{Body, Model, Rotor};
 use phihat_study::{Held, Known, MotionClass, Study};
 
 use super::document::ClassBound;
-use super::maxima::{Maxima, Torques};
+use super::maxima::{ClassTorques, Maxima};
 use crate::check::agree::agrees;
 use crate::check::plausible::at_most;
 use crate::extremes::larger;
@@ -34,11 +34,11 @@ pub(super) struct ClassSetting<'a> {
     pub(super) added: Option<Model>,
     /// Largest age of what is fed forward \[samples\].
     pub(super) late: f64,
-    pub(super) start: Start,
+    pub(super) start: ClassStart,
 }
 
-/// Start of the law, as a study has it.
-pub(super) struct Start {
+/// ClassStart of the law, as a study has it.
+pub(super) struct ClassStart {
     /// True if a supervisor starts it.
     pub(super) supervised: bool,
     /// Torque that it starts with \[N·m\].
@@ -47,7 +47,7 @@ pub(super) struct Start {
     pub(super) stated: Option<Vec<f64>>,
 }
 
-impl Start {
+impl ClassStart {
     /// The arm starts in balance, on the reference, or a supervisor that leaves the law as it is starts it.
     fn of(study: &Study) -> Result<Self, Refutation> {
         let n = study.robot.joints.len();
@@ -183,7 +183,7 @@ impl<'a> ClassSetting<'a> {
         let mut alone = study.clone();
         alone.supervisor = None;
         crate::tube::counted(&alone).map_err(|why| refuse(CLAIM, &why.to_string(), 1.0, 0.0))?;
-        let start = Start::of(study)?;
+        let start = ClassStart::of(study)?;
         let profile = &study.interface.profile;
         let lone =
             profile.adds_friction <= 0.0 && !(profile.adds_gravity && study.feedforward.is_some());
@@ -254,9 +254,9 @@ impl<'a> ClassSetting<'a> {
         Refutation::unless(CLAIM, "payloads of the study", own.mass_kg.1, set.mass.1, same)
     }
 
-    /// Torques of the arm along motions of the class.
-    pub(super) fn torques(&self) -> Torques<'_> {
-        Torques {
+    /// ClassTorques of the arm along motions of the class.
+    pub(super) fn torques(&self) -> ClassTorques<'_> {
+        ClassTorques {
             class: self.class,
             nominal: &self.nominal,
             fed: self.fed.as_ref().map(|(model, gravity)| (model, *gravity)),

@@ -1,11 +1,11 @@
 //! The least solution of (CM5) over the postures that were played: error, velocity error, torque step, torque.
 
-use super::bends::Bends;
+use super::bends::ClassBends;
 use super::maxima::Maxima;
 use super::setting::{CLAIM, ClassSetting, SAME};
 use super::sums::{
     AGED, BEGUN, E, EDGE, FREE, IMPULSE, JUMP_BENT, KINDS, LASTING, PlayedSums, RAMP, READING,
-    SLOPE, SLOPE_AGED, SLOPE_BENT, STEP, Square, TORQUE, V,
+    SLOPE, SLOPE_AGED, SLOPE_BENT, STEP, SquareBlock, TORQUE, V,
 };
 use crate::Refutation;
 use crate::extremes::{Extremes as _, larger};
@@ -17,15 +17,15 @@ const ROUNDS: usize = 2000;
 /// Factor on every step of the iteration, so that its end satisfies (CM5) strictly.
 const STRICT: f64 = 1.001;
 
-/// Errors beyond which the iteration is given up \[rad\].
+/// ErrorPair beyond which the iteration is given up \[rad\].
 const LOST: f64 = 2.0;
 
 /// The sums at a posture with its matrices.
 pub(super) struct PlayedPosture {
     pub(super) sums: PlayedSums,
     /// `|M|` and `|M^{-1}|`.
-    pub(super) mass: Square,
-    pub(super) inverse: Square,
+    pub(super) mass: SquareBlock,
+    pub(super) inverse: SquareBlock,
 }
 
 /// Bounds per joint.
@@ -38,23 +38,23 @@ pub(super) struct Solution {
 }
 
 /// All that bounds depend on.
-pub(super) struct Problem<'a> {
+pub(super) struct BoundProblem<'a> {
     pub(super) setting: &'a ClassSetting<'a>,
     pub(super) maxima: &'a Maxima,
-    pub(super) bends: &'a Bends,
+    pub(super) bends: &'a ClassBends,
     /// Torque by which the start may be out of balance \[N·m\], and for how long before the law acts \[s\].
     pub(super) start: (Vec<f64>, f64),
 }
 
 /// Matrices of one posture on errors and on velocity errors, and its answer to what depends on neither.
-struct Maps {
-    error: [Square; KINDS],
-    velocity: [Square; KINDS],
+struct PostureMaps {
+    error: [SquareBlock; KINDS],
+    velocity: [SquareBlock; KINDS],
     fixed: [Vec<f64>; KINDS],
 }
 
 /// Bounds on error and velocity error.
-type Errors<'a> = (&'a [f64], &'a [f64]);
+type ErrorPair<'a> = (&'a [f64], &'a [f64]);
 
 /// `row i of m · x`.
 fn along(m: &[f64], i: usize, x: &[f64]) -> f64 {
@@ -72,19 +72,19 @@ fn add_product(out: &mut [f64], (a, b): (&[f64], &[f64]), n: usize) {
 }
 
 /// `Σ_c y_c (list_c x)_i`.
-fn bilinear(list: &[Square], i: usize, (y, x): (&[f64], &[f64])) -> f64 {
+fn bilinear(list: &[SquareBlock], i: usize, (y, x): (&[f64], &[f64])) -> f64 {
     list.iter().zip(y).map(|(m, y)| y * along(m, i, x)).sum()
 }
 
-impl Problem<'_> {
+impl BoundProblem<'_> {
     /// Bounds on error, velocity error, torque step and torque over some postures.
     ///
-    /// # Errors
+    /// # ErrorPair
     ///
     /// [`Refutation`]: (CM5) has no solution.
     pub(super) fn solve(&self, all: &[PlayedPosture]) -> Result<Solution, Refutation> {
         let n = self.setting.n;
-        let maps: Vec<Maps> = all.iter().map(|own| self.maps(own)).collect();
+        let maps: Vec<PostureMaps> = all.iter().map(|own| self.maps(own)).collect();
         let open = || refuse(CLAIM, "the class closes at postures derived again", LOST, 1.0);
         let (mut error, mut velocity) = (vec![0.0; n], vec![0.0; n]);
         let mut still = false;
@@ -126,10 +126,10 @@ impl Problem<'_> {
     }
 
     /// Matrices and fixed answers of a posture.
-    fn maps(&self, own: &PlayedPosture) -> Maps {
+    fn maps(&self, own: &PlayedPosture) -> PostureMaps {
         let (n, bends, sums) = (self.setting.n, self.bends, &own.sums);
         let speed = &self.setting.class.speed;
-        let each = || -> [Square; KINDS] { core::array::from_fn(|_| vec![0.0; n * n]) };
+        let each = || -> [SquareBlock; KINDS] { core::array::from_fn(|_| vec![0.0; n * n]) };
         let (mut error, mut velocity) = (each(), each());
         for o in 0..KINDS {
             let sizes = &sums.sizes[o];
@@ -151,7 +151,7 @@ impl Problem<'_> {
             }
         }
         let fixed = core::array::from_fn(|o| (0..n).map(|i| self.fixed(own, o, i)).collect());
-        Maps { error, velocity, fixed }
+        PostureMaps { error, velocity, fixed }
     }
 
     /// Answer of a joint to all that depends on no error: forces, rates, readings, start.
@@ -192,7 +192,7 @@ impl Problem<'_> {
     }
 
     /// Force of any course that errors are of second order in, and `|N_e| V`.
-    fn second(&self, j: usize, (error, velocity): Errors<'_>) -> (f64, f64) {
+    fn second(&self, j: usize, (error, velocity): ErrorPair<'_>) -> (f64, f64) {
         let bends = self.bends;
         let torque = self.setting.slope[j] * velocity[j]
             + self.added(j, velocity)
@@ -205,7 +205,12 @@ impl Problem<'_> {
     }
 
     /// The largest value of an output over the postures, joint by joint, from bounds on error and velocity error.
-    fn most(&self, (all, maps): (&[PlayedPosture], &[Maps]), o: usize, at: Errors<'_>) -> Vec<f64> {
+    fn most(
+        &self,
+        (all, maps): (&[PlayedPosture], &[PostureMaps]),
+        o: usize,
+        at: ErrorPair<'_>,
+    ) -> Vec<f64> {
         let n = self.setting.n;
         let inputs: Vec<(f64, f64)> = (0..n).map(|j| self.second(j, at)).collect();
         let mut most = vec![0.0; n];
@@ -217,7 +222,11 @@ impl Problem<'_> {
     }
 
     /// The largest torque: of the motion and of smooth friction along it, and what the law adds to that.
-    fn torques(&self, (all, maps): (&[PlayedPosture], &[Maps]), at: Errors<'_>) -> Vec<f64> {
+    fn torques(
+        &self,
+        (all, maps): (&[PlayedPosture], &[PostureMaps]),
+        at: ErrorPair<'_>,
+    ) -> Vec<f64> {
         let (setting, maxima, n) = (self.setting, self.maxima, self.setting.n);
         let inputs: Vec<(f64, f64)> = (0..n).map(|j| self.second(j, at)).collect();
         let mut most = vec![0.0; n];
@@ -242,9 +251,9 @@ impl Problem<'_> {
 
 /// An output at one posture, joint by joint.
 fn output(
-    (own, maps): (&PlayedPosture, &Maps),
+    (own, maps): (&PlayedPosture, &PostureMaps),
     o: usize,
-    (inputs, (error, velocity)): (&[(f64, f64)], Errors<'_>),
+    (inputs, (error, velocity)): (&[(f64, f64)], ErrorPair<'_>),
 ) -> Vec<f64> {
     let n = error.len();
     let sizes = &own.sums.sizes[o];

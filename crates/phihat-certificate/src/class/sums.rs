@@ -1,7 +1,7 @@
 //! Sums over kicks, misreadings and starts that are played at one posture, with what comes after the last sample.
 
 use super::dynamics::Dynamics;
-use super::forget::{Decay, RecentSizes};
+use super::forget::{RecentSizes, TailDecay};
 use crate::coupled::played::{OUTPUTS, PlayedRuns};
 use crate::extremes::{Extremes as _, larger};
 use crate::refutation::refuse;
@@ -42,31 +42,31 @@ pub(super) const EDGE: usize = 12;
 const SIZES: usize = 13;
 
 /// A square matrix, row by row.
-pub(super) type Square = Vec<f64>;
+pub(super) type SquareBlock = Vec<f64>;
 
 /// The sums at a posture; rows: the joint that answers; columns: the joint that is pushed, misread or displaced.
 pub(super) struct PlayedSums {
     pub(super) n: usize,
-    pub(super) sizes: [[Square; SIZES]; KINDS],
+    pub(super) sizes: [[SquareBlock; SIZES]; KINDS],
     /// `∫|g K_g|`.
-    pub(super) gravity: [Square; KINDS],
+    pub(super) gravity: [SquareBlock; KINDS],
     /// Twice integrated of `e`, once integrated of the others, per unit of each joint's speed.
-    pub(super) moving: [Vec<Square>; KINDS],
+    pub(super) moving: [Vec<SquareBlock>; KINDS],
 }
 
 /// The posture's matrices side by side: row `l` of `[c][j]`.
-struct Blocks {
+struct WeightBlocks {
     /// `∂_c M`, `2 ∂_c M − D_c`, `∂_c M − D_c`.
-    slopes: Square,
-    twice: Square,
-    once: Square,
-    gravity: Square,
-    inverse: Square,
+    slopes: SquareBlock,
+    twice: SquareBlock,
+    once: SquareBlock,
+    gravity: SquareBlock,
+    inverse: SquareBlock,
 }
 
-impl Blocks {
+impl WeightBlocks {
     fn of(dynamics: &Dynamics, inverse: &Matrix) -> Self {
-        let side = |of: &dyn Fn(usize) -> Matrix| -> Square {
+        let side = |of: &dyn Fn(usize) -> Matrix| -> SquareBlock {
             let all: Vec<Matrix> = (0..dynamics.n).map(of).collect();
             let row = |l: usize| all.iter().flat_map(move |m| m[l].iter().copied());
             (0..dynamics.n).flat_map(row).collect()
@@ -111,10 +111,10 @@ fn straight(a: f64, b: f64) -> f64 {
 
 /// Answers of one sample: `[output]`, square: after a kick, a misreading, a displaced arm, a law that began off.
 struct Answers {
-    kick: [Square; KINDS],
-    read: [Square; KINDS],
-    arm: [Square; KINDS],
-    law: [Square; KINDS],
+    kick: [SquareBlock; KINDS],
+    read: [SquareBlock; KINDS],
+    arm: [SquareBlock; KINDS],
+    law: [SquareBlock; KINDS],
 }
 
 impl Answers {
@@ -126,12 +126,12 @@ impl Answers {
 
 /// Kernels at the sample before.
 struct Before {
-    node: [Square; KINDS],
-    slope: [Square; KINDS],
-    whole: [Square; KINDS],
+    node: [SquareBlock; KINDS],
+    slope: [SquareBlock; KINDS],
+    whole: [SquareBlock; KINDS],
     /// `g K_g` and `g (∂_c M − D_c)`, row by row.
-    gravity: [Square; KINDS],
-    once: [Vec<Square>; KINDS],
+    gravity: [SquareBlock; KINDS],
+    once: [Vec<SquareBlock>; KINDS],
 }
 
 impl Before {
@@ -160,7 +160,7 @@ impl PlayedSums {
         period: f64,
     ) -> Result<Self, Refutation> {
         let n = loops.len();
-        let decay = Decay::of(loops, inverse)?;
+        let decay = TailDecay::of(loops, inverse)?;
         let mut played = PlayedRuns::new(loops, inverse, 4 * n);
         for j in 0..n {
             played.kick(j, j, 0.0);
@@ -168,7 +168,7 @@ impl PlayedSums {
             played.displace(2 * n + j, j);
             played.begin(3 * n + j, j);
         }
-        let blocks = Blocks::of(dynamics, inverse);
+        let blocks = WeightBlocks::of(dynamics, inverse);
         let mut own = Self {
             n,
             sizes: core::array::from_fn(|_| core::array::from_fn(|_| vec![0.0; n * n])),
@@ -217,7 +217,7 @@ impl PlayedSums {
         &mut self,
         sample: usize,
         (now, before): (&Answers, &mut Before),
-        blocks: &Blocks,
+        blocks: &WeightBlocks,
         t: f64,
     ) {
         let (n, nn) = (self.n, self.n * self.n);
@@ -251,7 +251,7 @@ impl PlayedSums {
         (o, m): (usize, usize),
         (node, slope): (&[f64], &[f64]),
         before: &mut Before,
-        (blocks, t): (&Blocks, f64),
+        (blocks, t): (&WeightBlocks, f64),
     ) {
         let sizes = &mut self.sizes[o];
         let age = m as f64 * t;
@@ -287,7 +287,7 @@ impl PlayedSums {
         sample: usize,
         (node, slope): (&[f64], &[f64]),
         before: &mut Before,
-        (blocks, t): (&Blocks, f64),
+        (blocks, t): (&WeightBlocks, f64),
     ) {
         let n = self.n;
         let (mut gravity, mut all) = (vec![0.0; n], vec![0.0; n * n]);
@@ -341,13 +341,13 @@ impl PlayedSums {
     /// `T²/8` times `ë`.
     fn finish(
         &mut self,
-        (decay, recent, samples): (&Decay, &RecentSizes, usize),
-        (before, blocks): (&Before, &Blocks),
+        (decay, recent, samples): (&TailDecay, &RecentSizes, usize),
+        (before, blocks): (&Before, &WeightBlocks),
         t: f64,
     ) -> Result<(), Refutation> {
         let n = self.n;
         // Sums that are added to products by size alone: `Σ age|δ|`, `T Σ|γ|`, `Σ age T|γ|`, `∫|g|`.
-        let mut late: [[Square; 4]; KINDS] =
+        let mut late: [[SquareBlock; 4]; KINDS] =
             core::array::from_fn(|_| core::array::from_fn(|_| vec![0.0; n * n]));
         let runs: Vec<f64> = (0..4 * n).map(|run| recent.sum(run)).collect();
         for o in 0..KINDS {
@@ -426,7 +426,7 @@ impl PlayedSums {
     }
 
     /// Adds products by size of what was summed up by size alone.
-    fn by_size(&mut self, late: &[[Square; 4]; KINDS], blocks: &Blocks) {
+    fn by_size(&mut self, late: &[[SquareBlock; 4]; KINDS], blocks: &WeightBlocks) {
         let n = self.n;
         for (o, [jump_aged, slope, slope_aged, torque]) in late.iter().enumerate() {
             let [first, second] = if o == E {

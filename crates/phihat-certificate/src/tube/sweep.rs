@@ -36,7 +36,7 @@ pub(super) struct Swept {
 }
 
 /// Torques and torque steps \[N·m\], by sample and joint.
-type Torques = (Vec<Vec<f64>>, Vec<Vec<f64>>);
+type SampleTorques = (Vec<Vec<f64>>, Vec<Vec<f64>>);
 
 /// Bounds on the whole state over as many instants as a window has.
 struct Anchor {
@@ -398,7 +398,7 @@ impl<'a> CheckedSweep<'a> {
     }
 
     /// Largest torques and torque steps of each sample of a window, by joint.
-    fn torques(&self, frame: &Frame, round: &Round) -> Result<Torques, ScopeRefusal> {
+    fn torques(&self, frame: &Frame, round: &Round) -> Result<SampleTorques, ScopeRefusal> {
         let n = self.setting.n;
         let (mut torques, mut steps) = (Vec::new(), Vec::new());
         for at in 0..frame.len {
