@@ -78,9 +78,9 @@ impl JointOfClass {
 /// # Method
 ///
 /// (CM2) to (CM7) of docs/theory/class.md once more, by means of this crate. Impulses, misreadings and starts are
-/// played through the checker's own loop at the file's witnesses and at postures that a seed decides, with every payload in
-/// turn; what comes after the played time is bounded by a power of the loop's matrix. Coriolis torque is taken from
-/// inverse dynamics, second derivatives from differences of the inertia and of gravity's torque.
+/// played through the checker's own loop at the file's witnesses and at postures that a seed decides, with every
+/// payload in turn; what comes after the played time is bounded by a power of the loop's matrix. Coriolis torque is
+/// taken from inverse dynamics, second derivatives from differences of the inertia and of gravity's torque.
 ///
 /// # Not claimed
 ///
