@@ -15,6 +15,7 @@
 #![forbid(unsafe_code)]
 
 mod arm;
+mod assumptions;
 mod attenuation;
 mod bounds;
 mod certificate;
@@ -69,6 +70,7 @@ mod window;
 mod witness;
 
 pub use arm::{ArmBasis, ArmInertia};
+pub use assumptions::Assumption;
 pub use attenuation::{Attenuation, Interval};
 pub use bounds::Bounds;
 pub use certificate::{Certificate, ErrorBound, JointCertificate};

@@ -4,8 +4,8 @@ use phihat::{Form, TorqueSource, VelocitySource};
 use serde::Serialize;
 
 use crate::{
-    ArmBasis, Certificate, CheckedBound, ClassAgain, Gains, JointCertificate, LoopModel,
-    NotCounted, PhiBasis, Refutation, TubeAgain, Verdict,
+    ArmBasis, Assumption, Certificate, CheckedBound, ClassAgain, Gains, JointCertificate,
+    LoopModel, NotCounted, PhiBasis, Refutation, TubeAgain, Verdict,
 };
 
 /// One line of a checked certificate.
@@ -43,6 +43,8 @@ pub struct Verified {
     pub tube: Option<TubeAgain>,
     /// Result of a second derivation of the bound for a class of motions from a study.
     pub class: Option<ClassAgain>,
+    /// Assumptions under which all of it holds.
+    pub assumptions: Vec<Assumption>,
     /// Effects in the study that the claims leave out, as the file says.
     pub not_counted: Vec<NotCounted>,
     /// Clauses of the specification that the file does not prove, and the reason where it bounds no error.
@@ -100,6 +102,7 @@ impl Certificate {
             derived: Vec::new(),
             tube: None,
             class: None,
+            assumptions: self.assumptions(),
             not_counted: self.not_counted.clone(),
             not_proved: Vec::new(),
             bounded: self.without_bound().is_none(),

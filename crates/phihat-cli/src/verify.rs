@@ -162,6 +162,8 @@ fn blocks(verified: &Verified, found: &Verification) -> String {
         blocks
             .push(block("THE CLASS OF MOTIONS, BY A SECOND DERIVATION", class_lines(class, found)));
     }
+    let assumed = verified.assumptions.iter().map(|one| format!("  {}: {}", one.number, one.text));
+    blocks.push(block("ASSUMED", assumed.collect()));
     let left = table::not_counted(&verified.not_counted);
     let left = left.into_iter().map(|one| format!("  {one}")).collect();
     blocks.push(block("NOT COUNTED", left));
