@@ -1,18 +1,16 @@
 //! Claims of a certificate about a run, as bounds for every joint and time.
 
-use phihat_certificate::tube::TubeReference;
+use phihat_certificate::extremes::{Extremes as _, larger};
+use phihat_certificate::tube::UNREAD;
 use phihat_certificate::{NotCounted, Tube, TubeJoint};
 use phihat_design::Gains;
 use phihat_design::claims::Refutation;
-use phihat_sim::{Motion, fed_along};
+use phihat_session::tube_reference;
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::start::held_at_start;
-
-/// Width that no encoder resolves \[rad\].
-const UNREAD: f64 = 2e-9;
 
 /// Bounds on error and velocity error of every joint, until the end of the run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -113,20 +111,13 @@ pub fn claimed(gains: &Gains, study: &Study) -> Result<AttackClaim, NoClaim> {
 pub(crate) fn derived_again(gains: &Gains, study: &Study) -> Option<(AttackClaim, f64)> {
     let certificate = gains.certificate.as_ref()?;
     let claimed = certificate.tube.as_ref()?;
-    let motion = Motion::of(study).ok()?;
-    let joints = 0..study.robot.joints.len();
-    let reference =
-        TubeReference::of(study, |t| joints.clone().map(|i| motion.told(i, t)).collect());
-    let inertia: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
-    let fed = fed_along(study, &motion, &inertia, reference.q.len()).ok()?;
-    let reference = reference.feeding(&fed);
+    let reference = tube_reference(gains, study)?;
     let own = certificate.tube_again(gains, (study, &reference), &|_| ())?.ok()?;
     let pairs = own.joints.iter().zip(&claimed.joints);
     let ratio = |(own, claimed): (&TubeJoint, &TubeJoint)| {
-        own.error_bound_rad / claimed.error_bound_rad.max(UNREAD)
+        own.error_bound_rad / larger(claimed.error_bound_rad, UNREAD)
     };
-    let wider = pairs.map(ratio).fold(0.0, f64::max);
-    Some((documented(&own, study), wider))
+    Some((documented(&own, study), pairs.map(ratio).largest()))
 }
 
 /// Bounds of a tube in a certificate.

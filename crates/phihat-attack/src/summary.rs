@@ -120,6 +120,7 @@ impl AttackSummary {
         }
         summary.positions(records);
         summary.second_derivations(records);
+        summary.other_simulators(records);
         summary.ratio_large = spread(&large);
         summary.ratio_small = spread(&small);
         summary
@@ -129,13 +130,17 @@ impl AttackSummary {
     fn second_derivations(&mut self, records: &[AttackRecord]) {
         let again = || records.iter().filter_map(|record| record.second_derivation);
         self.second_runs = again().map(|again| again.runs).sum();
+        self.second_over_first = spread(&again().map(|again| again.wider).collect::<Vec<_>>());
+    }
+
+    /// Adds the runs by other simulators.
+    fn other_simulators(&mut self, records: &[AttackRecord]) {
         for second in records.iter().filter_map(|record| record.second.as_ref()) {
             self.second.0 += second.runs;
             if let Some(why) = &second.skipped {
                 *self.second.1.entry(why.clone()).or_default() += 1;
             }
         }
-        self.second_over_first = spread(&again().map(|again| again.wider).collect::<Vec<_>>());
     }
 
     /// Adds the figures of laws from positions alone.

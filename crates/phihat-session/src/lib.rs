@@ -79,7 +79,8 @@ pub use served_record::ServedMotion;
 pub use session::{RunOptions, Session};
 pub use unfinished::{LOST_MAX_S, Recovered, none_unfinished, recover};
 pub use verify::{
-    BoundStanding, Checked, Verification, VerifyStage, class_standing, tube_standing, verify,
+    BoundStanding, Checked, Verification, VerifyStage, class_standing, tube_reference,
+    tube_standing, verify,
 };
 pub use watch::{Watch, threads};
 pub use words::stopped;

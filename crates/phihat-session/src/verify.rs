@@ -184,7 +184,7 @@ fn again(
 pub struct BoundStanding {
     /// The bound \[rad\], the wider one where two derivations give it.
     pub error_bound_rad: f64,
-    /// BoundStanding of the bound.
+    /// Standing of the bound.
     pub verdict: Verdict,
     /// Both in words: `DERIVED TWICE ≤ 0.264 mrad`.
     pub words: String,
@@ -227,6 +227,17 @@ pub fn class_standing(
     }))
 }
 
+/// The motion of a study for the second derivation of a tube, with the torque that is fed forward along it; `None`: the
+/// study has no motion of its own.
+pub fn tube_reference(gains: &Gains, study: &Study) -> Option<TubeReference> {
+    let motion = Motion::of(study).ok()?;
+    let n = study.robot.joints.len();
+    let reference = TubeReference::of(study, |t| (0..n).map(|i| motion.told(i, t)).collect());
+    let inertia: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
+    let fed = fed_along(study, &motion, &inertia, reference.q.len()).ok()?;
+    Some(reference.feeding(&fed))
+}
+
 /// Largest bound of gains for the motion of their tube, as the file claims it.
 pub fn tube_standing(gains: &Gains) -> Option<BoundStanding> {
     let tube = gains.certificate.as_ref()?.tube.as_ref()?;
@@ -239,13 +250,6 @@ fn derived_tube(
     study: &Study,
     share: &(dyn Fn(f64) + Sync),
 ) -> Result<Option<TubeAgain>, Refutation> {
-    let Ok(motion) = Motion::of(study) else {
-        return Ok(None);
-    };
-    let n = study.robot.joints.len();
-    let reference = TubeReference::of(study, |t| (0..n).map(|i| motion.told(i, t)).collect());
-    let inertia: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
-    let Ok(fed) = fed_along(study, &motion, &inertia, reference.q.len()) else { return Ok(None) };
-    let reference = reference.feeding(&fed);
+    let Some(reference) = tube_reference(gains, study) else { return Ok(None) };
     certificate.derive_tube(gains, (study, &reference), share)
 }

@@ -150,7 +150,7 @@ impl ClassBends {
     }
 }
 
-/// BentDynamics derivatives at a posture.
+/// Second derivatives at a posture.
 struct BentDynamics {
     n: usize,
     /// `∂_b ∂_c M`, and `∂_b ∂_c g`, at `b n + c`.

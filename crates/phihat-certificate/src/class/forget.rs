@@ -10,7 +10,7 @@ const SQUARINGS: usize = 20;
 /// Sum of a row that a power of the matrix has at most.
 const SHRUNK: f64 = 0.25;
 
-/// TailDecay of a loop: `‖x_{k+N}‖ ≤ ρ ‖x_k‖` for every state, in the largest norm of the states' own units.
+/// Decay of a loop: `‖x_{k+N}‖ ≤ ρ ‖x_k‖` for every state, in the largest norm of the states' own units.
 pub(super) struct TailDecay {
     /// `N` \[samples\].
     pub(super) block: usize,

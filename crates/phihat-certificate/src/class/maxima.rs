@@ -15,7 +15,7 @@ const MOMENT: f64 = 3e-5;
 /// Passes over all signs and positions from the best of the points.
 const PASSES: usize = 3;
 
-/// ClassTorques of the arm along motions of the class.
+/// Torques of the arm along motions of the class.
 pub(super) struct ClassTorques<'a> {
     pub(super) class: &'a MotionClass,
     /// `M̄`.

@@ -37,7 +37,7 @@ pub(super) struct ClassSetting<'a> {
     pub(super) start: ClassStart,
 }
 
-/// ClassStart of the law, as a study has it.
+/// Start of the law, as a study has it.
 pub(super) struct ClassStart {
     /// True if a supervisor starts it.
     pub(super) supervised: bool,
@@ -254,7 +254,7 @@ impl<'a> ClassSetting<'a> {
         Refutation::unless(CLAIM, "payloads of the study", own.mass_kg.1, set.mass.1, same)
     }
 
-    /// ClassTorques of the arm along motions of the class.
+    /// Torques of the arm along motions of the class.
     pub(super) fn torques(&self) -> ClassTorques<'_> {
         ClassTorques {
             class: self.class,

@@ -17,7 +17,7 @@ const ROUNDS: usize = 2000;
 /// Factor on every step of the iteration, so that its end satisfies (CM5) strictly.
 const STRICT: f64 = 1.001;
 
-/// ErrorPair beyond which the iteration is given up \[rad\].
+/// Error beyond which the iteration is given up \[rad\].
 const LOST: f64 = 2.0;
 
 /// The sums at a posture with its matrices.
@@ -79,7 +79,7 @@ fn bilinear(list: &[SquareBlock], i: usize, (y, x): (&[f64], &[f64])) -> f64 {
 impl BoundProblem<'_> {
     /// Bounds on error, velocity error, torque step and torque over some postures.
     ///
-    /// # ErrorPair
+    /// # Errors
     ///
     /// [`Refutation`]: (CM5) has no solution.
     pub(super) fn solve(&self, all: &[PlayedPosture]) -> Result<Solution, Refutation> {

@@ -43,6 +43,17 @@ impl Boxes {
         }
     }
 
+    /// The sum of both.
+    pub(super) fn plus(&self, more: &Self) -> Self {
+        let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect();
+        Self {
+            u: sum(&self.u, &more.u),
+            x: sum(&self.x, &more.x),
+            mu: sum(&self.mu, &more.mu),
+            wrench: sum(&self.wrench, &more.wrench),
+        }
+    }
+
     /// Factors of the largest weight and of the largest change of weight, for `δ`.
     fn bends(&self, frame: &Frame, period: f64) -> (f64, f64) {
         let n = self.u.len();

@@ -24,7 +24,7 @@ pub const TIGHTER: f64 = 100.0;
 const ROUNDING: f64 = 1e-9;
 
 /// Width that no encoder resolves and for which no tube is refused \[rad, rad/s\].
-const UNREAD: f64 = 2e-9;
+pub const UNREAD: f64 = 2e-9;
 
 /// Torque that no drive resolves and for which no tube is refused \[N·m\].
 const UNGIVEN: f64 = 1e-6;

@@ -334,22 +334,19 @@ impl<'a> CheckedSweep<'a> {
         } else {
             Boxes::none(self.setting.n, self.setting.hand)
         };
+        let moved: Vec<Boxes> = boxes.iter().map(|own| own.plus(&shift)).collect();
         for (weights, at) in near {
             let own = self.past.get(*at).map_or(frame, |past| &past.frame);
             let mut cover = Boxes::none(self.setting.n, self.setting.hand);
             for (later, sums) in sums.torques.iter_mut().enumerate() {
                 let sample = weights.sample + later;
-                let here = if sample < frame.first {
-                    self.known(sample, later).clone()
-                } else {
-                    let mut here = boxes[sample - frame.first].clone();
-                    if later > 0 {
-                        add(&mut here, &shift);
-                    }
-                    here
+                let here = match sample.checked_sub(frame.first) {
+                    None => self.known(sample, later),
+                    Some(own) if later == 0 => &boxes[own],
+                    Some(own) => &moved[own],
                 };
                 weights.add_torques(&here.u, sums);
-                cover.cover(&here);
+                cover.cover(here);
             }
             weights.add_rest(&cover, own, self.setting.period, &mut sums.common);
         }
@@ -368,10 +365,8 @@ impl<'a> CheckedSweep<'a> {
         let own = &round.boxes[0];
         let shift = self.shift_boxes(&frame, (&guess.rest.0, &guess.rest.1), own);
         for own in &round.boxes {
-            let mut more = own.clone();
-            add(&mut more, &shift);
+            self.shifted.push(own.plus(&shift));
             self.raw.push(own.clone());
-            self.shifted.push(more);
         }
         // Samples whose whole reach is known now.
         while self.dilated.len() + self.shared <= self.shifted.len() {
@@ -497,13 +492,6 @@ fn memory(setting: &TubeSetting<'_>, most: usize) -> usize {
         }
     }
     memory
-}
-
-fn add(to: &mut Boxes, more: &Boxes) {
-    let Boxes { u, x, mu, wrench } = to;
-    for (a, b) in [(u, &more.u), (x, &more.x), (mu, &more.mu), (wrench, &more.wrench)] {
-        a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-    }
 }
 
 fn widened(low: &[f64], high: &[f64], by: &[f64]) -> (Vec<f64>, Vec<f64>) {
