@@ -145,7 +145,7 @@ QOS = Qos(
     Policy.Reliability.Reliable(duration(seconds=1)), Policy.Durability.Volatile, Policy.History.KeepLast(5000)
 )
 LATCHED = Qos(Policy.Reliability.Reliable(duration(seconds=1)), Policy.Durability.TransientLocal, Policy.History.KeepLast(10))
-STATES = ["joint_states", "phihat/reference", "phihat/error", "phihat/torque_command", "phihat/phi_hat"]
+STATES = ["joint_states", "phihat/reference", "phihat/error", "phihat/torque_command", "phihat/phi_hat", "phihat/error_share"]
 
 
 def trajectory(names: list[str], points: list[tuple[int, list[float]]]) -> JointTrajectory:

@@ -74,7 +74,10 @@ pub use assumptions::Assumption;
 pub use attenuation::{Attenuation, Interval};
 pub use bounds::Bounds;
 pub use certificate::{Certificate, ErrorBound, JointCertificate};
-pub use class::{ClassAgain, ClassBound, ClassPace, ClassPair, ClassWitness, JointOfClass};
+pub use class::{
+    AlongBound, ClassAgain, ClassBound, ClassPace, ClassPair, ClassWitness, JointOfClass,
+    KnownMotion,
+};
 pub use coarser::CoarserEncoder;
 pub use continuous::ContinuousLaw;
 pub use coupled::{CoupledGains, FrozenPayload, FrozenPosture};

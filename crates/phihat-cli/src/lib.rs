@@ -17,6 +17,7 @@ macro_rules! eprintln {
     ($($words:tt)*) => { $crate::terminal::err(format_args!($($words)*)) };
 }
 
+mod bound;
 mod check;
 mod compare;
 mod design;
@@ -81,6 +82,7 @@ enum Verb {
     Run(run::RunVerb),
     Design(design::Design),
     Verify(verify::Verify),
+    Bound(bound::Bound),
     Export(export::Export),
     Simulate(run::Simulate),
     Drive(drive::DriveVerb),
@@ -146,6 +148,7 @@ fn execute(verb: Verb, command: impl FnOnce() -> clap::Command) -> Result<ExitCo
         Verb::Run(run) => run.execute(),
         Verb::Design(design) => design.execute(),
         Verb::Verify(verify) => verify.execute(),
+        Verb::Bound(bound) => bound.execute(),
         Verb::Export(export) => export.execute(),
         Verb::Simulate(simulate) => simulate.execute(),
         Verb::Drive(drive) => drive.execute(),

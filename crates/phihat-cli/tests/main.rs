@@ -4,6 +4,7 @@
 mod support;
 
 mod blocks;
+mod bound;
 mod budget;
 mod compare;
 mod design;

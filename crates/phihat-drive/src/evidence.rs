@@ -4,7 +4,7 @@ use std::thread;
 use std::time::Duration;
 
 use phihat_session::{SessionError, Take};
-use phihat_sim::{Acted, BLOCK, Row, Rows};
+use phihat_sim::{Acted, BLOCK, ErrorShares, Row, Rows};
 
 use crate::hooks::Tap;
 use crate::tape::{Cycle, Reader};
@@ -43,8 +43,8 @@ pub struct Evidence {
     pub timing: Timing,
     /// Faults that the supervisor reported, without repetitions in a row, with their time \[s\].
     pub faults: Vec<(f64, &'static str)>,
-    /// Largest measured error of a joint as a share of its certified bound, and its time \[s\]; `None`: there was none.
-    pub share: Option<(f32, f64)>,
+    /// Shares of the certified bound that the measured errors take up; `None`: there is no such bound.
+    pub shares: Option<ErrorShares>,
     /// Hook that gets each sample.
     pub tap: Option<Box<dyn Tap>>,
 }
@@ -66,7 +66,7 @@ impl Evidence {
             held: None,
             timing: Timing::default(),
             faults: Vec::new(),
-            share: None,
+            shares: None,
             tap: None,
         }
     }
@@ -116,7 +116,11 @@ impl Evidence {
     }
 
     fn hand_over(&mut self, take: &mut Take<'_>) -> Result<(), SessionError> {
-        take(self.rows.trace())?;
+        let trace = self.rows.trace();
+        if let Some(shares) = &mut self.shares {
+            shares.fill(trace);
+        }
+        take(trace)?;
         self.rows.clear();
         Ok(())
     }
@@ -124,10 +128,6 @@ impl Evidence {
     /// Takes the next sample.
     pub fn push(&mut self, cycle: Cycle, rows: &[Row]) {
         self.timing.add(cycle.late_ns, cycle.took_ns);
-        let share = cycle.report.map_or(0.0, |report| report.error_share);
-        if share > self.share.map_or(0.0, |(most, _)| most) {
-            self.share = Some((share, cycle.t_ns as f64 * 1e-9));
-        }
         if let Some((fault, _)) = cycle.report.and_then(|report| report.fault) {
             let last = self.faults.last().map(|(_, name)| *name);
             if last != Some(fault.name()) {

@@ -7,9 +7,9 @@ use std::thread;
 
 use phihat_session::{
     Done, FirstMotion, FirstStudy, Leave, RunOptions, Session, SessionError, Take, Watch,
-    first_study, none_unfinished,
+    error_shares, first_study, none_unfinished,
 };
-use phihat_sim::{Abort, ControlSide, Ended, Motion, StopReason};
+use phihat_sim::{Abort, ControlSide, Ended, ErrorShares, LargestShare, Motion, StopReason};
 use phihat_study::Study;
 use serde_json::{Value, json};
 
@@ -96,7 +96,9 @@ impl Driven {
     pub fn good(&self) -> bool {
         let Tally { end, finished, tracked, parked, .. } = self.tally;
         let parked = parked.is_none_or(|parked| parked.reached);
-        self.done.good() && end == End::Complete && finished.is_ok() && tracked > 0 && parked
+        let bounded = self.document["error_share_max"].as_f64().is_none_or(|share| share <= 1.0);
+        let whole = end == End::Complete && finished.is_ok() && tracked > 0;
+        self.done.good() && whole && parked && bounded
     }
 }
 
@@ -300,6 +302,7 @@ impl Prepared {
         }
         let Self { session, checks, bound, options, end, mut tap, targets, .. } = self;
         let study = session.study().clone();
+        let mut shares = error_shares(&study, session.gains());
         let names = study.robot.joint_names();
         let OtherEnd { words: at, robot, facts } = end;
         let command = (command(&options, &at), begun((&at, &facts), (&checks, &bound)));
@@ -316,6 +319,8 @@ impl Prepared {
                 at,
                 checks,
                 bound,
+                shares: shares.take(),
+                sliding: study.robot.sliding(),
                 options,
                 stop,
                 names,
@@ -384,6 +389,9 @@ struct DriveInputs<'a> {
     at: &'a str,
     checks: &'a [Check],
     bound: &'a DriveBound,
+    shares: Option<ErrorShares>,
+    /// Joints that slide.
+    sliding: Vec<String>,
     options: &'a DriveOptions,
     stop: &'a AtomicBool,
     names: &'a [String],
@@ -419,6 +427,7 @@ impl DriveInputs<'_> {
         let inertia = (0..names.len()).map(|i| control.inertia(i)).collect();
         let mut evidence = Evidence::new(names, inertia, facts.period_ns);
         evidence.tap = self.tap.take();
+        evidence.shares = self.shares.take();
         if let Err(why) = link.start() {
             if !self.options.recover {
                 return Err(DriveError::Start(why));
@@ -476,13 +485,14 @@ impl DriveInputs<'_> {
         let recovered = recovered.map(|done| done.is_ok());
         let faults: Vec<Value> =
             evidence.faults.iter().map(|(t, name)| json!({ "t_s": t, "fault": name })).collect();
+        let largest = evidence.shares.as_ref().and_then(ErrorShares::largest);
         let document = json!({
             "on": self.at,
             "link": link,
             "checks": self.checks,
             "bound": self.bound,
-            "error_share_max": evidence.share.map(|(share, _)| share),
-            "error_share_max_at_s": evidence.share.map(|(_, t)| t),
+            "error_share_max": largest.map(|largest| largest.share),
+            "error_shares": evidence.shares.as_ref().map(|own| own.joints().collect::<Vec<_>>()),
             "settings": given,
             "end": tally.end.word(),
             "fault": fault,
@@ -507,9 +517,23 @@ impl DriveInputs<'_> {
             .chain((tally.tracked == 0).then(|| "the arm never followed its motion".to_owned()))
             .chain(fault.map(|why| format!("the link ended the drive: {why}")))
             .chain(tally.parked.and_then(Parked::doubt))
+            .chain(largest.filter(|largest| largest.share > 1.0).map(|largest| {
+                format!("an error left its bound, whatever the verdict: {}", self.words(largest))
+            }))
             .collect();
         let facts = self.lines(link.period_ns, tally, evidence);
         phihat_session::DrivenSession { ended, facts, warnings, document }
+    }
+
+    /// A measured error beside its bound.
+    fn words(&self, largest: &LargestShare) -> String {
+        let LargestShare { joint, share, at_s, error_rad, bound_rad } = largest;
+        let unit = if self.sliding.contains(joint) { "mm" } else { "mrad" };
+        let [error, bound] = [error_rad, bound_rad].map(|value| format!("{:.3}", 1e3 * value));
+        let percent = 100.0 * share;
+        format!(
+            "{error} of {bound} {unit}, measured ({percent:.0} % of the bound, {joint}, at t = {at_s:.3} s)"
+        )
     }
 
     /// Lines of the page about the drive: label, and value with its unit.
@@ -519,10 +543,8 @@ impl DriveInputs<'_> {
             ("samples lost".to_owned(), format!("{} of {}", tally.lost, tally.cycles)),
         ];
         facts.push(("bound".to_owned(), self.bound.sentence.clone()));
-        facts.extend(evidence.share.map(|(share, t)| {
-            let words = format!("{share:.3} of its bound, measured, at t = {t:.3} s");
-            ("largest error".to_owned(), words)
-        }));
+        let largest = evidence.shares.as_ref().and_then(ErrorShares::largest);
+        facts.extend(largest.map(|largest| ("largest error".to_owned(), self.words(largest))));
         facts.extend(tally.parked.map(|parked| parked.words(period_ns)));
         for (label, times) in
             [("woke late", evidence.timing.late()), ("controller took", evidence.timing.took())]

@@ -1,17 +1,18 @@
 //! Statement of a drive about its error before it moves, and how near it came. Wrong if a drive whose references are
 //! kept in a class says nothing, another bound or another word than a check of its gains with their study, if one
-//! without a bound does not say so, or if the share is not that of the record.
+//! without a bound does not say so, if the share is not that of the record, or if an error beyond the bound goes on.
 
 use std::fs;
 use std::path::Path;
-use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, OnceLock};
 
 use crate::support::{PLAIN, folder};
+use phihat::{Fault, Mode};
 use phihat_design::{Gains, Outcome};
-use phihat_drive::{CheckName, DriveBound, DriveOptions, Driven, prepare};
+use phihat_drive::{CheckName, Cycle, DriveBound, DriveOptions, Driven, Tap, prepare};
 use phihat_session::{Leave, RunOptions, designed};
-use phihat_sim::Trace;
+use phihat_sim::{Row, Trace};
 use phihat_study::Study;
 
 /// Three joints whose robot holds their gravity: the payload is out of balance at the start.
@@ -75,14 +76,33 @@ fn options(folder: &Path, study: &str, gains: Option<&Gains>) -> DriveOptions {
     DriveOptions { run, ..DriveOptions::default() }
 }
 
+/// Takes the largest share that the core reported of each sample.
+struct Reported(Arc<Mutex<Vec<f32>>>);
+
+impl Tap for Reported {
+    fn sample(&mut self, cycle: &Cycle, _: &[Row]) {
+        self.0.lock().unwrap().push(cycle.report.unwrap().error_share);
+    }
+}
+
 fn driven(options: &DriveOptions) -> (DriveBound, Driven, Trace) {
     let out = options.run.out.clone().unwrap();
-    let prepared = prepare(options).unwrap();
+    let mut prepared = prepare(options).unwrap();
+    let reported = Arc::new(Mutex::new(Vec::new()));
+    prepared.shown_to(Box::new(Reported(reported.clone())));
     assert!(!prepared.is_refused(), "{:?}", prepared.checks);
     let (bound, study) = (prepared.bound.clone(), prepared.study().clone());
     let leave = Leave { folder: &out, page: None };
     let driven = prepared.drive(leave, &mut (), &AtomicBool::new(false)).unwrap();
     let trace = Trace::read(fs::File::open(out.join("trace.parquet")).unwrap(), &study).unwrap();
+    // The core compares by itself, sample by sample: the record has the same shares.
+    if study.supervisor.as_ref().unwrap().error_bound_stop {
+        for (k, reported) in reported.lock().unwrap().iter().enumerate() {
+            let joints = trace.joints.iter().map(|joint| joint.error_share[k]);
+            let most = joints.fold(0.0, f64::max);
+            assert!((most - f64::from(*reported)).abs() < 1e-6, "{k}: {most} {reported}");
+        }
+    }
     (bound, driven, trace)
 }
 
@@ -95,6 +115,38 @@ fn share(trace: &Trace) -> f64 {
         most / (class.error_bound_rad[i] + class.reading_rad[i])
     });
     joints.fold(0.0, f64::max)
+}
+
+/// Each figure of the document and of the sentence about the largest error, by the record alone.
+fn shares_are_of_the_record(driven: &Driven, trace: &Trace) {
+    let class = gains().certificate.as_ref().unwrap().class.as_deref().unwrap();
+    let told = driven.document["error_share_max"].as_f64().unwrap();
+    let words = driven.facts.iter().find(|(label, _)| label == "largest error").unwrap().1.clone();
+    println!("largest error: {words}");
+    let shares = driven.document["error_shares"].as_array().unwrap();
+    assert_eq!(shares.len(), 3);
+    for (i, own) in shares.iter().enumerate() {
+        let (share, at) = (own["share"].as_f64().unwrap(), own["at_s"].as_f64().unwrap());
+        let joint = &trace.joints[i];
+        let k = trace.index_at(at - 1e-9);
+        let error = (joint.q_measured[k] - joint.q_desired[k]).abs();
+        let bound = class.error_bound_rad[i] + class.reading_rad[i];
+        assert_eq!((own["joint"].as_str(), share), (Some(&joint.name[..]), error / bound));
+        assert_eq!(
+            (own["error_rad"].as_f64(), own["bound_rad"].as_f64()),
+            (Some(error), Some(bound))
+        );
+        if share.to_bits() == told.to_bits() {
+            let says = format!(
+                "{:.3} of {:.3} mrad, measured ({:.0} % of the bound, {}, at t = {at:.3} s)",
+                1e3 * error,
+                1e3 * bound,
+                100.0 * share,
+                joint.name
+            );
+            assert_eq!(words, says);
+        }
+    }
 }
 
 #[test]
@@ -122,7 +174,7 @@ fn what_is_driven_is_what_is_derived_twice() {
         "{told} {}",
         share(&trace)
     );
-    assert!(driven.facts.iter().any(|(label, _)| label == "largest error"), "{:?}", driven.facts);
+    shares_are_of_the_record(&driven, &trace);
 
     // A motion from a file that no joint could follow: its reference in force is of the class.
     let file = folder.join("motion.csv");
@@ -162,4 +214,40 @@ fn a_drive_without_a_bound_says_the_first_clause_that_is_in_its_way() {
     let other = ANY.replace("coulomb_extra_nm = 0.05", "coulomb_extra_nm = 0.5");
     let other = accepted(options(&folder, &other, Some(gains())), CheckName::Certificate);
     assert_eq!(other.sentence, "NOT PROVED: the certificate is about another study");
+}
+
+/// A push that is in no certificate.
+const PUSH: &str =
+    "[[world.push]]\njoint = \"joint2\"\ntorque_nm = 3.0\nstart_s = 1.5\nduration_s = 0.2\n";
+
+#[test]
+fn an_error_beyond_the_bound_stops_the_arm_unless_the_study_says_no() {
+    let folder = folder("beyond");
+    let pushed = format!("{ANY}{PUSH}");
+    let accepted = |mut options: DriveOptions| {
+        options.accept.push(CheckName::Certificate);
+        options
+    };
+    let (_, stopped, trace) = driven(&accepted(options(&folder, &pushed, Some(gains()))));
+    let own = trace.supervision.as_ref().unwrap();
+    let at = own.fault.iter().position(|fault| *fault == Some(Fault::ErrorBound)).unwrap();
+    // Three samples in a row beyond, none before the push; a safe stop from the next one on, and nothing is compared.
+    let most = |k: usize| trace.joints.iter().map(|joint| joint.error_share[k]).fold(0.0, f64::max);
+    assert!((at - 3..at).all(|k| most(k) > 1.0) && trace.t_ns[at] > 1_500_000_000, "{at}");
+    assert!((0..at - 3).all(|k| most(k) <= 1.0));
+    assert!((at..trace.len()).all(|k| own.mode[k] == Mode::SafeStop && most(k) <= 0.0));
+    assert_eq!(stopped.document["supervisor_faults"][0]["fault"], "error-bound");
+    let share = stopped.document["error_share_max"].as_f64().unwrap();
+    let error = &stopped.document["error_shares"][1]["error_rad"];
+    assert!(share > 1.0 && !stopped.good() && error.as_f64().unwrap() < 0.2, "{share} {error}");
+    assert!(stopped.done.run.warnings.iter().any(|line| line.contains("left its bound")));
+
+    // The same without the stop: the arm tracks on, and the record has the excess all the same.
+    let goes_on =
+        pushed.replace("error_stop_rad = 0.2", "error_stop_rad = 0.2\nerror_bound_stop = false");
+    let (_, went_on, trace) = driven(&accepted(options(&folder, &goes_on, Some(gains()))));
+    let own = trace.supervision.as_ref().unwrap();
+    assert!(own.fault.iter().all(Option::is_none) && own.mode.last() == Some(&Mode::Tracking));
+    let beyond = went_on.document["error_share_max"].as_f64().unwrap();
+    assert!(beyond > share && !went_on.good(), "{beyond} {share}");
 }

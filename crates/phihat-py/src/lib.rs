@@ -7,6 +7,7 @@
 #![allow(clippy::needless_pass_by_value, reason = "arguments of a Python function arrive by value")]
 
 mod arrays;
+mod bound;
 mod checks;
 mod controller;
 mod failure;
@@ -35,6 +36,8 @@ use pyo3::prelude::*;
 /// The compiled half of the package `phihat`.
 #[pymodule]
 mod _phihat {
+    #[pymodule_export]
+    use super::bound::bound;
     #[pymodule_export]
     use super::controller::Controller;
     #[pymodule_export]

@@ -182,9 +182,16 @@ impl Trace {
             "tau_applied" => |j| &j.tau_applied,
             "phi" => |j| &j.phi,
             "phi_hat" => |j| &j.phi_hat,
+            "error_share" => |j| &j.error_share,
             _ => return Err(failure::internal(py, format!("no column {name}"))),
         };
         self.table(py, |joint, k| of(joint)[k])
+    }
+
+    /// True if the samples have the shares of a certified bound.
+    #[getter]
+    fn bounded(&self) -> bool {
+        self.trace.is_bounded()
     }
 
     /// A flag of every joint: samples down, joints across.

@@ -2,8 +2,8 @@
 
 use phihat_design::Gains;
 use phihat_report::{Drawing, TubeRun, TubeSeen};
-use phihat_sim::{Measured, Metrics, Trace};
-use phihat_study::Study;
+use phihat_sim::{ErrorShares, Measured, Metrics, Trace};
+use phihat_study::{ReferenceRequest, Study};
 use serde_json::json;
 
 /// Evaluation of a record, block by block.
@@ -65,12 +65,27 @@ pub(crate) fn figures(metrics: &Metrics, tube: Option<&TubeRun>) -> serde_json::
 /// The supervisor compares the measured error with the bound of a certificate that is about the class of motions in
 /// which it keeps the reference: the bound on `|e|`, and the largest error of a reading.
 pub(crate) fn watch_bound(study: &mut Study, gains: &Gains) {
-    let class = gains.certificate.as_ref().and_then(|certificate| certificate.class.as_deref());
-    let (Some(class), Some(own)) = (class, &mut study.supervisor) else { return };
-    if class.covers(own.reference_box.as_ref(), own.motion.as_ref()) {
-        let ends = class.error_bound_rad.iter().zip(&class.reading_rad);
-        own.error_bound = Some(ends.map(|(error, reading)| error + reading).collect());
+    let bound = bound_on_measured_error(study, gains);
+    if let Some(own) = &mut study.supervisor {
+        own.error_bound = bound;
     }
+}
+
+/// Bound per joint on the measured `|e|` \[rad\] of a study's runs by the certificate of its gains: `E_i + N_i` of the
+/// class of motions in which their references are; `None`: there is no class, or they are not kept in it.
+pub fn bound_on_measured_error(study: &Study, gains: &Gains) -> Option<Vec<f64>> {
+    let class = gains.certificate.as_ref()?.class.as_deref()?;
+    let covered = match &study.supervisor {
+        Some(own) => class.covers(own.reference_box.as_ref(), own.motion.as_ref()),
+        None => matches!(study.reference, ReferenceRequest::Any { .. }),
+    };
+    let ends = class.error_bound_rad.iter().zip(&class.reading_rad);
+    covered.then(|| ends.map(|(error, reading)| error + reading).collect())
+}
+
+/// Shares of that bound that the measured errors of a run take up; `None`: there is no such bound.
+pub fn error_shares(study: &Study, gains: &Gains) -> Option<ErrorShares> {
+    bound_on_measured_error(study, gains).map(ErrorShares::new)
 }
 
 /// The steady part begins when the certificate of this study says, where the study does not say it.

@@ -18,7 +18,7 @@ use crate::error::SessionError;
 use crate::files::read_gains;
 use crate::layout::TraceKind;
 use crate::log::LogFile;
-use crate::observer::{RunFigures, RunObserver, settle, watch_bound};
+use crate::observer::{RunFigures, RunObserver, error_shares, settle, watch_bound};
 use crate::record::{Done, TraceFiles};
 use crate::run_record::designed_before;
 use crate::watch::Watch;
@@ -311,7 +311,11 @@ impl Session {
     ) -> Result<Done, E> {
         let Self { study, gains, simulation, command, warnings, designed_by, .. } = self;
         let mut seen = RunObserver::new(&study, Some(&gains));
+        let mut shares = error_shares(&study, &gains);
         let ended = simulation.stream(block, progress, |block| {
+            if let Some(shares) = &mut shares {
+                shares.fill(block);
+            }
             seen.block(block);
             each(block)
         })?;

@@ -39,6 +39,36 @@ impl Spline {
     }
 }
 
+impl Spline {
+    /// The cubics between neighbouring samples.
+    pub(crate) fn pieces(&self) -> impl Iterator<Item = Piece> {
+        let knots = self.t.windows(2).zip(self.curvature.windows(2));
+        knots.filter_map(|(t, bend)| {
+            let (&[from, to], &[bend, bend_after]) = (t, bend) else { return None };
+            let slope = self.at(from)[1];
+            Some(Piece { from, length: to - from, slope, bend, bend_after })
+        })
+    }
+
+    /// Times of the first and of the last sample.
+    pub(crate) fn ends(&self) -> impl Iterator<Item = f64> {
+        [self.t.first(), self.t.last()].into_iter().flatten().copied()
+    }
+}
+
+/// A cubic between two samples.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Piece {
+    /// Time of its begin.
+    pub(crate) from: f64,
+    pub(crate) length: f64,
+    /// Velocity at its begin.
+    pub(crate) slope: f64,
+    /// Acceleration at its begin and at its end.
+    pub(crate) bend: f64,
+    pub(crate) bend_after: f64,
+}
+
 /// Solves the tridiagonal system of the natural spline.
 fn natural_curvature(t: &[f64], y: &[f64]) -> Vec<f64> {
     let n = t.len();

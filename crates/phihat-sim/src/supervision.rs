@@ -207,7 +207,7 @@ fn joint(
             jerk: jerk[i],
         }),
         reference_box: request.reference_box.as_ref().map(|[low, high]| (low[i], high[i])),
-        error_bound: per(&request.error_bound),
+        error_bound: per(&request.error_bound).filter(|_| request.error_bound_stop),
         dead_zone: per(&request.dead_zone),
         funnel: request.funnel.as_ref().map(|[initial, last]| Funnel {
             initial: initial[i],

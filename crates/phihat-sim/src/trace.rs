@@ -46,6 +46,9 @@ pub struct JointTrace {
     pub saturated: Vec<bool>,
     /// True if the torque-rate limit acted on this command.
     pub rate_limited: Vec<bool>,
+    /// Measured `|e|` as a share of its certified bound, 0 where that bound is not claimed (a supervisor neither holds
+    /// nor tracks, or no sample came); empty: there is no bound. [`ErrorShares`](crate::ErrorShares) fills it.
+    pub error_share: Vec<f64>,
 }
 
 /// The record of a whole run: every signal of every joint at every sample.
@@ -166,6 +169,11 @@ impl Trace {
         self.t_ns.len()
     }
 
+    /// Returns true if the samples have the shares of a certified bound.
+    pub fn is_bounded(&self) -> bool {
+        self.joints.first().is_some_and(|joint| !joint.error_share.is_empty())
+    }
+
     /// Returns true if there is no sample.
     pub fn is_empty(&self) -> bool {
         self.t_ns.is_empty()
@@ -204,6 +212,7 @@ impl Trace {
             }
             joint.saturated.clear();
             joint.rate_limited.clear();
+            joint.error_share.clear();
         }
         if let Some(Supervision { mode, events, fault, brake }) = &mut self.supervision {
             mode.clear();
@@ -226,6 +235,9 @@ impl Trace {
             }
             joint.saturated.extend_from_slice(&other.saturated[samples.clone()]);
             joint.rate_limited.extend_from_slice(&other.rate_limited[samples.clone()]);
+            if !other.error_share.is_empty() {
+                joint.error_share.extend_from_slice(&other.error_share[samples.clone()]);
+            }
         }
         let Some(other) = &other.supervision else { return };
         let Supervision { mode, events, fault, brake } = self.supervision.get_or_insert_default();

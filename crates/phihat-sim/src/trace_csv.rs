@@ -6,7 +6,9 @@ use phihat_study::Study;
 
 use crate::recorder::Recorder;
 use crate::trace::{COLUMNS, JointTrace, Supervision, Trace};
-use crate::trace_file::{BLOCK, FLAGS, Place, RowTurn, SUPERVISION, TraceError, seconds, signals};
+use crate::trace_file::{
+    BLOCK, FLAGS, OptionalColumns, Place, RowTurn, SHARE, SUPERVISION, TraceError, seconds, signals,
+};
 
 /// A trace that is written as CSV as it comes.
 #[derive(Debug)]
@@ -29,7 +31,7 @@ impl<W: Write> TraceWriter<W> {
     pub fn block(&mut self, trace: &Trace) -> Result<(), TraceError> {
         let csv = &mut self.csv;
         if !self.begun {
-            csv.write_record(header(trace.supervision.is_some()))?;
+            csv.write_record(header(OptionalColumns::of(trace)))?;
             self.begun = true;
         }
         let mut number = String::new();
@@ -38,18 +40,23 @@ impl<W: Write> TraceWriter<W> {
             for joint in &trace.joints {
                 csv.write_field(&time)?;
                 csv.write_field(&joint.name)?;
-                for column in &COLUMNS {
+                let mut write = |csv: &mut csv::Writer<W>, value: f64| {
                     use std::fmt::Write as _;
                     number.clear();
-                    let value = (column.get)(joint)[k];
                     // Infallible: a String takes everything.
                     let _ = write!(number, "{value:?}");
-                    csv.write_field(&number)?;
+                    csv.write_field(&number)
+                };
+                for column in &COLUMNS {
+                    write(csv, (column.get)(joint)[k])?;
                 }
                 csv.write_field(flag(joint.saturated[k]))?;
                 csv.write_field(flag(joint.rate_limited[k]))?;
                 if let Some(supervision) = &trace.supervision {
                     supervision.write(csv, k)?;
+                }
+                if let Some(share) = joint.error_share.get(k) {
+                    write(csv, *share)?;
                 }
                 csv.write_record(None::<&[u8]>)?;
             }
@@ -90,7 +97,7 @@ impl<W: Write> Recorder for TraceWriter<W> {
 
 impl Trace {
     /// Writes the trace as CSV: `t_s,joint,q_rad,…,saturated,rate_limited`, one row per sample and joint; with
-    /// `mode,events,fault,brake` where there is a supervisor.
+    /// `mode,events,fault,brake` where there is a supervisor, and `error_share` where there is a certified bound.
     /// Numbers are written so that they read back to the same bits.
     ///
     /// # Errors
@@ -126,8 +133,9 @@ impl Trace {
         mut each: impl FnMut(&mut Self),
     ) -> Result<(), TraceError> {
         let mut csv = csv::Reader::from_reader(reader);
-        let supervised = check_header(csv.headers()?)?;
+        let OptionalColumns { supervised, bounded } = check_header(csv.headers()?)?;
         let (mut trace, mut turn) = (Self::of(study, supervised), RowTurn::of(study));
+        let share = bounded.then_some(share_place(supervised));
         let mut record = csv::StringRecord::new();
         while csv.read_record(&mut record)? {
             if turn.next == 0 && trace.len() >= block {
@@ -141,7 +149,7 @@ impl Trace {
             if joint == 0 {
                 trace.t_ns.push(t_ns);
             }
-            row.append(&mut trace.joints[joint])?;
+            row.append(&mut trace.joints[joint], share)?;
             if joint == 0
                 && let Some(supervision) = trace.supervision.as_mut()
             {
@@ -156,14 +164,21 @@ impl Trace {
     }
 }
 
-fn header(supervised: bool) -> impl Iterator<Item = &'static str> {
-    ["t_s", "joint"].into_iter().chain(signals(supervised))
+fn header(optional: OptionalColumns) -> impl Iterator<Item = &'static str> {
+    ["t_s", "joint"].into_iter().chain(signals(optional))
 }
 
-/// Checks the header; returns true if the trace is that of a supervised run.
-fn check_header(found: &csv::StringRecord) -> Result<bool, TraceError> {
+/// Place of the share of a bound.
+fn share_place(supervised: bool) -> usize {
+    COLUMNS.len() + 4 + if supervised { SUPERVISION.len() } else { 0 }
+}
+
+/// Checks the header; returns which of the columns that not every trace has are there.
+fn check_header(found: &csv::StringRecord) -> Result<OptionalColumns, TraceError> {
     let supervised = found.get(COLUMNS.len() + 4) == Some(SUPERVISION[0]);
-    for (column, expected) in header(supervised).enumerate() {
+    let bounded = found.get(share_place(supervised)) == Some(SHARE);
+    let optional = OptionalColumns { supervised, bounded };
+    for (column, expected) in header(optional).enumerate() {
         let name = found.get(column).unwrap_or("");
         if name != expected {
             return Err(TraceError::Header {
@@ -173,7 +188,7 @@ fn check_header(found: &csv::StringRecord) -> Result<bool, TraceError> {
             });
         }
     }
-    Ok(supervised)
+    Ok(optional)
 }
 
 impl Supervision {
@@ -222,16 +237,21 @@ impl CsvRow<'_> {
             .ok_or_else(wrong)
     }
 
-    fn append(&self, joint: &mut JointTrace) -> Result<(), TraceError> {
+    fn append(&self, joint: &mut JointTrace, share: Option<usize>) -> Result<(), TraceError> {
         for (i, column) in COLUMNS.iter().enumerate() {
-            let text = self.text(i + 2);
-            let value =
-                text.parse().map_err(|_| self.wrong(column.name, text, "a number is expected"))?;
-            (column.get_mut)(joint).push(value);
+            (column.get_mut)(joint).push(self.number(i + 2, column.name)?);
+        }
+        if let Some(share) = share {
+            joint.error_share.push(self.number(share, SHARE)?);
         }
         joint.saturated.push(self.flag(COLUMNS.len() + 2, FLAGS[0])?);
         joint.rate_limited.push(self.flag(COLUMNS.len() + 3, FLAGS[1])?);
         Ok(())
+    }
+
+    fn number(&self, column: usize, name: &'static str) -> Result<f64, TraceError> {
+        let text = self.text(column);
+        text.parse().map_err(|_| self.wrong(name, text, "a number is expected"))
     }
 
     fn flag(&self, column: usize, name: &'static str) -> Result<bool, TraceError> {

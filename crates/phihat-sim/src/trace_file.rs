@@ -142,10 +142,30 @@ pub(crate) const SUPERVISION: [&str; 4] = ["mode", "events", "fault", "brake"];
 /// The columns after those of [`COLUMNS`].
 pub(crate) const FLAGS: [&str; 2] = ["saturated", "rate_limited"];
 
+/// The last column, where there is a certified bound.
+pub(crate) const SHARE: &str = "error_share";
+
+/// Columns that not every trace has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct OptionalColumns {
+    /// Those of a supervisor.
+    pub(crate) supervised: bool,
+    /// The share of a certified bound.
+    pub(crate) bounded: bool,
+}
+
+impl OptionalColumns {
+    /// Of a trace with at least one sample.
+    pub(crate) fn of(trace: &Trace) -> Self {
+        Self { supervised: trace.supervision.is_some(), bounded: trace.is_bounded() }
+    }
+}
+
 /// Names of all columns but time and joint, in the order of the files.
-pub(crate) fn signals(supervised: bool) -> impl Iterator<Item = &'static str> {
+pub(crate) fn signals(optional: OptionalColumns) -> impl Iterator<Item = &'static str> {
     let numbers = COLUMNS.iter().map(|column| column.name);
-    numbers.chain(FLAGS).chain(SUPERVISION.into_iter().filter(move |_| supervised))
+    let supervision = SUPERVISION.into_iter().filter(move |_| optional.supervised);
+    numbers.chain(FLAGS).chain(supervision).chain(optional.bounded.then_some(SHARE))
 }
 
 /// Names that are told, and characters of one that is none.

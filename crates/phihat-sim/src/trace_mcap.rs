@@ -20,6 +20,7 @@ use crate::trace::{JointTrace, Trace};
 /// | `/phihat/torque_command` | the same | – | – | commanded torque |
 /// | `/phihat/phi` | the same | – | – | φ |
 /// | `/phihat/phi_hat` | the same | – | – | φ̂ |
+/// | `/phihat/error_share`, where there is a bound | the same | measured error as a share of its bound | – | – |
 /// | `/phihat/mode` | `std_msgs/msg/String` | the supervisor's mode | | |
 /// | `/phihat/events` | the same, where something happened | its events, and what stopped the arm | | |
 ///
@@ -28,6 +29,7 @@ use crate::trace::{JointTrace, Trace};
 pub struct McapTrace<W: Write> {
     file: Writer<Forward<W>>,
     joints: [u16; 6],
+    share: u16,
     mode: u16,
     events: u16,
     sequence: u32,
@@ -47,6 +49,9 @@ const TOPICS: [(&str, [Option<MessageSignal>; 3]); 6] = [
     ("/phihat/phi", [None, None, Some(|j| &j.phi)]),
     ("/phihat/phi_hat", [None, None, Some(|j| &j.phi_hat)]),
 ];
+
+/// The message about the share of a bound.
+const SHARE: [Option<MessageSignal>; 3] = [Some(|j| &j.error_share), None, None];
 
 /// `sensor_msgs/msg/JointState` with what it is made of, as ROS 2 writes definitions into logs.
 const JOINT_STATE: &str = "\
@@ -87,9 +92,10 @@ impl<W: Write> McapTrace<W> {
         for (channel, (topic, _)) in joints.iter_mut().zip(&TOPICS) {
             *channel = file.add_channel(state, topic, "cdr", &none)?;
         }
+        let share = file.add_channel(state, "/phihat/error_share", "cdr", &none)?;
         let mode = file.add_channel(text, "/phihat/mode", "cdr", &none)?;
         let events = file.add_channel(text, "/phihat/events", "cdr", &none)?;
-        Ok(Self { file, joints, mode, events, sequence: 0, message: Vec::new() })
+        Ok(Self { file, joints, share, mode, events, sequence: 0, message: Vec::new() })
     }
 
     /// Puts a document into the log.
@@ -118,6 +124,10 @@ impl<W: Write> McapTrace<W> {
             for (channel, (_, signals)) in self.joints.into_iter().zip(&TOPICS) {
                 joint_state(&mut self.message, trace, (k, t_ns), signals);
                 self.write(channel, t_ns)?;
+            }
+            if trace.is_bounded() {
+                joint_state(&mut self.message, trace, (k, t_ns), &SHARE);
+                self.write(self.share, t_ns)?;
             }
             if let Some(supervision) = &trace.supervision {
                 text(&mut self.message, supervision.mode[k].name());

@@ -9,14 +9,16 @@ use phihat_study::Study;
 use crate::columnar::{ChunkReader, ParquetTable, TableWriter, Texts, ValueKind, Values};
 use crate::recorder::Recorder;
 use crate::trace::{COLUMNS, JointTrace, Supervision, Trace};
-use crate::trace_file::{BLOCK, FLAGS, Place, RowTurn, SUPERVISION, TraceError, signals};
+use crate::trace_file::{
+    BLOCK, FLAGS, OptionalColumns, Place, RowTurn, SHARE, SUPERVISION, TraceError, signals,
+};
 
 /// Rows that are looked at together.
 const ROWS: usize = 1024;
 
 /// A trace that is written as Parquet as it comes: `t_ns, joint, q_rad, …, saturated, rate_limited`, one row
-/// per sample and joint, and `mode, events, fault, brake` where there is a supervisor. A row group has 4096
-/// samples, in whatever blocks they come.
+/// per sample and joint, `mode, events, fault, brake` where there is a supervisor, and `error_share` where there is a
+/// certified bound. A row group has 4096 samples, in whatever blocks they come.
 #[expect(missing_debug_implementations, reason = "the package's writer has none")]
 pub struct ParquetTrace<W: Write + Send> {
     file: ParquetBegin<W>,
@@ -82,7 +84,7 @@ impl<W: Write + Send> ParquetBegin<W> {
     fn begin(&mut self, trace: &Trace) -> io::Result<&mut TableWriter<W>> {
         if let Self::Not(writer) = self {
             let writer = writer.take().ok_or_else(unfinished)?;
-            let all: Vec<_> = columns(trace.supervision.is_some()).collect();
+            let all: Vec<_> = columns(OptionalColumns::of(trace)).collect();
             *self = Self::Yes(TableWriter::begin(writer, &all)?);
         }
         match self {
@@ -115,12 +117,17 @@ fn group<W: Write + Send>(
         }
         group.flags(&rows(trace, &samples, |joint| &joint.saturated))?;
         group.flags(&rows(trace, &samples, |joint| &joint.rate_limited))?;
-        let Some(supervision) = &trace.supervision else { return Ok(()) };
-        let told: Vec<_> = samples.clone().map(|k| supervision.words(k)).collect();
-        group.texts(&spread(told.iter().map(|(mode, ..)| text(mode)), n))?;
-        group.texts(&spread(told.iter().map(|(_, events, _)| text(events)), n))?;
-        group.texts(&spread(told.iter().map(|(.., fault)| text(fault)), n))?;
-        group.flags(&spread(supervision.brake[samples].iter().copied(), n))
+        if let Some(supervision) = &trace.supervision {
+            let told: Vec<_> = samples.clone().map(|k| supervision.words(k)).collect();
+            group.texts(&spread(told.iter().map(|(mode, ..)| text(mode)), n))?;
+            group.texts(&spread(told.iter().map(|(_, events, _)| text(events)), n))?;
+            group.texts(&spread(told.iter().map(|(.., fault)| text(fault)), n))?;
+            group.flags(&spread(supervision.brake[samples.clone()].iter().copied(), n))?;
+        }
+        if trace.is_bounded() {
+            group.numbers(&rows(trace, &samples, |joint| &joint.error_share))?;
+        }
+        Ok(())
     })
 }
 
@@ -182,8 +189,9 @@ impl Trace {
     ) -> Result<(), TraceError> {
         let table = ParquetTable::open(file)?;
         let supervised = table.place(SUPERVISION[0]).is_some();
+        let bounded = table.place(SHARE).is_some();
         let mut places = Vec::new();
-        for (column, kind) in columns(supervised) {
+        for (column, kind) in columns(OptionalColumns { supervised, bounded }) {
             let there = table.place(column);
             let there =
                 there.filter(|at| table.columns().nth(*at).is_some_and(|c| c.1 == Some(kind)));
@@ -208,7 +216,7 @@ impl Trace {
 }
 
 /// The columns of a trace and what they hold.
-fn columns(supervised: bool) -> impl Iterator<Item = (&'static str, ValueKind)> {
+fn columns(optional: OptionalColumns) -> impl Iterator<Item = (&'static str, ValueKind)> {
     let [mode, events, fault, brake] = SUPERVISION;
     let kind = move |name: &'static str| {
         let kind = if FLAGS.contains(&name) || name == brake {
@@ -221,7 +229,7 @@ fn columns(supervised: bool) -> impl Iterator<Item = (&'static str, ValueKind)> 
         (name, kind)
     };
     let first = [("t_ns", ValueKind::Integers), ("joint", ValueKind::Texts)];
-    first.into_iter().chain(signals(supervised).map(kind))
+    first.into_iter().chain(signals(optional).map(kind))
 }
 
 /// Some rows of the file, by column.
@@ -268,6 +276,9 @@ impl<'a> ParquetRows<'a> {
         let joint = &mut trace.joints[at];
         for (column, values) in COLUMNS.iter().zip(&self.numbers) {
             (column.get_mut)(joint).push(values[row]);
+        }
+        if let Some(shares) = self.numbers.get(COLUMNS.len()) {
+            joint.error_share.push(shares[row]);
         }
         joint.saturated.push(self.flags[0][row]);
         joint.rate_limited.push(self.flags[1][row]);

@@ -14,6 +14,7 @@ mod batch;
 mod blocks;
 mod cases;
 mod driver;
+mod error_share;
 mod false_alarms;
 mod held;
 mod imperfections;

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use crate::support::{gains, read};
 use mcap::MessageStream;
-use phihat_sim::{McapTrace, Simulation};
+use phihat_sim::{ErrorShares, McapTrace, Simulation};
 
 const STUDY: &str = "duration_s = 0.5\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 0.2\n[gains]\norder = 1\n\
     bandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = [0.42, 0.18, 0.14]\n[supervisor]\n\
@@ -40,7 +40,8 @@ impl Bytes<'_> {
 #[test]
 fn every_message_holds_the_bits_of_the_trace() {
     let study = read(STUDY);
-    let trace = Simulation::new(&study, &gains(&study)).unwrap().run(|_| ()).trace;
+    let mut trace = Simulation::new(&study, &gains(&study)).unwrap().run(|_| ()).trace;
+    ErrorShares::new(vec![0.01, 0.02, 0.03]).fill(&mut trace);
     let mut log = McapTrace::new(Vec::new()).unwrap();
     log.attach("gains.json", "application/json", b"{}").unwrap();
     log.block(&trace).unwrap();
@@ -78,6 +79,7 @@ fn every_message_holds_the_bits_of_the_trace() {
             "/phihat/error" => [of(|j| &j.e), of(|j| &j.de), vec![]],
             "/phihat/torque_command" => [vec![], vec![], of(|j| &j.tau_command)],
             "/phihat/phi" => [vec![], vec![], of(|j| &j.phi)],
+            "/phihat/error_share" => [of(|j| &j.error_share), vec![], vec![]],
             "/phihat/phi_hat" => [vec![], vec![], of(|j| &j.phi_hat)],
             other => unreachable!("{other}"),
         };
@@ -86,7 +88,7 @@ fn every_message_holds_the_bits_of_the_trace() {
     let events =
         trace.supervision.as_ref().unwrap().events.iter().filter(|e| !e.is_empty()).count();
     assert_eq!(seen.remove("/phihat/events").unwrap_or(0), events);
-    assert_eq!(seen.len(), 7);
+    assert_eq!(seen.len(), 8);
     assert!(seen.values().all(|count| *count == trace.len()), "{seen:?}");
     let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
     assert_eq!(summary.attachment_indexes.len(), 1);

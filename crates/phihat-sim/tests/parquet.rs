@@ -113,8 +113,9 @@ fn assert_same(a: &Trace, b: &Trace) {
             (&a.name, &a.saturated, &a.rate_limited),
             (&b.name, &b.saturated, &b.rate_limited)
         );
+        let bits = |x: &f64| if x.is_nan() { u64::MAX } else { x.to_bits() };
+        assert!(a.error_share.iter().map(bits).eq(b.error_share.iter().map(bits)));
         for (a, b) in columns(&mut a).into_iter().zip(columns(&mut b)) {
-            let bits = |x: &f64| if x.is_nan() { u64::MAX } else { x.to_bits() };
             assert!(a.iter().map(bits).eq(b.iter().map(bits)));
         }
     }
@@ -143,8 +144,11 @@ fn either_kind_reads_back_the_same_bits() {
         (planar(), 700),
         (rod_study("duration_s = 1.0", HOLD), BLOCK + 5),
     ] {
-        for supervised in [false, true] {
-            let trace = drawn(&study, &mut draw, samples, supervised);
+        for (supervised, bounded) in [(false, false), (true, false), (false, true), (true, true)] {
+            let mut trace = drawn(&study, &mut draw, samples, supervised);
+            for joint in trace.joints.iter_mut().filter(|_| bounded) {
+                joint.error_share = (0..samples).map(|_| draw.number(1.0)).collect();
+            }
             let (parquet, mut csv) = (written(&trace), Vec::new());
             trace.write_csv(&mut csv).unwrap();
             let (a, b) = (read_back(&parquet, &study), read_back(&csv, &study));

@@ -73,6 +73,7 @@ pub use numeric::NumericKey;
 pub use payload::Payload;
 pub use payload_set::PayloadSet;
 pub use renamed::RenamedKey;
+pub use samples::{Samples, motion_samples};
 pub use schema::schema;
 pub use study::*;
 pub use supervisor::{RequestedMode, SupervisorRequest, requested};

@@ -2,6 +2,7 @@
 
 use core::f64::consts::TAU;
 use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
 
 use phihat_model::input;
 
@@ -26,18 +27,18 @@ pub(crate) fn read(
 ) -> Result<ReferenceRequest, StudyError> {
     let name = node.word("file")?;
     let path = run.base.join(name);
-    let refuse =
-        |why: String| node.error(Kind::Unreadable, "file", format!("`{}`: {why}", clip(name)));
-    let unreadable = |error: std::io::Error| refuse(error.to_string()).with_help(beside(&path));
-    let file = input::open(&path).map_err(unreadable)?;
-    let size = file.metadata().map_err(unreadable)?.len();
-    if size > BYTES_MAX {
-        let message = format!("{size} bytes, at most {BYTES_MAX}");
-        return Err(node.error(Kind::TooLarge, "file", message));
-    }
     let shown = path.display().to_string();
-    let mut table = SamplesTable::new(&shown, BufReader::new(file.take(BYTES_MAX)));
-    let (t, q) = table.read(arm)?;
+    let joints = Columns { names: &arm.joints.names, locked: &arm.joints.locked };
+    let (t, q) = match opened(&path) {
+        Ok(file) => SamplesTable::new(&shown, file, joints).read(Some(arm))?,
+        Err(Unopened::TooLarge(message)) => {
+            return Err(node.error(Kind::TooLarge, "file", message));
+        }
+        Err(Unopened::Unreadable(why)) => {
+            let message = format!("`{}`: {why}", clip(name));
+            return Err(node.error(Kind::Unreadable, "file", message).with_help(beside(&path)));
+        }
+    };
     if let Some(&end) = t.last().filter(|&&end| end < run.duration - 1e-9) {
         let message = format!("the samples end at {end} s, the run at {} s", run.duration);
         return Err(node.error(Kind::Conflict, "file", message));
@@ -45,8 +46,51 @@ pub(crate) fn read(
     Ok(ReferenceRequest::Samples { t, q })
 }
 
-/// Times, and one row of positions for each.
-type Samples = (Vec<f64>, Vec<Vec<f64>>);
+/// Times \[s\], and one row of positions \[rad, m\] for each.
+pub type Samples = (Vec<f64>, Vec<Vec<f64>>);
+
+/// Reads a motion (CSV: `t_s` and every joint's name, in any order) for these joints, in their order; nothing of an
+/// arm's limits is checked, and positions are taken as they are.
+///
+/// # Errors
+///
+/// [`StudyError`] with file, line and column: the file cannot be read, a column is missing or unknown, a cell is no
+/// finite number, or the times do not begin at 0 and grow.
+pub fn motion_samples(path: &Path, joints: &[String]) -> Result<Samples, StudyError> {
+    let shown = path.display().to_string();
+    match opened(path) {
+        Ok(file) => {
+            SamplesTable::new(&shown, file, Columns { names: joints, locked: &[] }).read(None)
+        }
+        Err(Unopened::TooLarge(why) | Unopened::Unreadable(why)) => {
+            Err(StudyError::new(Kind::Unreadable, TextPlace::whole_file(&shown), "", why))
+        }
+    }
+}
+
+/// Why a file is not opened.
+enum Unopened {
+    TooLarge(String),
+    Unreadable(String),
+}
+
+fn opened(path: &Path) -> Result<impl BufRead, Unopened> {
+    let unreadable = |error: std::io::Error| Unopened::Unreadable(error.to_string());
+    let file = input::open(path).map_err(unreadable)?;
+    let size = file.metadata().map_err(unreadable)?.len();
+    if size > BYTES_MAX {
+        return Err(Unopened::TooLarge(format!("{size} bytes, at most {BYTES_MAX}")));
+    }
+    Ok(BufReader::new(file.take(BYTES_MAX)))
+}
+
+/// Joints of the columns.
+#[derive(Debug, Clone, Copy)]
+struct Columns<'a> {
+    names: &'a [String],
+    /// Joints that no column may have.
+    locked: &'a [String],
+}
 
 /// Content of a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,6 +102,7 @@ enum Column {
 /// A CSV file while it is read; knows the line it is at.
 struct SamplesTable<'f, R> {
     file: &'f str,
+    joints: Columns<'f>,
     reader: R,
     line: String,
     number: usize,
@@ -66,28 +111,31 @@ struct SamplesTable<'f, R> {
 }
 
 impl<'f, R: BufRead> SamplesTable<'f, R> {
-    fn new(file: &'f str, reader: R) -> Self {
-        Self { file, reader, line: String::new(), number: 0, start: 0 }
+    fn new(file: &'f str, reader: R, joints: Columns<'f>) -> Self {
+        Self { file, joints, reader, line: String::new(), number: 0, start: 0 }
     }
 
-    fn read(&mut self, arm: &StudyArm) -> Result<Samples, StudyError> {
+    /// All rows, checked against an arm's limits where there is one.
+    fn read(&mut self, arm: Option<&StudyArm>) -> Result<Samples, StudyError> {
         if !self.next_line()? {
             let place = TextPlace::whole_file(self.file);
             return Err(StudyError::new(Kind::Syntax, place, "", "the file is empty"));
         }
-        let columns = self.header(arm)?;
+        let columns = self.header()?;
         let (mut t, mut q): Samples = Default::default();
         while self.next_line()? {
             if self.line.trim().is_empty() {
                 continue;
             }
-            let (time, mut row) = self.row(&columns, arm.joints.count())?;
-            if let Some(before) = q.last() {
+            let (time, mut row) = self.row(&columns, self.joints.names.len())?;
+            if let (Some(before), Some(arm)) = (q.last(), arm) {
                 take_the_near_way(arm, before, &mut row);
             }
             self.check_time(t.last().copied(), time)?;
             let before = t.last().copied().zip(q.last().map(Vec::as_slice));
-            self.check_row(arm, &columns, before, (time, &row))?;
+            if let Some(arm) = arm {
+                self.check_row(arm, &columns, before, (time, &row))?;
+            }
             if t.len() == ROWS_MAX {
                 let message = format!("more than {ROWS_MAX} rows");
                 return Err(self.error(Kind::TooLarge, 0, message));
@@ -129,7 +177,7 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
         Ok(true)
     }
 
-    fn header(&self, arm: &StudyArm) -> Result<Vec<Column>, StudyError> {
+    fn header(&self) -> Result<Vec<Column>, StudyError> {
         let cells = cells(&self.line);
         if cells.len() > COLUMNS_MAX {
             return Err(self.error(Kind::TooLarge, 0, format!("more than {COLUMNS_MAX} columns")));
@@ -140,40 +188,39 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
         }
         let mut columns: Vec<Column> = Vec::with_capacity(cells.len());
         for (i, cell) in cells.iter().enumerate() {
-            let column = self.column(arm, i, cell)?;
+            let column = self.column(i, cell)?;
             if columns.contains(&column) {
                 let message = format!("column `{}` appears twice", clip(cell));
                 return Err(self.error(Kind::Conflict, i, message));
             }
             columns.push(column);
         }
-        let missing = (0..arm.joints.count()).find(|&j| !columns.contains(&Column::Joint(j)));
-        let missing = missing.map(|j| arm.joints.names[j].as_str());
+        let names = self.joints.names;
+        let missing = (0..names.len()).find(|&j| !columns.contains(&Column::Joint(j)));
+        let missing = missing.map(|j| names[j].as_str());
         match missing.or((!columns.contains(&Column::Time)).then_some("t_s")) {
             None => Ok(columns),
-            Some(name) => {
-                Err(self.error(Kind::WrongLength, 0, format!("no column `{name}`")).with_help(
-                    format!("the first line is `t_s,{}`, in any order", arm.joints.names.join(",")),
-                ))
-            }
+            Some(name) => Err(self
+                .error(Kind::WrongLength, 0, format!("no column `{name}`"))
+                .with_help(format!("the first line is `t_s,{}`, in any order", names.join(",")))),
         }
     }
 
-    fn column(&self, arm: &StudyArm, i: usize, cell: &str) -> Result<Column, StudyError> {
+    fn column(&self, i: usize, cell: &str) -> Result<Column, StudyError> {
         if cell == "t_s" {
             return Ok(Column::Time);
         }
-        if let Some(j) = arm.joints.names.iter().position(|name| name == cell) {
+        if let Some(j) = self.joints.names.iter().position(|name| name == cell) {
             return Ok(Column::Joint(j));
         }
-        let locked = arm.joints.locked.iter().any(|name| name == cell);
+        let locked = self.joints.locked.iter().any(|name| name == cell);
         let shown = clip(cell);
         let message = if locked {
             format!("joint `{shown}` is locked")
         } else {
             format!("no joint `{shown}`")
         };
-        let names = arm.joints.names.iter().map(String::as_str);
+        let names = self.joints.names.iter().map(String::as_str);
         let known: Vec<&str> = std::iter::once("t_s").chain(names).collect();
         let help = if cell.parse::<f64>().is_ok() {
             "the first line names the columns".into()

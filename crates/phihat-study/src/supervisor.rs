@@ -40,6 +40,8 @@ pub struct SupervisorRequest {
     pub start_imbalance: Option<Vec<f64>>,
     /// Certified bound on the measured error \[rad\]: no key of a study, but what a certificate says of its gains.
     pub error_bound: Option<Vec<f64>>,
+    /// True if a measured error beyond `error_bound` stops the arm.
+    pub error_bound_stop: bool,
     /// True if the law starts at first order.
     pub start_first_order: bool,
     /// Factor on the estimator's poles at the start, ≤ 1; `None`: as fast as the gains.
@@ -138,6 +140,7 @@ pub(crate) fn read(
         preset: some("preset_nm")?,
         start_imbalance: some("start_imbalance_nm")?,
         error_bound: None,
+        error_bound_stop: node.flag("error_bound_stop")?,
         start_first_order: node.flag("start_first_order")?,
         start_factor: node.number_if("start_estimator_factor"),
         settled,

@@ -54,6 +54,16 @@ pub(crate) static SUPERVISOR: FormatSection = FormatSection {
             "50 times what `[spec]` asks for, and at least 0.2",
             "The arm stops when |e| is larger.",
         ),
+        Key {
+            name: "error_bound_stop",
+            unit: "",
+            shape: Shape::Flag,
+            need: Need::Flag(true),
+            doc: "Stop the arm when a measured error is beyond the bound that the gains' certificate proves for the class of motions in which \
+                  the supervisor keeps the reference, half a quantum of the encoder and more included, in three samples in a row (`error-bound`): \
+                  something is not as the certificate assumes. `false`: the excess is recorded alone, as `error_share` above 1. Without such a \
+                  certificate nothing is compared.",
+        },
         option(
             "frozen_travel_rad",
             "rad",

@@ -130,7 +130,7 @@ impl ClassAgain {
 }
 
 /// A posture at which kicks are played: the arm with its payload, and its place.
-type PlacedModel = (Model, Vec<f64>);
+pub(super) type PlacedModel = (Model, Vec<f64>);
 
 impl Certificate {
     /// Derives the bound for a class again, and holds the file's against it; `None`: the file has none.
@@ -307,7 +307,7 @@ fn drawn(models: &[Model], count: usize, mut place: impl FnMut() -> Vec<f64>) ->
 }
 
 impl ClassSetting<'_> {
-    fn played(
+    pub(super) fn played(
         &self,
         loops: &[(&JointRecord, &LoopModel)],
         (model, q): &PlacedModel,
@@ -320,7 +320,7 @@ impl ClassSetting<'_> {
     }
 
     /// Maxima of derivatives over the postures, with their margin.
-    fn bends(&self, placed: &[PlacedModel], more: &[PlacedModel]) -> ClassBends {
+    pub(super) fn bends(&self, placed: &[PlacedModel], more: &[PlacedModel]) -> ClassBends {
         let all: Vec<&PlacedModel> = placed.iter().chain(more).collect();
         let found = shared(all.len(), |at| {
             let (model, q) = all[at];

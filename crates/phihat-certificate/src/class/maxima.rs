@@ -88,11 +88,28 @@ impl Maxima {
             found.map_or(f64::NAN, |(value, point)| search.climbed(which, value, point, dice))
         };
         let most: Vec<f64> = best.into_iter().enumerate().map(climbed).collect();
-        let row = |kind: usize| most[kind * n..(kind + 1) * n].to_vec();
-        let [size, jerk, fed_jerk, start] = search.inertial;
-        let fed = row(2).iter().zip(fed_jerk).map(|(fed, jerk)| fed + jerk).collect();
-        let (whole, slow, torque) = (row(0), row(1), row(3));
-        Self { whole, slow, fed, torque, size, jerk, start, points: search.points }
+        search.maxima(&most)
+    }
+}
+
+impl Maxima {
+    /// Looks at instants of one motion, each with every payload: position, velocity, acceleration.
+    pub(super) fn along(
+        torques: &ClassTorques<'_>,
+        models: &[Model],
+        instants: &[[Vec<f64>; 3]],
+    ) -> Self {
+        let n = torques.nominal.len();
+        let mut search = Search::new(torques, models);
+        let mut most = vec![0.0; KINDS * n];
+        for [q, dq, ddq] in instants {
+            for case in 0..models.len() {
+                let (q, dq, ddq) = (q.clone(), dq.clone(), ddq.clone());
+                let values = search.values(&ClassPoint { q, dq, ddq, case });
+                most.iter_mut().zip(values).for_each(|(most, value)| *most = larger(*most, value));
+            }
+        }
+        search.maxima(&most)
     }
 }
 
@@ -115,6 +132,16 @@ impl<'a> Search<'a> {
         let zero = || vec![0.0; torques.nominal.len()];
         let rooms = models.iter().map(room).collect();
         Self { torques, models, rooms, inertial: [zero(), zero(), zero(), zero()], points: 0 }
+    }
+
+    /// The largest values of each kind and joint, with what was collected.
+    fn maxima(self, most: &[f64]) -> Maxima {
+        let n = self.torques.nominal.len();
+        let row = |kind: usize| most[kind * n..(kind + 1) * n].to_vec();
+        let [size, jerk, fed_jerk, start] = self.inertial;
+        let fed = row(2).iter().zip(fed_jerk).map(|(fed, jerk)| fed + jerk).collect();
+        let (whole, slow, torque) = (row(0), row(1), row(3));
+        Maxima { whole, slow, fed, torque, size, jerk, start, points: self.points }
     }
 
     /// The four kinds at a point, joint by joint; what depends on the posture alone is collected.

@@ -8,7 +8,9 @@
 //! 4. `maxima`: torques and their rates over the class.
 //! 5. `sums`, `forget`: kicks played at a posture, and what comes after the last sample.
 //! 6. `solve`: the least solution of (CM5).
+//! 7. `along`: the same for one motion of the class, at its own postures and speeds.
 
+mod along;
 mod bends;
 mod check;
 mod derive;
@@ -22,5 +24,6 @@ mod shared;
 mod solve;
 mod sums;
 
+pub use along::{AlongBound, KnownMotion};
 pub use derive::{ClassAgain, ClassPair, JointOfClass};
 pub use document::{ClassBound, ClassPace, ClassWitness};

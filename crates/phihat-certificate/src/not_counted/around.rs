@@ -5,6 +5,9 @@ use phihat_study::{Interface, SupervisorRequest};
 
 use super::list::{LeftOut, List};
 
+/// Key of a reference that is shaped.
+const SHAPED: &str = "supervisor.reference_velocity_max_rad_s";
+
 impl List {
     /// A bound for a class of motions counts gravity that the robot adds, and a start of a supervisor's law.
     pub(super) fn interface(&mut self, interface: &Interface, class: bool) {
@@ -68,6 +71,7 @@ impl List {
             reference_box: _,
             start_imbalance: _,
             error_bound: _,
+            error_bound_stop: _,
             start_first_order,
             start_factor,
             // When the start gains end, and whether they come back.
@@ -96,8 +100,7 @@ impl List {
         self.acting("supervisor.soft_zone_rad", soft_zone.as_ref());
         if let Some([velocity, ..]) = motion.as_ref().filter(|_| !class) {
             // Outside of the loop: it is the reference that is another one.
-            let text = format!("{velocity:?}");
-            self.add("supervisor.reference_velocity_max_rad_s", text, LeftOut::Bounds);
+            self.add(SHAPED, format!("{velocity:?}"), LeftOut::Bounds);
         }
         self.acting("supervisor.funnel_initial_rad", funnel.as_ref().map(|[initial, _]| initial));
         if let Some(torque) = preset.as_ref().filter(|_| !class) {

@@ -9,6 +9,7 @@ mod fitted;
 mod identified;
 mod limit;
 mod metrics;
+pub(crate) mod motion;
 mod robots;
 mod stop;
 

@@ -7,8 +7,9 @@
 //! | `/phihat/error` | the same | e, ė: measured minus desired |
 //! | `/phihat/torque_command` | the same | commanded torque |
 //! | `/phihat/phi_hat` | the same | φ̂ |
+//! | `/phihat/error_share` | the same, as positions | measured error as a share of its certified bound; 0 without one |
 //! | `/phihat/mode` | `std_msgs/msg/String` | the supervisor's mode, where it changes |
-//! | `/diagnostics` | `diagnostic_msgs/msg/DiagnosticArray` | once a second: mode, fault, losses, what was refused |
+//! | `/diagnostics` | `diagnostic_msgs/msg/DiagnosticArray` | once a second: mode, fault, losses, what was refused, the largest error beside its bound |
 //! | `/phihat/joint_trajectory` (in) | `trajectory_msgs/msg/JointTrajectory` | every joint by name; lines between the points, from where the arm is |
 //! | `/phihat/commands` (in) | `std_msgs/msg/Float64MultiArray` | one position per joint, in the study's order |
 //!
@@ -29,6 +30,7 @@ mod told;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 
+use phihat::Mode;
 use phihat_sim::Row;
 use phihat_study::Study;
 use rtrb::{Producer, RingBuffer};
@@ -49,17 +51,36 @@ struct RosTap {
     count: u64,
     lost: u64,
     dropped: u64,
+    /// Bound on the measured error per joint \[rad\]; empty: there is none.
+    bounds: Vec<f64>,
+    largest: (f64, usize),
+}
+
+impl RosTap {
+    /// Share of its bound that the measured error of a joint takes up, while the bound is claimed.
+    fn share(&self, joint: usize, cycle: &Cycle, row: &Row) -> f64 {
+        let modes = cycle.report.map(|report| report.mode);
+        let claimed = matches!(modes, None | Some(Mode::Holding | Mode::Tracking));
+        let bound = self.bounds.get(joint).filter(|_| claimed && cycle.arrival == Arrival::Fresh);
+        bound.map_or(0.0, |bound| (row.measurement.q - row.reference.q).abs() / bound)
+    }
 }
 
 impl Tap for RosTap {
     fn sample(&mut self, cycle: &Cycle, rows: &[Row]) {
         self.count += 1;
         self.lost += u64::from(cycle.arrival == Arrival::Lost);
+        for (joint, row) in rows.iter().enumerate() {
+            let share = self.share(joint, cycle, row);
+            if share > self.largest.0 {
+                self.largest = (share, joint);
+            }
+        }
         if !(self.count - 1).is_multiple_of(self.every) {
             return;
         }
         let mut joints = [JointSample::default(); JOINTS_MOST];
-        for (shown, row) in joints.iter_mut().zip(rows) {
+        for (i, (shown, row)) in joints.iter_mut().zip(rows).enumerate() {
             *shown = JointSample {
                 q: row.measurement.q,
                 dq: row.measurement.dq,
@@ -68,10 +89,11 @@ impl Tap for RosTap {
                 dq_desired: row.reference.dq,
                 command: row.command.tau,
                 phi_hat: row.command.phi_hat,
+                share: self.share(i, cycle, row),
             };
         }
-        let (lost, dropped) = (self.lost, self.dropped);
-        let snapshot = Snapshot { cycle: *cycle, lost, dropped, joints };
+        let (lost, dropped, largest) = (self.lost, self.dropped, self.largest);
+        let snapshot = Snapshot { cycle: *cycle, lost, dropped, largest, joints };
         self.dropped += u64::from(self.ring.push(snapshot).is_err());
     }
 }
@@ -86,7 +108,7 @@ pub struct RosNode {
 type Ends = (Box<dyn Tap>, Option<Arc<Targets>>);
 
 impl RosNode {
-    /// Starts a node for a study's arm, before the drive; it ends when the drive has dropped its ends.
+    /// Starts a node for the arm of a drive's study, before the drive; it ends when the drive has dropped its ends.
     ///
     /// # Errors
     ///
@@ -110,7 +132,9 @@ impl RosNode {
         let thread = thread::Builder::new().name("phihat-ros2".to_owned());
         let thread = thread.spawn(move || node.run()).map_err(|e| RosError::Node(e.to_string()))?;
         let every = options.every.max(1);
-        let tap = RosTap { ring, every, count: 0, lost: 0, dropped: 0 };
+        let bounds = study.supervisor.as_ref().and_then(|own| own.error_bound.clone());
+        let bounds = bounds.unwrap_or_default();
+        let tap = RosTap { ring, every, count: 0, lost: 0, dropped: 0, bounds, largest: (0.0, 0) };
         Ok((Self { thread }, (Box::new(tap), targets)))
     }
 

@@ -34,12 +34,13 @@ const DIAGNOSTICS_NS: u64 = 1_000_000_000;
 
 /// Signal of a joint; below, each topic with its position, velocity and effort.
 type JointSignal = fn(&JointSample) -> f64;
-const STATES: [(&str, &str, [Option<JointSignal>; 3]); 5] = [
+const STATES: [(&str, &str, [Option<JointSignal>; 3]); 6] = [
     ("/", "joint_states", [Some(|j| j.q), Some(|j| j.dq), Some(|j| j.tau)]),
     ("/phihat", "reference", [Some(|j| j.q_desired), Some(|j| j.dq_desired), None]),
     ("/phihat", "error", [Some(|j| j.q - j.q_desired), Some(|j| j.dq - j.dq_desired), None]),
     ("/phihat", "torque_command", [None, None, Some(|j| j.command)]),
     ("/phihat", "phi_hat", [None, None, Some(|j| j.phi_hat)]),
+    ("/phihat", "error_share", [Some(|j| j.share), None, None]),
 ];
 
 pub(super) struct DriveNode {
@@ -187,14 +188,20 @@ impl DriveNode {
         let fault = fault.map(|(fault, _)| fault.name());
         let pair = |key: &str, value: String| KeyValue { key: key.to_owned(), value };
         let refused = self.refusal.as_ref().map_or_else(String::new, ToString::to_string);
+        let (share, joint) = shown.largest;
+        let joint = self.joints.get(joint).filter(|_| share > 0.0);
+        let largest =
+            joint.map_or_else(String::new, |(name, _)| format!("{:.0} % ({name})", 100.0 * share));
         let values = vec![
             pair("mode", mode.to_owned()),
             pair("samples lost", shown.lost.to_string()),
             pair("samples not published", shown.dropped.to_string()),
             pair("refused", self.counts.refused.to_string()),
             pair("refused last", refused),
+            pair("largest error as a share of its bound", largest),
         ];
-        let level = if fault.is_some() { 2 } else { u8::from(self.counts.refused > 0) };
+        let level =
+            if fault.is_some() || share > 1.0 { 2 } else { u8::from(self.counts.refused > 0) };
         let status = DiagnosticStatus {
             level,
             name: "phihat".to_owned(),

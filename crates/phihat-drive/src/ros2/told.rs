@@ -24,7 +24,7 @@ pub struct RosOptions {
 /// Number of messages of each kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct RosCounts {
-    /// Samples that were published, as five messages each.
+    /// Samples that were published, as six messages each.
     pub states: u64,
     /// Messages about the mode.
     pub modes: u64,
@@ -62,6 +62,8 @@ pub(super) struct JointSample {
     pub(super) dq_desired: f64,
     pub(super) command: f64,
     pub(super) phi_hat: f64,
+    /// Measured error as a share of its certified bound.
+    pub(super) share: f64,
 }
 
 /// One sample, of fixed size.
@@ -70,5 +72,7 @@ pub(super) struct Snapshot {
     pub(super) cycle: Cycle,
     pub(super) lost: u64,
     pub(super) dropped: u64,
+    /// Largest share so far, with its joint; 0: there is no bound, or none was compared yet.
+    pub(super) largest: (f64, usize),
     pub(super) joints: [JointSample; JOINTS_MOST],
 }

@@ -35,7 +35,7 @@ from ._read import read_trace
 from ._rollouts import Rollouts, rollouts
 from ._sweep import sweep
 from .own import ArmFacts, Law, Plant
-from .study import compare, design, faults, read_run, report, reproduce, robots, simulate, verify
+from .study import bound, compare, design, faults, read_run, report, reproduce, robots, simulate, verify
 from .trace import Trace
 
 __version__ = _version()
@@ -65,6 +65,7 @@ __all__ = [
     "StudyError",
     "Supervisor",
     "Trace",
+    "bound",
     "compare",
     "crosscheck",
     "design",

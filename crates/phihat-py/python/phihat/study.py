@@ -7,6 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from . import _phihat
 from ._document import Study, source
 from ._errors import ArgumentError
@@ -176,6 +179,42 @@ def verify(gains: _phihat.Gains | str | os.PathLike[str]) -> None:
     if not isinstance(gains, _phihat.Gains):
         gains = _phihat.Gains.from_file(gains)
     gains.verify()
+
+
+def bound(
+    gains: _phihat.Gains | str | os.PathLike[str],
+    t: ArrayLike,
+    q: ArrayLike,
+    *,
+    study: Study | None = None,
+    name: str = "python",
+) -> dict[str, Any]:
+    """Compare a motion with the class of motions that gains are certified for: inside or outside, and its bound.
+
+    A natural cubic spline joins the samples. The answer has ``inside``; ``worst``, the joint and the limit (``position``,
+    ``speed``, ``acceleration``, ``jerk``, ``rest``) of which the motion takes up the largest share; ``slow_down``, the factor
+    on its times that brings it inside (1 if it is, ``None`` if no time does); and ``joints``, each with its ``clauses`` and,
+    inside, its ``error_bound_rad`` and ``velocity_error_bound_rad_s``.
+
+    Args:
+        gains: gains with a bound for a class (``kind = "any"`` in their study's ``reference``), or their file.
+        t: time of each sample [s], from 0.
+        q: positions [rad], samples down, joints across.
+        study: the study that the gains are for: ``along`` then has the bound for this motion alone, derived from its own
+            postures, speeds and accelerations.
+        name: the study's name where it is a document, ``[a-z0-9_-]``.
+
+    Raises:
+        Error: the gains bound no class of motions.
+        ArgumentError: the samples are no motion of these joints.
+        StudyError: the study cannot be used.
+    """
+    if not isinstance(gains, _phihat.Gains):
+        gains = _phihat.Gains.from_file(gains)
+    path, document = (None, None) if study is None else source(study)
+    times = [float(time) for time in np.asarray(t, dtype=np.float64)]
+    found: dict[str, Any] = _phihat.bound(gains, times, np.asarray(q, dtype=np.float64), path, document, name)
+    return found
 
 
 def report(trace: str | os.PathLike[str], path: str | os.PathLike[str] | None = None) -> Path:

@@ -38,6 +38,9 @@ SIGNALS = (
 
 FLAGS = ("saturated", "rate_limited")
 
+SHARE = "error_share"
+"""The measured error as a share of its certified bound, where a class of motions has one."""
+
 _LABELS = {
     "q": "q [rad]",
     "dq": "q̇ [rad/s]",
@@ -62,7 +65,8 @@ class Trace:
 
     Signals (:data:`SIGNALS`): ``q, dq, ddq`` as they truly are, ``q_desired, dq_desired, ddq_desired``, ``e, e_integral,
     de`` (measured minus desired), ``q_measured, dq_measured`` as the controller saw them, ``tau_command``,
-    ``tau_applied`` (mean over the sample), ``phi`` and ``phi_hat``; flags: ``saturated``, ``rate_limited``.
+    ``tau_applied`` (mean over the sample), ``phi`` and ``phi_hat``; flags: ``saturated``, ``rate_limited``; and
+    ``error_share``, where the gains have a bound for a class of motions: measured ``|e|`` over its bound.
     """
 
     def __init__(self, record: _phihat.Trace) -> None:
@@ -72,7 +76,7 @@ class Trace:
         """A signal of every joint, shape ``(samples, joints)``."""
         if signal in FLAGS:
             return self._record.flag(signal)
-        if signal in SIGNALS:
+        if signal in SIGNALS or (signal == SHARE and self._record.bounded):
             return self._record.column(signal)
         limit = ", ".join(SIGNALS + FLAGS)
         raise ArgumentError(
