@@ -2,6 +2,7 @@
 //! outside passes or one inside is refused, if the factor that brings one inside is not the least, or if a run along it
 //! leaves the bound that is derived for it alone.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
@@ -61,7 +62,7 @@ fn write(folder: &Path, name: &str, amplitude: f64, (factor, first): (f64, u32))
         let t = END * f64::from(k) / 300.0;
         let row: Vec<String> = (0..3).map(|j| position(j, amplitude, t).to_string()).collect();
         let time = factor * END * f64::from(k - first) / 300.0;
-        text += &format!("{time},{}\n", row.join(","));
+        writeln!(text, "{time},{}", row.join(",")).unwrap();
     }
     fs::write(folder.join(name), text).unwrap();
 }

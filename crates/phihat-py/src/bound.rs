@@ -1,6 +1,6 @@
 //! `phihat.bound`: a motion beside the class of motions that gains are certified for.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use phihat_session::MotionBound;
 use phihat_sim::SampledMotion;
@@ -43,8 +43,8 @@ pub(crate) fn bound<'py>(
     let study = stated.then(|| study::read(py, path.as_deref(), document, name)).transpose()?;
     let compared = move || {
         let study = study.as_ref().map(|(study, _)| &**study);
-        MotionBound::of(&motion, &own, study)
+        MotionBound::of(&motion, (&own, Path::new("gains.json")), study)
     };
-    let found = patiently(py, compared)?.map_err(|why| failure::campaign(py, why))?;
+    let found = patiently(py, compared)?.map_err(|why| failure::session(py, &why))?;
     json::to_python(py, &found)
 }

@@ -215,3 +215,53 @@ def test_a_record_is_read_back_to_the_last_bit_or_refused(trace: phihat.Trace, t
     (folder / "gains.json").write_text("{}")
     with pytest.raises(phihat.Error, match="is not the file that the run left"):
         phihat.read_run(folder)
+
+
+ANY: dict[str, Any] = {
+    "duration_s": 3.0,
+    "robot": {"name": "planar3r"},
+    "profile": {"name": "ideal", "adds_gravity": True},
+    "spec": {"settle_s": 1.0, "error_bound_rad": 3e-3},
+    "design": {"payload_max_kg": 0.05, "window_margin": 1.1},
+    "loop": {"delay_samples": 1, "form": "positions"},
+    "sensor": {"encoder_bits": 19},
+    "world": {"coulomb_extra_nm": 0.05, "payload": {"mass_kg": 0.05}},
+    "supervisor": {"error_stop_rad": 0.2},
+    "reference": {
+        "kind": "any",
+        "center": "ready",
+        "box_rad": 0.4,
+        "speed_max_rad_s": 0.4,
+        "acceleration_max_rad_s2": 1.0,
+        "jerk_max_rad_s3": 10.0,
+    },
+}
+
+
+def test_a_motion_is_compared_with_the_class_of_its_gains(gains: phihat.Gains) -> None:
+    own = phihat.design(ANY)
+    t = np.linspace(0.0, 6.0, 301)
+    window = np.sin(np.pi * t / 6.0) ** 4
+    q = np.array([0.4, 1.2, 0.6]) + 0.15 * window[:, None] * np.sin(np.outer(t, [0.9, 0.7, 1.1]))
+    found = phihat.bound(own, t, q, study=ANY)
+    assert found["inside"] and found["slow_down"] == 1.0
+    along = found["along"]["error_bound_rad"]
+    for joint, bound, alone in zip(found["joints"], own.error_bound or [], along, strict=True):
+        assert joint["error_bound_rad"] == bound and 0.0 < alone < bound
+    speed = np.abs(np.gradient(q, t, axis=0)).max(axis=0)
+    for joint, largest in zip(found["joints"], speed, strict=True):
+        clause = next(clause for clause in joint["clauses"] if clause["quantity"] == "speed")
+        assert abs(clause["value"] / largest - 1.0) < 0.01
+    faster = phihat.bound(own, 0.4 * t, q)
+    assert not faster["inside"] and faster["along"] is None and faster["slow_down"] > 1.05
+    assert phihat.bound(own, 0.4 * 1.000001 * faster["slow_down"] * t, q)["inside"]
+    with pytest.raises(phihat.Error, match="bound no class of motions"):
+        phihat.bound(gains, t, q)
+    with pytest.raises(phihat.ArgumentError, match="a row per time"):
+        phihat.bound(own, t[:-1], q)
+    with pytest.raises(phihat.ArgumentError, match="begin at 0 and grow"):
+        phihat.bound(own, t + 1.0, q)
+    # A run inside the class has the shares of the bound, and all of them below 1.
+    trace = phihat.simulate(ANY, gains=own)
+    share = trace["error_share"]
+    assert share.shape == trace["e"].shape and 0.0 < share.max() < 1.0

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use phihat_certificate::{AlongBound, KnownMotion};
+use phihat_certificate::{AlongBound, Certificate, KnownMotion, Refutation};
 use phihat_design::{ClassBound, Gains};
 use phihat_sim::{Extreme, JointExtent, SampledMotion};
 use phihat_study::{MotionClass, Study, motion_samples};
@@ -84,20 +84,21 @@ impl MotionBound {
         let study = study.map(design::read).transpose()?;
         let names: Vec<String> = own.joints.iter().map(|joint| joint.name.clone()).collect();
         let (t, q) = motion_samples(motion, &names)?;
-        let found = Self::of(&SampledMotion::new(&t, &q), &own, study.as_deref());
-        Ok((found.map_err(|why| SessionError::at(gains, why))?, own))
+        let found = Self::of(&SampledMotion::new(&t, &q), (&own, gains), study.as_deref())?;
+        Ok((found, own))
     }
 
-    /// Compares a motion with the class of gains; with their study derives the bound for this motion alone, too.
+    /// Compares a motion with the class of gains; with their study derives the bound for this motion alone, too. `path`
+    /// stands for the gains in messages.
     ///
     /// # Errors
     ///
-    /// Why gains bound no class of motions, or none of as many joints.
+    /// [`SessionError`]: the gains bound no class of motions, or none of as many joints, or do not fit the study.
     pub fn of(
         motion: &SampledMotion,
-        gains: &Gains,
+        (gains, path): (&Gains, &Path),
         study: Option<&Study>,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, SessionError> {
         let certificate = gains.certificate.as_ref();
         let class = certificate.and_then(|all| all.class.as_deref());
         let Some(class) = class.filter(|_| certificate.is_some_and(|all| all.refused().is_none()))
@@ -106,14 +107,17 @@ impl MotionBound {
                 all.refused().map(|why| why.to_string()).or_else(|| all.class_refused.clone())
             });
             let why = why.map_or_else(String::new, |why| format!(": {why}"));
-            return Err(format!(
-                "these gains bound no class of motions (`kind = \"any\"` in a study's `[reference]`){why}"
-            ));
+            let none = "bound no class of motions (`kind = \"any\"` in a study's `[reference]`)";
+            return Err(SessionError::at(path, format!("these gains {none}{why}")));
         };
         let extents = motion.extents();
         let n = gains.joints.len();
+        certificate
+            .map_or(Ok(()), Certificate::class_fits)
+            .map_err(|why| SessionError::at(path, why))?;
         if extents.len() != n || class.error_bound_rad.len() != n {
-            return Err(format!("{} joints in the motion, {n} in the gains", extents.len()));
+            let why = format!("{} joints in the motion, {n} in the gains", extents.len());
+            return Err(SessionError::at(path, why));
         }
         let clauses: Vec<[MotionClause; 5]> =
             extents.iter().enumerate().map(|(i, own)| compared(own, class, i)).collect();
@@ -127,15 +131,12 @@ impl MotionBound {
         let joints: Vec<JointOfMotion> = clauses.iter().enumerate().map(joint).collect();
         let all = joints.iter().flat_map(|own| own.clauses.iter().map(move |one| (own, one)));
         let worst = all.max_by(|a, b| a.1.share.total_cmp(&b.1.share));
-        let (worst, clause) = worst.ok_or_else(|| "a motion without joints".to_owned())?;
-        let mut study = study.filter(|_| inside).cloned();
-        if let Some(study) = &mut study {
-            gains.complete(study).map_err(|why| why.to_string())?;
-        }
-        let along = study.zip(certificate).map(|(study, certificate)| {
-            certificate.derive_along(gains, &study, &known(motion, &extents))
-        });
-        let (along, along_refused) = match along {
+        let (worst, clause) =
+            worst.ok_or_else(|| SessionError::at(path, "a motion without joints"))?;
+        let along = study
+            .filter(|_| inside)
+            .map(|study| derived(&known(motion, &extents), (gains, path), study));
+        let (along, along_refused) = match along.transpose()? {
             Some(Ok(along)) => (Some(along), None),
             Some(Err(why)) => (None, Some(why.to_string())),
             None => (None, None),
@@ -157,6 +158,25 @@ impl MotionClause {
     pub fn holds(&self) -> bool {
         self.share <= 1.0 + ROUNDING
     }
+}
+
+/// The bound for a motion inside the class, or why there is none.
+fn derived(
+    motion: &KnownMotion,
+    (gains, path): (&Gains, &Path),
+    study: &Study,
+) -> Result<Result<AlongBound, Refutation>, SessionError> {
+    let same = gains.study_sha256 == study.sha256;
+    if let Err(why) =
+        Refutation::unless("class of motions", "the study is that of the gains", 0.0, 1.0, same)
+    {
+        return Ok(Err(why));
+    }
+    let mut study = study.clone();
+    gains.complete(&mut study).map_err(|why| SessionError::at(path, why))?;
+    let certificate = gains.certificate.as_ref();
+    let none = || SessionError::at(path, "these gains carry no certificate");
+    Ok(certificate.ok_or_else(none)?.derive_along(gains, &study, motion))
 }
 
 /// The limits of a joint beside its motion.

@@ -1,6 +1,6 @@
 //! Extent of a motion from samples: its box, and its largest speed, acceleration and jerk, joint by joint.
 
-use crate::spline::{Piece, Spline};
+use crate::spline::{Spline, SplinePiece};
 
 /// A largest value and its time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -115,7 +115,7 @@ impl Spline {
     }
 }
 
-impl Piece {
+impl SplinePiece {
     /// Time inside at which the acceleration is zero.
     fn turns(&self) -> [Option<f64>; 1] {
         let opposite = self.bend * self.bend_after < 0.0;

@@ -41,12 +41,12 @@ impl Spline {
 
 impl Spline {
     /// The cubics between neighbouring samples.
-    pub(crate) fn pieces(&self) -> impl Iterator<Item = Piece> {
+    pub(crate) fn pieces(&self) -> impl Iterator<Item = SplinePiece> {
         let knots = self.t.windows(2).zip(self.curvature.windows(2));
         knots.filter_map(|(t, bend)| {
             let (&[from, to], &[bend, bend_after]) = (t, bend) else { return None };
             let slope = self.at(from)[1];
-            Some(Piece { from, length: to - from, slope, bend, bend_after })
+            Some(SplinePiece { from, length: to - from, slope, bend, bend_after })
         })
     }
 
@@ -58,7 +58,7 @@ impl Spline {
 
 /// A cubic between two samples.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Piece {
+pub(crate) struct SplinePiece {
     /// Time of its begin.
     pub(crate) from: f64,
     pub(crate) length: f64,

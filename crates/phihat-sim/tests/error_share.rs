@@ -1,5 +1,5 @@
-//! Shares of a certified bound in a record. Wrong if a share is not the measured error over its bound where the bound is
-//! claimed, if it is not 0 where it is not, or if another sample is called the largest.
+//! Shares of a certified bound in a record. Wrong if a share is not the measured error over its bound where the bound
+//! is claimed, if it is not 0 where it is not, or if another sample is called the largest.
 
 use phihat::{Events, Mode};
 use phihat_sim::{ErrorShares, JointTrace, Supervision, Trace};

@@ -10,12 +10,12 @@ const CLAIM: &str = "class of motions";
 const ROUNDING: f64 = 1.0 + 1e-9;
 
 impl Certificate {
-    /// Lists of one entry per joint, numbers that can be, and no limit that acts.
+    /// Checks of a bound for a class its lists of one entry per joint, numbers that can be, and that no limit acts.
     ///
     /// # Errors
     ///
     /// The first [`Refutation`].
-    pub(crate) fn class_fits(&self) -> Result<(), Refutation> {
+    pub fn class_fits(&self) -> Result<(), Refutation> {
         let yes = Refutation::unless;
         let both = self.class.is_some() && self.class_refused.is_some();
         yes(CLAIM, "a bound, or the reason why there is none", 1.0, 0.0, !both)?;
