@@ -99,6 +99,31 @@ impl FrozenAttack<'_> {
     }
 }
 
+impl FrozenAttack<'_> {
+    /// Largest response to a kick of one sample on every joint, times `e^{rate t}`, in the last third of the time in which
+    /// more than rounding is left, over that before: at most 1 where every mode decays at least at that rate \[1/s\].
+    fn growth(&self, kick: &[f64], rate: f64) -> f64 {
+        let step = rate * self.period;
+        let mut samples = SAMPLES;
+        while step * (samples as f64) < FADED && samples < LONGEST {
+            samples += SAMPLES;
+        }
+        let still = vec![0.0; kick.len()];
+        let input = |k: usize| (if k == 0 { kick.to_vec() } else { still.clone() }, still.clone());
+        let weighted = |(k, seen): (usize, &JointOutputs)| {
+            seen[0].iter().fold(0.0_f64, |most, x| most.max(x.abs())) * (step * k as f64).exp()
+        };
+        let all: Vec<f64> = self.play(samples, &input).iter().enumerate().map(weighted).collect();
+        let (early, late) = all.split_at(2 * all.len() / 3);
+        let most = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
+        most(late) / most(early)
+    }
+}
+
+/// Decay, as a power of e, below which rounding is seen; samples of the longest run that shows it.
+const FADED: f64 = 16.0;
+const LONGEST: usize = 40 * SAMPLES;
+
 /// Results at frozen postures.
 #[derive(Debug, Default)]
 pub(crate) struct AtRest {
@@ -149,7 +174,21 @@ fn stable<'a>(
         let Some(inverse) = inverse(&matrix) else { continue };
         let kick: Vec<f64> =
             arm.nominal_kg_m2.iter().map(|m| m * dice.between(-1.0, 1.0)).collect();
-        if !own(inverse).shrinks(&kick) {
+        let frozen = own(inverse);
+        let rate = certificate.frozen.as_ref().and_then(|frozen| frozen.decay_per_s);
+        let growth = rate.map_or(0.0, |rate| frozen.growth(&kick, rate));
+        if growth.is_nan() || growth > 1.0 {
+            found.violations.push(Violation {
+                run: format!("frozen inertia {matrix:?}"),
+                joint: String::new(),
+                signal: "a kick dies away at a lower rate than is claimed".to_owned(),
+                t_s: 0.0,
+                measured: growth,
+                claimed: (0.0, 1.0),
+                ratio: growth,
+            });
+        }
+        if !frozen.shrinks(&kick) {
             found.violations.push(Violation {
                 run: format!("frozen inertia {matrix:?}"),
                 joint: String::new(),

@@ -5,7 +5,9 @@ use phihat_kernel::{Range, Unproved, frozen};
 use serde::{Deserialize, Serialize};
 
 use crate::check::{linear, plausible};
-use crate::{JointRecord, LoopModel, Refutation, refutation::refuse};
+use crate::refutation::refuse;
+use crate::window::radius_of;
+use crate::{JointRecord, LoopModel, Refutation};
 
 const CLAIM: &str = "laws of their own";
 
@@ -15,7 +17,9 @@ const CLAIM: &str = "laws of their own";
 ///
 /// For every constant symmetric `W` with its spectrum in `[a, b] = [low, high]`, the loop
 /// `det(W + diag L_i(z)) = 0` has all its roots inside the unit circle, `L_i` joint `i`'s own loop per unit
-/// of its `M̄`. Needed where laws differ: with one law, each eigenvalue of `W` is a loop by itself.
+/// of its `M̄`; inside the circle of radius `e^{−rate T}` where [`Self::decay_per_s`] states a rate: at each posture the
+/// arm forgets whatever moved it at least as fast. Needed where laws differ: with one law, each eigenvalue of `W` is a
+/// loop by itself.
 ///
 /// # Proof
 ///
@@ -27,7 +31,8 @@ const CLAIM: &str = "laws of their own";
 /// ```
 ///
 /// at that frequency: all `L_i` lie outside one circle through `−a` and `−b`. `W_s = (1 − s)c + sW` stays in
-/// the set and no root crosses; at `W = c` each joint is a loop by itself, and stable.
+/// the set and no root crosses; at `W = c` each joint is a loop by itself, and stable. With a rate the same holds of
+/// `L_i(ρz)`, `ρ = e^{−rate T}`.
 ///
 /// # Evidence
 ///
@@ -45,16 +50,24 @@ pub struct FrozenArm {
     pub low: f64,
     /// Largest eigenvalue of `W`.
     pub high: f64,
+    /// Rate at which every mode decays at least \[1/s\]; `None`: none is claimed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub decay_per_s: Option<f64>,
 }
 
 impl FrozenArm {
+    /// The claim for eigenvalues in `[low, high]`, without a rate.
+    pub const fn stable(low: f64, high: f64) -> Self {
+        Self { low, high, decay_per_s: None }
+    }
+
     /// Proves the claim for joints with their laws in their loops.
     ///
     /// # Errors
     ///
     /// [`Refutation`], with the frequency at which no circle is found, or the joint that is not stable by itself.
     pub fn verify(&self, loops: &[(&JointRecord, &LoopModel)]) -> Result<(), Refutation> {
-        let Self { low, high } = *self;
+        let Self { low, high, decay_per_s } = *self;
         let sensible = 0.0 < low && low <= high && high.is_finite();
         Refutation::unless(CLAIM, "0 < low ≤ high < ∞", low, high, sensible)?;
         let one_clock = loops.windows(2).all(|pair| {
@@ -68,7 +81,15 @@ impl FrozenArm {
         }
         one_drive(loops)?;
         let joints = loops.iter().map(|(record, model)| linear::joint(CLAIM, record, model));
-        let joints = joints.collect::<Result<Vec<_>, _>>()?;
+        let mut joints = joints.collect::<Result<Vec<_>, _>>()?;
+        if let (Some(rate), Some((_, model))) = (decay_per_s, loops.first()) {
+            let radius = radius_of(rate, model.period_s).ok_or_else(|| {
+                refuse(CLAIM, "0 ≤ rate of decay, and not too large to be told", rate, 0.0)
+            })?;
+            for joint in &mut joints {
+                *joint = joint.within(&radius);
+            }
+        }
         let range =
             Range::new(low, high).map_err(|why| refuse(CLAIM, &why.to_string(), low, high))?;
         frozen(&joints, &range).map_err(|why| match why {

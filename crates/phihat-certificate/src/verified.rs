@@ -76,6 +76,10 @@ impl Certificate {
         if let Some(frozen) = &self.frozen {
             let what = "coupled arm stable at every frozen posture";
             shown.push(whole(what, range(frozen.low, frozen.high)));
+            let rate =
+                frozen.decay_per_s.map(|rate| format!("at least as e^(−{rate:.2} t), t in s"));
+            let what = "every frozen posture forgets what moved the arm";
+            shown.extend(rate.map(|rate| whole(what, rate)));
         }
         if let Some(any) = &self.any_speed {
             let what = "coupled arm stable while inertia moves at any speed";

@@ -96,13 +96,7 @@ impl InertiaWindow {
         rate: f64,
     ) -> Result<(), Refutation> {
         let joint = loop_of(gains, model)?;
-        let of = |value: f64| Number::of(value).filter(|_| rate >= 0.0);
-        // Below e^{−rate T} by more than its rounding; the kernel looks whether it is.
-        let radius = (-rate * model.period_s).exp() * (1.0 - 4.0 * f64::EPSILON);
-        let proved = of(radius).zip(of(rate)).zip(of(model.period_s)).and_then(
-            |((radius, rate), period)| decays(&radius, &(&rate * &period)).then_some(radius),
-        );
-        let Some(radius) = proved else {
+        let Some(radius) = radius_of(rate, model.period_s) else {
             return Err(refuse(CLAIM, "0 ≤ rate, and not too large to be told", rate, 0.0));
         };
         self.stable(&joint.within(&radius))
@@ -116,6 +110,14 @@ impl InertiaWindow {
         frozen(core::slice::from_ref(joint), &range)
             .map_err(|why| unproved(CLAIM, joint, (low, high), why))
     }
+}
+
+/// A radius of at most `e^{−rate T}`, which the kernel checks; `None`: the rate is negative, or too large.
+pub(crate) fn radius_of(rate: f64, period: f64) -> Option<Number> {
+    let of = |value: f64| Number::of(value).filter(|_| rate >= 0.0);
+    // Below e^{−rate T} by more than its rounding.
+    let radius = of((-rate * period).exp() * (1.0 - 4.0 * f64::EPSILON))?;
+    decays(&radius, &(&of(rate)? * &of(period)?)).then_some(radius)
 }
 
 fn loop_of(gains: &JointRecord, model: &LoopModel) -> Result<JointLoop, Refutation> {

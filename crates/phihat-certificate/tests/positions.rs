@@ -221,7 +221,7 @@ fn no_arm_grows(seed: u64, arms: usize, (told, not): (Make, Make)) -> (usize, us
         let make = |_| if round % 3 == 0 { not(&mut dice, t) } else { told(&mut dice, t) };
         let joints: Vec<Joint> = (0..n).map(make).collect();
         let (mut low, mut high) = (dice.between(0.6, 1.0), dice.between(1.0, 2.5));
-        let proved = |low, high| FrozenArm { low, high }.verify(&pairs(&joints)).is_ok();
+        let proved = |low, high| FrozenArm::stable(low, high).verify(&pairs(&joints)).is_ok();
         if !proved(low, high) {
             refused += 1;
             // One joint that grows by itself is enough to be refused.
@@ -274,7 +274,7 @@ fn an_arm_with_one_joint_that_grows_alone_is_refused() {
         arm.q[0] = 1e-3;
         if growth(&mut arm, 4000) > 1.1 {
             seen += 1;
-            assert!(FrozenArm { low: 0.4, high: 0.4 }.verify(&pairs(&joints)).is_err());
+            assert!(FrozenArm::stable(0.4, 0.4).verify(&pairs(&joints)).is_err());
         }
     }
     assert!(seen >= 5, "{seen}");
@@ -537,9 +537,7 @@ fn gains_in_a_loop_of_another_form_are_refused() {
     let refused = |own: &Joint| {
         let why = window.verify(&own.0, &own.1).unwrap_err();
         assert_eq!(why.inequality, "the loop's form is that of the gains");
-        assert!(
-            FrozenArm { low: 1.0, high: 1.1 }.verify(&pairs(core::slice::from_ref(own))).is_err()
-        );
+        assert!(FrozenArm::stable(1.0, 1.1).verify(&pairs(core::slice::from_ref(own))).is_err());
     };
     for form in [Form::Observer, Form::Literal] {
         own.1.form = form;
@@ -557,7 +555,7 @@ fn drives_of_their_own_are_refused_where_a_velocity_is_measured() {
         (None, vec![20.0], 100.0, 20.0);
     (model.form, model.drive_bandwidth_hz) = (Form::Observer, Some(200.0));
     let faster = LoopModel { drive_bandwidth_hz: Some(300.0), ..model };
-    let arm = FrozenArm { low: 0.9, high: 1.1 };
+    let arm = FrozenArm::stable(0.9, 1.1);
     arm.verify(&[(&record, &model), (&record, &model)]).unwrap();
     assert!(arm.verify(&[(&record, &model), (&record, &faster)]).is_err());
     let differenced = |of| LoopModel { velocity: VelocitySource::Differenced, ..of };

@@ -7,7 +7,7 @@ use std::thread;
 
 use phihat_session::{
     Done, FirstMotion, FirstStudy, Leave, RunOptions, Session, SessionError, Take, Watch,
-    error_shares, first_study, none_unfinished,
+    error_shares, first_study, none_unfinished, share_entries,
 };
 use phihat_sim::{Abort, ControlSide, Ended, ErrorShares, LargestShare, Motion, StopReason};
 use phihat_study::Study;
@@ -486,13 +486,11 @@ impl DriveInputs<'_> {
         let faults: Vec<Value> =
             evidence.faults.iter().map(|(t, name)| json!({ "t_s": t, "fault": name })).collect();
         let largest = evidence.shares.as_ref().and_then(ErrorShares::largest);
-        let document = json!({
+        let mut document = json!({
             "on": self.at,
             "link": link,
             "checks": self.checks,
             "bound": self.bound,
-            "error_share_max": largest.map(|largest| largest.share),
-            "error_shares": evidence.shares.as_ref().map(|own| own.joints().collect::<Vec<_>>()),
             "settings": given,
             "end": tally.end.word(),
             "fault": fault,
@@ -506,6 +504,9 @@ impl DriveInputs<'_> {
             "supervisor_faults": faults,
             "timing": { "wake_up_late": late, "controller": took },
         });
+        for (name, entry) in evidence.shares.iter().flat_map(share_entries) {
+            document[name] = entry;
+        }
         let accepted = self.checks.iter().filter(|check| check.state == State::Accepted);
         let warnings = accepted
             .map(|check| format!("driven in spite of {}: {}", check.name.word(), check.found))

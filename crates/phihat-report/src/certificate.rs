@@ -134,6 +134,9 @@ fn moving(certificate: &Certificate) -> Markup {
         } @else if let Some(why) = &certificate.moving_refused {
             p { "Stability while the arm moves is not proved: " (line(&why.to_string())) }
         }
+        @if let Some(rate) = certificate.frozen.as_ref().and_then(|frozen| frozen.decay_per_s) {
+            p { "At every frozen posture the arm forgets what moved it at least as e^(−" (number(rate)) " t), t in s: proved." }
+        }
         @if let Some(any) = &certificate.any_speed {
             p { "Within μ = " (number(any.low)) " … " (number(any.high)) " the inertia may move at any speed." }
         }

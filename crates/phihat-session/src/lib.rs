@@ -68,7 +68,7 @@ pub use layout::TraceKind;
 pub use log::LOGS;
 pub use log_layout::log_layout;
 pub use motion_bound::{JointOfMotion, MotionBound, MotionClause, REST_SHARE};
-pub use observer::{RunFigures, bound_on_measured_error, error_shares};
+pub use observer::{RunFigures, error_shares, share_entries};
 pub use origin::{how_to_recover, is_unfinished, trace_at};
 pub use outside::OutsideRun;
 pub use page::write_report;

@@ -73,7 +73,7 @@ pub(crate) fn watch_bound(study: &mut Study, gains: &Gains) {
 
 /// Bound per joint on the measured `|e|` \[rad\] of a study's runs by the certificate of its gains: `E_i + N_i` of the
 /// class of motions in which their references are; `None`: there is no class, or they are not kept in it.
-pub fn bound_on_measured_error(study: &Study, gains: &Gains) -> Option<Vec<f64>> {
+fn bound_on_measured_error(study: &Study, gains: &Gains) -> Option<Vec<f64>> {
     let class = gains.certificate.as_ref()?.class.as_deref()?;
     let covered = match &study.supervisor {
         Some(own) => class.covers(own.reference_box.as_ref(), own.motion.as_ref()),
@@ -86,6 +86,15 @@ pub fn bound_on_measured_error(study: &Study, gains: &Gains) -> Option<Vec<f64>>
 /// Shares of that bound that the measured errors of a run take up; `None`: there is no such bound.
 pub fn error_shares(study: &Study, gains: &Gains) -> Option<ErrorShares> {
     bound_on_measured_error(study, gains).map(ErrorShares::new)
+}
+
+/// Entries of `drive.json` about the largest shares.
+pub fn share_entries(shares: &ErrorShares) -> [(String, serde_json::Value); 2] {
+    let joints: Vec<_> = shares.joints().collect();
+    [
+        ("error_share_max".to_owned(), json!(shares.largest().map(|largest| largest.share))),
+        ("error_shares".to_owned(), json!(joints)),
+    ]
 }
 
 /// The steady part begins when the certificate of this study says, where the study does not say it.

@@ -16,7 +16,7 @@ use crate::disk::{DiskError, Growing, Lock, Whole, take_away, take_folder_away};
 use crate::error::SessionError;
 use crate::files;
 use crate::layout::{BEGUN, GAINS, INPUTS, RunOrigin, TraceKind, UNFINISHED};
-use crate::observer::{RunFigures, RunObserver};
+use crate::observer::{RunFigures, RunObserver, error_shares, share_entries};
 use crate::origin::{how_to_recover, is_unfinished};
 use crate::record::{Done, TraceFiles, add_inputs};
 use crate::run_record::{belongs, study_and_gains};
@@ -179,11 +179,15 @@ pub fn recover(record: &Path) -> Result<Recovered, SessionError> {
     let kind = TraceKind::ALL.into_iter().find(|kind| kind.file() == trace).unwrap_or_default();
     let mut files = TraceFiles::begin(record, kind)?;
     let mut seen = RunObserver::new(&study, gains.as_ref());
+    let mut shares = gains.as_ref().and_then(|gains| error_shares(&study, gains));
     let (mut samples, mut end_ns) = (0, 0);
     let path = folder.join(TraceKind::Csv.file());
     for_each_whole(&path, &study, |block| {
         samples += block.len() as u64;
         end_ns = block.t_ns.last().copied().unwrap_or_default();
+        if let Some(shares) = &mut shares {
+            shares.fill(block);
+        }
         seen.block(block);
         files.block(block)
     })?;
@@ -197,6 +201,7 @@ pub fn recover(record: &Path) -> Result<Recovered, SessionError> {
     run.world.extend(on.map(|on| ("driven".to_owned(), on.to_owned())));
     drive.insert("end".to_owned(), "killed".into());
     drive.insert("samples".to_owned(), samples.into());
+    drive.extend(shares.iter().flat_map(share_entries));
     let drive = Value::Object(drive);
     let (designed_by, divergence, abort) = (None, None, None);
     let done = Done { study, gains, run, designed_by, drawing, metrics, tube, divergence, abort };
@@ -209,7 +214,7 @@ pub fn recover(record: &Path) -> Result<Recovered, SessionError> {
 fn for_each_whole(
     path: &Path,
     study: &Study,
-    mut each: impl FnMut(&Trace) -> Result<(), DiskError>,
+    mut each: impl FnMut(&mut Trace) -> Result<(), DiskError>,
 ) -> Result<(), SessionError> {
     let bytes = whole_part(BufReader::new(files::open(path)?), study.robot.joints.len());
     let bytes = bytes.map_err(|why| SessionError::at(path, format!("cannot be read: {why}")))?;

@@ -56,7 +56,7 @@ impl ErrorShares {
                     *largest = Some(LargestShare {
                         joint: joint.name.clone(),
                         share,
-                        at_s: t_ns.get(k).map_or(0.0, |t_ns| *t_ns as f64 * 1e-9),
+                        at_s: t_ns.get(k).map_or(0.0, |t_ns| *t_ns as f64 / 1e9),
                         error_rad: error,
                         bound_rad: *bound,
                     });

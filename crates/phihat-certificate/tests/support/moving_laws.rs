@@ -230,7 +230,7 @@ impl Attack<'_> {
 fn arm_with_range(dice: &mut Dice, n: usize, t: f64) -> Option<(Vec<Joint>, (f64, f64))> {
     let joints: Vec<Joint> = (0..n).map(|_| joint(dice, t)).collect();
     let (mut low, mut high) = (dice.between(0.6, 1.0), dice.between(1.0, 2.0));
-    let proved = |low, high| FrozenArm { low, high }.verify(&pairs(&joints)).is_ok();
+    let proved = |low, high| FrozenArm::stable(low, high).verify(&pairs(&joints)).is_ok();
     if !proved(low, high) {
         return None;
     }

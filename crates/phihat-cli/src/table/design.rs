@@ -98,11 +98,11 @@ pub(crate) fn certificate(certificate: &Certificate, gains: &Gains) -> String {
     if let Some(first) = certificate.joints.first() {
         lines.push(law(first));
         // What one joint's form shows of an arm it shows of joints with that one law.
-        lines.push(if certificate.frozen.is_some() {
-            any_speed(certificate)
-        } else {
-            jumps(first)
-        });
+        let frozen = certificate.frozen.as_ref();
+        lines.extend(frozen.and_then(|frozen| frozen.decay_per_s).map(|rate| {
+            format!("return: every frozen posture forgets what moved the arm at least as e^(−{rate:.2} t), t in s")
+        }));
+        lines.push(if frozen.is_some() { any_speed(certificate) } else { jumps(first) });
     }
     lines.extend(coupled(certificate, gains));
     lines.extend(not_counted(&certificate.not_counted));

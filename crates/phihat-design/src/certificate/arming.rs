@@ -10,7 +10,7 @@ use crate::Arm;
 use crate::claims::law::holds;
 use crate::claims::{Refutation, UnitLaw};
 use crate::prelude::*;
-use crate::sampled::{InertiaWindow, LoopModel};
+use crate::sampled::{InertiaWindow, LoopModel, StateMatrix};
 use crate::{ArmBasis, Certificate, Gains, JointRecord};
 use phihat_certificate::FrozenArm;
 
@@ -81,7 +81,8 @@ pub fn arm_inside_window(study: &Study, arm: &Arm, gains: &Gains) -> Result<(), 
         (arm.low, arm.high) = (smaller(arm.low, told.0), larger(arm.high, told.1));
     }
     if own_laws && arm.basis == ArmBasis::Postures {
-        frozen(study, gains, (arm.low / margin, arm.high * margin))?;
+        let models = loop_models(study, gains);
+        FrozenArm::stable(arm.low / margin, arm.high * margin).verify(&pairs(gains, &models))?;
     }
     for (i, record) in gains.joints.iter().enumerate() {
         let model = LoopModel::from_study(study, i).with_choices_of(gains, study);
@@ -95,18 +96,42 @@ pub fn arm_inside_window(study: &Study, arm: &Arm, gains: &Gains) -> Result<(), 
     Ok(())
 }
 
-/// That laws of their own hold a coupled arm at every posture of a range.
+/// Shares of the slowest pole's rate that are tried in turn as the rate of the coupled arm: each is proved or not.
+const RATE_SHARES: [f64; 5] = [0.93, 0.8, 0.6, 0.4, 0.2];
+
+/// Ratios of inertia over a range at which poles are looked at.
+const POLES: u32 = 9;
+
+/// That laws of their own hold a coupled arm at every posture of a range, and how fast it forgets there.
 pub(super) fn frozen(
     study: &Study,
     gains: &Gains,
     (low, high): (f64, f64),
 ) -> Result<FrozenArm, Refutation> {
-    let models: Vec<LoopModel> = (0..gains.joints.len())
-        .map(|i| LoopModel::from_study(study, i).with_choices_of(gains, study))
-        .collect();
-    let arm = FrozenArm { low, high };
-    arm.verify(&gains.joints.iter().zip(&models).collect::<Vec<_>>())?;
+    let models = loop_models(study, gains);
+    let loops = pairs(gains, &models);
+    let ratio = |k: u32| low * (high / low).powf(f64::from(k) / f64::from(POLES - 1));
+    let poles = loops.iter().flat_map(|(record, model)| {
+        (0..POLES).map(move |k| StateMatrix::new(*record, model, ratio(k)).decay_rate())
+    });
+    let slowest = poles.fold(f64::INFINITY, smaller);
+    let rates = RATE_SHARES.iter().map(|share| share * slowest).filter(|rate| *rate > 0.0);
+    let arms = rates.map(|rate| FrozenArm { low, high, decay_per_s: Some(rate) });
+    if let Some(proved) = arms.into_iter().find(|arm| arm.verify(&loops).is_ok()) {
+        return Ok(proved);
+    }
+    let arm = FrozenArm::stable(low, high);
+    arm.verify(&loops)?;
     Ok(arm)
+}
+
+fn loop_models(study: &Study, gains: &Gains) -> Vec<LoopModel> {
+    let of = |i: usize| LoopModel::from_study(study, i).with_choices_of(gains, study);
+    (0..gains.joints.len()).map(of).collect()
+}
+
+fn pairs<'a>(gains: &'a Gains, models: &'a [LoopModel]) -> Vec<(&'a JointRecord, &'a LoopModel)> {
+    gains.joints.iter().zip(models).collect()
 }
 
 /// The range of inertia that a certificate is about, in the gains' `M̄`.
