@@ -112,7 +112,7 @@ pub(super) fn frozen(
     let loops = pairs(gains, &models);
     let ratio = |k: u32| low * (high / low).powf(f64::from(k) / f64::from(POLES - 1));
     let poles = loops.iter().flat_map(|(record, model)| {
-        (0..POLES).map(move |k| StateMatrix::new(*record, model, ratio(k)).decay_rate())
+        (0..POLES).map(move |k| StateMatrix::new(record, model, ratio(k)).decay_rate())
     });
     let slowest = poles.fold(f64::INFINITY, smaller);
     let rates = RATE_SHARES.iter().map(|share| share * slowest).filter(|rate| *rate > 0.0);
