@@ -100,8 +100,9 @@ impl FrozenAttack<'_> {
 }
 
 impl FrozenAttack<'_> {
-    /// Largest response to a kick of one sample on every joint, times `e^{rate t}`, in the last third of the time in which
-    /// more than rounding is left, over that before: at most 1 where every mode decays at least at that rate \[1/s\].
+    /// Largest response to a kick of one sample on every joint, times `e^{rate t}`, in the last third of the time
+    /// in which more than rounding is left, over that before: at most 1 where every mode decays at least at that rate
+    /// \[1/s\].
     fn growth(&self, kick: &[f64], rate: f64) -> f64 {
         let step = rate * self.period;
         let mut samples = SAMPLES;

@@ -17,9 +17,9 @@ const CLAIM: &str = "laws of their own";
 ///
 /// For every constant symmetric `W` with its spectrum in `[a, b] = [low, high]`, the loop
 /// `det(W + diag L_i(z)) = 0` has all its roots inside the unit circle, `L_i` joint `i`'s own loop per unit
-/// of its `M̄`; inside the circle of radius `e^{−rate T}` where [`Self::decay_per_s`] states a rate: at each posture the
-/// arm forgets whatever moved it at least as fast. Needed where laws differ: with one law, each eigenvalue of `W` is a
-/// loop by itself.
+/// of its `M̄`; inside the circle of radius `e^{−rate T}` where [`Self::decay_per_s`] states a rate: at each posture
+/// the arm forgets whatever moved it at least as fast. Needed where laws differ: with one law, each eigenvalue of `W`
+/// is a loop by itself.
 ///
 /// # Proof
 ///

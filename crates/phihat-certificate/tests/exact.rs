@@ -79,7 +79,7 @@ fn each_frozen_posture_forgets_as_fast_as_its_slowest_joint() {
 fn the_coupled_arm_forgets_at_a_rate_below_that_of_its_slowest_pole() {
     // Of this arm 4.51 1/s was proved by other code, over 66 postures the slowest pole of the coupled loop has 4.82.
     let panda = Panda::new();
-    let FrozenArm { low, high, .. } = panda.frozen;
+    let (low, high) = (panda.moving.low, panda.moving.high);
     for (rate, holds) in [(0.0, true), (4.51, true), (5.0, false), (-1.0, false), (f64::NAN, false)]
     {
         let arm = FrozenArm { low, high, decay_per_s: Some(rate) };
