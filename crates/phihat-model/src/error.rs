@@ -106,6 +106,18 @@ pub enum RobotError {
         /// Description of the error, and what would be valid.
         why: String,
     },
+    /// No link that a joint moves has mass: the description is one of motion only, as those of many industrial arms.
+    #[error(
+        "{origin}:{line}: joint \"{joint}\": it moves no mass, and no other joint does: the file has no <inertial>, so it describes motion only; `phihat new` writes a study of such an arm, with each joint's inertia as an interval to fill in"
+    )]
+    NoInertia {
+        /// File.
+        origin: String,
+        /// Line of the joint, from 1.
+        line: u32,
+        /// Name of the first joint.
+        joint: String,
+    },
     /// The links and joints do not form one tree.
     #[error("{origin}: {why}")]
     Tree {
@@ -164,6 +176,7 @@ impl RobotError {
             | Self::Value { why, .. } => vec![why],
             Self::Link { link, why, .. } => vec![link, why],
             Self::Joint { joint, why, .. } => vec![joint, why],
+            Self::NoInertia { joint, .. } => vec![joint],
             Self::Lock { robot, joint, why } => vec![robot, joint, why],
             Self::Unknown { name, .. } => vec![name],
             Self::Read { .. } | Self::TooMuch { .. } => Vec::new(),

@@ -75,7 +75,7 @@ impl Motion {
                 Path::Sines { center: center.clone(), terms: terms.clone(), fade_in: *fade_in }
             }
             ReferenceRequest::Waypoints { t, q } => Path::Waypoints { t: t.clone(), q: q.clone() },
-            ReferenceRequest::Samples { t, q } => Path::Splines(per_joint(t, q)),
+            ReferenceRequest::Samples { t, q, .. } => Path::Splines(per_joint(t, q)),
             ReferenceRequest::Any { class, seed } => {
                 let joints = 0..class.center.len();
                 let draw = |joint| ClassMotion::draw(class, joint, *seed, duration);

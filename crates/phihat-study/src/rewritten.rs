@@ -2,7 +2,7 @@
 
 use toml::{Table, Value};
 
-use crate::study::Study;
+use crate::study::{ReferenceRequest, Study};
 
 impl Study {
     /// The study's text with keys of earlier versions under the names that they have now; all else, comments and
@@ -15,10 +15,18 @@ impl Study {
         (text.parse::<Table>().ok()? == self.table().ok()?).then_some(text)
     }
 
-    /// Warnings before a run, one line each: of the robot's description, of keys of earlier versions.
+    /// Warnings before a run, one line each: of the robot's description, of keys of earlier versions, of columns of a
+    /// reference that are no joint's.
     pub fn warnings(&self) -> Vec<String> {
         let renamed = self.renamed.iter().map(ToString::to_string);
-        self.robot.warnings.iter().cloned().chain(renamed).collect()
+        let unread = match &self.reference {
+            ReferenceRequest::Samples { unread, .. } => &unread[..],
+            _ => &[],
+        };
+        let unread = unread.iter().map(|column| {
+            format!("reference.file: column `{column}` is of no joint of this arm, and is not read")
+        });
+        self.robot.warnings.iter().cloned().chain(renamed).chain(unread).collect()
     }
 
     /// The study's keys as a table, those of earlier versions under the names that they have now.

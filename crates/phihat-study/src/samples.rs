@@ -12,7 +12,7 @@ use crate::error::{StudyError, StudyErrorKind as Kind, TextPlace};
 use crate::node::Node;
 use crate::run::ReferenceRun;
 use crate::study::ReferenceRequest;
-use crate::suggest::did_you_mean;
+use crate::suggest::nearest;
 
 const BYTES_MAX: u64 = 256 << 20;
 const LINE_MAX: u64 = 4096;
@@ -37,22 +37,28 @@ pub(crate) fn read(
     }
     let shown = path.display().to_string();
     let mut table = SamplesTable::new(&shown, BufReader::new(file.take(BYTES_MAX)));
-    let (t, q) = table.read(arm)?;
+    let SampledReference { t, q, unread } = table.read(arm)?;
     if let Some(&end) = t.last().filter(|&&end| end < run.duration - 1e-9) {
         let message = format!("the samples end at {end} s, the run at {} s", run.duration);
         return Err(node.error(Kind::Conflict, "file", message));
     }
-    Ok(ReferenceRequest::Samples { t, q })
+    Ok(ReferenceRequest::Samples { t, q, unread })
 }
 
-/// Times, and one row of positions for each.
-type Samples = (Vec<f64>, Vec<Vec<f64>>);
+/// Times, one row of positions for each, and the columns that are no joint's.
+struct SampledReference {
+    t: Vec<f64>,
+    q: Vec<Vec<f64>>,
+    unread: Vec<String>,
+}
 
 /// Content of a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Column {
     Time,
     Joint(usize),
+    /// Of no joint of the arm, such as a gripper's: not read.
+    Other,
 }
 
 /// A CSV file while it is read; knows the line it is at.
@@ -70,13 +76,16 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
         Self { file, reader, line: String::new(), number: 0, start: 0 }
     }
 
-    fn read(&mut self, arm: &StudyArm) -> Result<Samples, StudyError> {
+    fn read(&mut self, arm: &StudyArm) -> Result<SampledReference, StudyError> {
         if !self.next_line()? {
             let place = TextPlace::whole_file(self.file);
             return Err(StudyError::new(Kind::Syntax, place, "", "the file is empty"));
         }
         let columns = self.header(arm)?;
-        let (mut t, mut q): Samples = Default::default();
+        let names = cells(&self.line);
+        let others = columns.iter().zip(names).filter(|(column, _)| **column == Column::Other);
+        let unread: Vec<String> = others.map(|(_, name)| clip(name)).collect();
+        let (mut t, mut q) = (Vec::<f64>::new(), Vec::<Vec<f64>>::new());
         while self.next_line()? {
             if self.line.trim().is_empty() {
                 continue;
@@ -98,7 +107,7 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
         if t.len() < 2 {
             return Err(self.error(Kind::WrongLength, 0, "expected at least 2 rows of samples"));
         }
-        Ok((t, q))
+        Ok(SampledReference { t, q, unread })
     }
 
     /// Reads the next line into `line`; `false` at the end.
@@ -141,7 +150,7 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
         let mut columns: Vec<Column> = Vec::with_capacity(cells.len());
         for (i, cell) in cells.iter().enumerate() {
             let column = self.column(arm, i, cell)?;
-            if columns.contains(&column) {
+            if column != Column::Other && columns.contains(&column) {
                 let message = format!("column `{}` appears twice", clip(cell));
                 return Err(self.error(Kind::Conflict, i, message));
             }
@@ -149,14 +158,22 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
         }
         let missing = (0..arm.joints.count()).find(|&j| !columns.contains(&Column::Joint(j)));
         let missing = missing.map(|j| arm.joints.names[j].as_str());
-        match missing.or((!columns.contains(&Column::Time)).then_some("t_s")) {
-            None => Ok(columns),
-            Some(name) => {
-                Err(self.error(Kind::WrongLength, 0, format!("no column `{name}`")).with_help(
-                    format!("the first line is `t_s,{}`, in any order", arm.joints.names.join(",")),
-                ))
-            }
+        let Some(name) = missing.or((!columns.contains(&Column::Time)).then_some("t_s")) else {
+            return Ok(columns);
+        };
+        // A column of no joint may be the one that is missing, by another name.
+        let other = |i: &usize| columns[*i] == Column::Other;
+        let others: Vec<usize> = (0..columns.len()).filter(other).collect();
+        let near = nearest(name, others.iter().map(|i| cells[*i]));
+        if let Some(i) = others.into_iter().find(|i| near == Some(cells[*i])) {
+            let message = format!("no joint `{}`", clip(cells[i]));
+            let help = format!("did you mean `{name}`?");
+            return Err(self.error(Kind::UnknownName, i, message).with_help(help));
         }
+        Err(self.error(Kind::WrongLength, 0, format!("no column `{name}`")).with_help(format!(
+            "the first line is `t_s,{}`, in any order",
+            arm.joints.names.join(",")
+        )))
     }
 
     fn column(&self, arm: &StudyArm, i: usize, cell: &str) -> Result<Column, StudyError> {
@@ -166,21 +183,17 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
         if let Some(j) = arm.joints.names.iter().position(|name| name == cell) {
             return Ok(Column::Joint(j));
         }
-        let locked = arm.joints.locked.iter().any(|name| name == cell);
-        let shown = clip(cell);
-        let message = if locked {
-            format!("joint `{shown}` is locked")
-        } else {
-            format!("no joint `{shown}`")
-        };
-        let names = arm.joints.names.iter().map(String::as_str);
-        let known: Vec<&str> = std::iter::once("t_s").chain(names).collect();
-        let help = if cell.parse::<f64>().is_ok() {
-            "the first line names the columns".into()
-        } else {
-            did_you_mean(cell, &known)
-        };
-        Err(self.error(Kind::UnknownName, i, message).with_help(help))
+        if arm.joints.locked.iter().any(|name| name == cell) {
+            let message = format!("joint `{}` is locked", clip(cell));
+            let help = "leave its column out, or take it out of robot.locked";
+            return Err(self.error(Kind::UnknownName, i, message).with_help(help));
+        }
+        if cell.parse::<f64>().is_ok() {
+            let message = format!("no joint `{}`", clip(cell));
+            let help = "the first line names the columns";
+            return Err(self.error(Kind::UnknownName, i, message).with_help(help));
+        }
+        Ok(Column::Other)
     }
 
     fn row(&self, columns: &[Column], joints: usize) -> Result<(f64, Vec<f64>), StudyError> {
@@ -190,7 +203,8 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
             return Err(self.error(Kind::WrongLength, 0, message));
         }
         let (mut t, mut q) = (0.0, vec![0.0; joints]);
-        for (i, (cell, column)) in cells.iter().zip(columns).enumerate() {
+        let read = cells.iter().zip(columns).enumerate();
+        for (i, (cell, column)) in read.filter(|(_, (_, column))| **column != Column::Other) {
             let x: f64 = cell.parse().map_err(|_| {
                 let error = format!("`{}` is not a number", clip(cell));
                 self.error(Kind::WrongType, i, error).with_help("a finite number, such as 0.25")
@@ -202,6 +216,7 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
             match *column {
                 Column::Time => t = x,
                 Column::Joint(j) => q[j] = x,
+                Column::Other => {}
             }
         }
         Ok((t, q))

@@ -616,6 +616,8 @@ pub enum ReferenceRequest {
         t: Vec<f64>,
         /// `q[i][j]`: joint `j` at time `t[i]` \[rad\].
         q: Vec<Vec<f64>>,
+        /// Columns of the file that are of no joint of the arm, such as a gripper's: not read.
+        unread: Vec<String>,
     },
 }
 

@@ -39,6 +39,7 @@ fn columns_are_found_by_name() {
     let expected = ReferenceRequest::Samples {
         t: vec![0.0, 2.5, 5.0],
         q: vec![vec![0.1, 0.2, 0.3], vec![0.2, 0.3, 0.4], vec![0.3, 0.4, 0.5]],
+        unread: Vec::new(),
     };
     let plain = "t_s,joint1,joint2,joint3\n0,0.1,0.2,0.3\n2.5,0.2,0.3,0.4\n5,0.3,0.4,0.5\n";
     assert_eq!(samples("plain", plain), expected);
@@ -48,6 +49,31 @@ fn columns_are_found_by_name() {
     let office = "\u{feff}\"t_s\", \"joint1\",joint2,joint3\r\n0,1e-1,0.2 ,0.3\r\n2.5,0.2,0.3,0.4\r\n\
                   5,0.3,0.4,0.5\r\n\r\n";
     assert_eq!(samples("office", office), expected);
+}
+
+/// `joint_states` of a robot has its gripper too.
+#[test]
+fn columns_of_no_joint_are_left_out_and_named() {
+    let text = "finger,t_s,joint1,joint2,joint3,note\n0.04,0,0.1,0.2,0.3,home\n,2.5,0.2,0.3,0.4,\n0,5,0.3,0.4,0.5,x\n";
+    let folder = Folder::new("others", text.as_bytes());
+    let study = with_reference("[reference]\nkind = 'csv'\nfile = 'ref.csv'\n");
+    let study = read_in(&study, &folder.0).unwrap_or_else(|error| panic!("{}", error.render()));
+    let warnings = study.warnings();
+    for column in ["`finger`", "`note`"] {
+        assert_eq!(warnings.iter().filter(|told| told.contains(column)).count(), 1, "{warnings:?}");
+    }
+    let ReferenceRequest::Samples { q, unread, .. } = study.reference else { panic!("samples") };
+    assert_eq!(
+        (q[2].as_slice(), unread),
+        (&[0.3, 0.4, 0.5][..], vec!["finger".into(), "note".into()])
+    );
+    // One that stands in the place of a joint is a slip.
+    let slip = text.replace("joint2", "joint_2");
+    let error = Folder::new("slip", slip.as_bytes()).read().unwrap_err().render();
+    assert!(
+        error.contains("no joint `joint_2`") && error.contains("did you mean `joint2`"),
+        "{error}"
+    );
 }
 
 /// A recording of a joint without ends starts over at ±π; what is followed does not.
@@ -122,7 +148,7 @@ fn hostile_files_are_refused() {
         ("long", vec![b'1'; 1 << 20], StudyErrorKind::TooLarge),
         ("wide", wide.into_bytes(), StudyErrorKind::TooLarge),
         ("binary", vec![0xff, 0xfe, 0x00], StudyErrorKind::Syntax),
-        ("zero", vec![0; 100], StudyErrorKind::UnknownName),
+        ("zero", vec![0; 100], StudyErrorKind::WrongLength),
     ] {
         let error = Folder::new(name, &bytes).read().unwrap_err();
         assert_eq!(error.kind(), kind, "{error}");

@@ -15,6 +15,7 @@
 
 mod arm;
 mod motion;
+mod motion_only;
 mod options;
 mod posture;
 mod search;
@@ -61,10 +62,14 @@ pub struct Begun {
 ///
 /// # Errors
 ///
-/// [`SessionError`]: the arm cannot be used, or a file is there already. That no gains exist is an answer.
+/// [`SessionError`]: the arm cannot be used, or a file is there already. That no gains exist is an answer, as it is that
+/// a description has no masses: then the study asks for each joint's inertia.
 pub fn begin(options: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, SessionError> {
     let folder = folder_of(&options.out);
     let name = options.study_name()?;
+    if let Some(joints) = motion_only::joints_of(options) {
+        return motion_only::begin(options, joints);
+    }
     let mut chosen = ChosenArm::of(options, folder, &name)?;
     let scratch = tempfile::tempdir().map_err(SessionError::other)?;
     let mut looked = BeginStudy::new(options, &mut chosen, scratch.path())?;
