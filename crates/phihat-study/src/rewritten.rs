@@ -20,7 +20,8 @@ impl Study {
     pub fn warnings(&self) -> Vec<String> {
         let renamed = self.renamed.iter().map(ToString::to_string);
         let unread = match &self.reference {
-            ReferenceRequest::Samples { unread, .. } => &unread[..],
+            ReferenceRequest::Samples { unread, .. }
+            | ReferenceRequest::Setpoints { unread, .. } => &unread[..],
             _ => &[],
         };
         let unread = unread.iter().map(|column| {

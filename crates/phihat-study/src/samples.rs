@@ -19,11 +19,27 @@ const LINE_MAX: u64 = 4096;
 const COLUMNS_MAX: usize = 512;
 const ROWS_MAX: usize = 1_000_000;
 
+/// Samples that are joined by splines.
 pub(crate) fn read(
     node: &Node<'_>,
     arm: &StudyArm,
     run: ReferenceRun<'_>,
 ) -> Result<ReferenceRequest, StudyError> {
+    let SampledReference { t, q, unread } = rows(node, arm, run, Between::Moves)?;
+    if let Some(&end) = t.last().filter(|&&end| end < run.duration - 1e-9) {
+        let message = format!("the samples end at {end} s, the run at {} s", run.duration);
+        return Err(node.error(Kind::Conflict, "file", message));
+    }
+    Ok(ReferenceRequest::Samples { t, q, unread })
+}
+
+/// The rows of the file that a section names.
+pub(crate) fn rows(
+    node: &Node<'_>,
+    arm: &StudyArm,
+    run: ReferenceRun<'_>,
+    between: Between,
+) -> Result<SampledReference, StudyError> {
     let name = node.word("file")?;
     let path = run.base.join(name);
     let refuse =
@@ -36,20 +52,23 @@ pub(crate) fn read(
         return Err(node.error(Kind::TooLarge, "file", message));
     }
     let shown = path.display().to_string();
-    let mut table = SamplesTable::new(&shown, BufReader::new(file.take(BYTES_MAX)));
-    let SampledReference { t, q, unread } = table.read(arm)?;
-    if let Some(&end) = t.last().filter(|&&end| end < run.duration - 1e-9) {
-        let message = format!("the samples end at {end} s, the run at {} s", run.duration);
-        return Err(node.error(Kind::Conflict, "file", message));
-    }
-    Ok(ReferenceRequest::Samples { t, q, unread })
+    SamplesTable::new(&shown, BufReader::new(file.take(BYTES_MAX))).read(arm, between)
+}
+
+/// Motion from one row to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Between {
+    /// The rows are passed in their time, so that the way between them must keep the speed limits.
+    Moves,
+    /// A row may be anywhere.
+    Jumps,
 }
 
 /// Times, one row of positions for each, and the columns that are no joint's.
-struct SampledReference {
-    t: Vec<f64>,
-    q: Vec<Vec<f64>>,
-    unread: Vec<String>,
+pub(crate) struct SampledReference {
+    pub(crate) t: Vec<f64>,
+    pub(crate) q: Vec<Vec<f64>>,
+    pub(crate) unread: Vec<String>,
 }
 
 /// Content of a column.
@@ -76,7 +95,7 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
         Self { file, reader, line: String::new(), number: 0, start: 0 }
     }
 
-    fn read(&mut self, arm: &StudyArm) -> Result<SampledReference, StudyError> {
+    fn read(&mut self, arm: &StudyArm, between: Between) -> Result<SampledReference, StudyError> {
         if !self.next_line()? {
             let place = TextPlace::whole_file(self.file);
             return Err(StudyError::new(Kind::Syntax, place, "", "the file is empty"));
@@ -96,6 +115,7 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
             }
             self.check_time(t.last().copied(), time)?;
             let before = t.last().copied().zip(q.last().map(Vec::as_slice));
+            let before = before.filter(|_| between == Between::Moves);
             self.check_row(arm, &columns, before, (time, &row))?;
             if t.len() == ROWS_MAX {
                 let message = format!("more than {ROWS_MAX} rows");
@@ -104,8 +124,11 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
             t.push(time);
             q.push(row);
         }
-        if t.len() < 2 {
+        if t.len() < 2 && between == Between::Moves {
             return Err(self.error(Kind::WrongLength, 0, "expected at least 2 rows of samples"));
+        }
+        if t.is_empty() {
+            return Err(self.error(Kind::WrongLength, 0, "expected at least one row of samples"));
         }
         Ok(SampledReference { t, q, unread })
     }

@@ -155,3 +155,33 @@ fn hostile_files_are_refused() {
         assert!(error.render().len() < 1000);
     }
 }
+
+const LIMITS: &str =
+    "speed_max_rad_s = 1.0\nacceleration_max_rad_s2 = 5.0\njerk_max_rad_s3 = 50.0\n";
+
+/// Rows of setpoints may jump, may end before the run, and may be one; limits are one for all joints or one each.
+#[test]
+fn setpoints_come_from_a_file_or_from_sections() {
+    let text = "t_s,joint1,joint2,joint3\n0,0.1,0.2,0.3\n0.1,0.9,0.3,0.4\n";
+    let folder = Folder::new("setpoints", text.as_bytes());
+    let from = |reference: &str| {
+        let text = format!("[reference]\nkind = 'setpoints'\n{LIMITS}{reference}");
+        read_in(&with_reference(&text), &folder.0).map(|study| study.reference)
+    };
+    let sections = "[[reference.setpoint]]\nt_s = 0\nq_rad = [0.1, 0.2, 0.3]\n[[reference.setpoint]]\nt_s = 0.1\nq_rad = [0.9, 0.3, 0.4]\n";
+    let [file, typed] = ["file = 'ref.csv'\n", sections].map(|text| from(text).unwrap());
+    assert_eq!(file, typed);
+    let ReferenceRequest::Setpoints { t, limits, .. } = file else { panic!("setpoints") };
+    assert_eq!((t, limits), (vec![0.0, 0.1], vec![[1.0, 5.0, 50.0]; 3]));
+    let both = format!("file = 'ref.csv'\n{sections}");
+    for (text, kind) in [
+        ("", StudyErrorKind::MissingKey),
+        (&both[..], StudyErrorKind::Conflict),
+        (&sections.replace("t_s = 0.1", "t_s = 0"), StudyErrorKind::OutOfRange),
+        (&sections.replace("t_s = 0\n", "t_s = 0.05\n"), StudyErrorKind::OutOfRange),
+        (&sections.replace("[0.1, 0.2, 0.3]", "[9.9, 0.2, 0.3]"), StudyErrorKind::BeyondLimits),
+    ] {
+        let error = from(text).unwrap_err();
+        assert_eq!(error.kind(), kind, "{error}");
+    }
+}
