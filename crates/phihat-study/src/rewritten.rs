@@ -19,15 +19,19 @@ impl Study {
     /// reference that are no joint's.
     pub fn warnings(&self) -> Vec<String> {
         let renamed = self.renamed.iter().map(ToString::to_string);
+        self.robot.warnings.iter().cloned().chain(renamed).chain(self.unread_columns()).collect()
+    }
+
+    /// A line for each column of a reference's file that is of no joint of the arm.
+    pub fn unread_columns(&self) -> impl Iterator<Item = String> {
         let unread = match &self.reference {
             ReferenceRequest::Samples { unread, .. }
             | ReferenceRequest::Setpoints { unread, .. } => &unread[..],
             _ => &[],
         };
-        let unread = unread.iter().map(|column| {
+        unread.iter().map(|column| {
             format!("reference.file: column `{column}` is of no joint of this arm, and is not read")
-        });
-        self.robot.warnings.iter().cloned().chain(renamed).chain(unread).collect()
+        })
     }
 
     /// The study's keys as a table, those of earlier versions under the names that they have now.

@@ -144,8 +144,8 @@ pub(super) fn read_limits(
             )))
         }
         Some(x) if x > boundless => {
-            let why = format!("{key} limit of {x:e}, beyond {boundless:e}, is read as none");
-            warnings.push(format!("joint \"{}\": a {why}", joint.name));
+            let why = format!("{key} limit {x:e}, beyond {boundless:e}, is read as none");
+            warnings.push(format!("joint \"{}\": {why}", joint.name));
             Ok(None)
         }
         Some(x) if x > 0.0 => Ok(Some(x)),
