@@ -14,6 +14,8 @@ mod scan;
 mod travel;
 mod tree;
 
+pub(crate) use scan::{XACRO_ATTRIBUTES_MAX, scanned};
+
 pub(crate) use read::{chains, joints, read, readable};
 
 /// Largest description that is read \[bytes\].
