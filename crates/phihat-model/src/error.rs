@@ -118,6 +118,14 @@ pub enum RobotError {
         /// Name of the first joint.
         joint: String,
     },
+    /// More joints move than an arm has: an arm of them has to be chosen.
+    #[error("{origin}: {why}")]
+    SeveralArms {
+        /// File.
+        origin: String,
+        /// Number of joints, and an arm that could be chosen.
+        why: String,
+    },
     /// The links and joints do not form one tree.
     #[error("{origin}: {why}")]
     Tree {
@@ -171,6 +179,7 @@ impl RobotError {
     pub(crate) fn plain(mut self) -> Self {
         let texts = match &mut self {
             Self::Xml { why, .. }
+            | Self::SeveralArms { why, .. }
             | Self::Tree { why, .. }
             | Self::Toml { why, .. }
             | Self::Value { why, .. } => vec![why],

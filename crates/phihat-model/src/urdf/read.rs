@@ -123,7 +123,7 @@ fn too_many(moving: usize, proposed: Option<&Chain>, origin: &str) -> RobotError
     let why = format!(
         "{moving} joints move, more than the {MOVING_MAX} of an arm: name the arm's base and tip{remedy}"
     );
-    RobotError::Tree { origin: origin.to_owned(), why }
+    RobotError::SeveralArms { origin: origin.to_owned(), why }
 }
 
 /// The text with prefixes declared that nobody declared: what other programs read beside us.
@@ -155,7 +155,7 @@ pub(crate) fn readable<'t>(text: &'t str, origin: &str) -> Result<Cow<'t, str>> 
 }
 
 fn xacro(line: u32, origin: &str) -> RobotError {
-    let why = "this is xacro, which writes URDF: expand it first, `pip install xacro` and `xacro FILE.xacro > FILE.urdf`";
+    let why = "this is xacro, which writes URDF: expand it first, `phihat robots FILE.xacro --urdf FILE.urdf`";
     RobotError::Xml { origin: origin.to_owned(), line, why: why.to_owned() }
 }
 

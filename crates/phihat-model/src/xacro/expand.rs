@@ -90,6 +90,13 @@ pub fn expand(path: &Path, options: &XacroOptions) -> Result<Expanded, RobotErro
     Ok(Expanded { urdf, files, arguments })
 }
 
+/// Returns true if a file is one of xacro: by its name, or by an element of xacro in it.
+pub fn is_xacro(path: &Path) -> bool {
+    path.is_file()
+        && (path.extension().is_some_and(|extension| extension == "xacro")
+            || read_text(path).is_ok_and(|text| text.contains("<xacro:")))
+}
+
 /// What is wrong, and where.
 #[derive(Debug)]
 enum Wrong {

@@ -30,4 +30,4 @@ mod tree;
 mod value;
 mod yaml;
 
-pub use expand::{Expanded, XacroOptions, expand};
+pub use expand::{Expanded, XacroOptions, expand, is_xacro};

@@ -25,13 +25,16 @@ mod torque;
 use std::path::{Path, PathBuf};
 
 use phihat_model::JointKind;
+use phihat_model::xacro::{expand, is_xacro};
 use phihat_study::Study;
+use tempfile::TempDir;
 
 pub use arm::described;
 pub use options::{ArmOptions, BeginOptions};
 
 use crate::disk::{DiskError, Whole, folder_of, make_folder};
 use crate::error::SessionError;
+use crate::files;
 use crate::watch::Watch;
 use arm::ChosenArm;
 use search::{BeginResult, BeginStudy};
@@ -67,6 +70,7 @@ pub struct Begun {
 pub fn begin(options: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, SessionError> {
     let folder = folder_of(&options.out);
     let name = options.study_name()?;
+    let (_expanded, options) = &expanded(options)?;
     if let Some(joints) = motion_only::joints_of(options) {
         return motion_only::begin(options, joints);
     }
@@ -96,6 +100,29 @@ pub fn begin(options: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, Ses
     let BeginResult { error_bound, simulated, infeasible, .. } = found;
     let study = options.out.clone();
     Ok(Begun { study, files, joints, slides, notes, error_bound, simulated, infeasible })
+}
+
+/// The options with a URDF in a folder of its own in place of a file of xacro.
+fn expanded(options: &BeginOptions) -> Result<(Option<TempDir>, BeginOptions), SessionError> {
+    let path = Path::new(&options.arm.arm);
+    if !is_xacro(path) {
+        return match options.arm.xacro.arguments.keys().next() {
+            None => Ok((None, options.clone())),
+            Some(name) => {
+                let why = format!("{name}:= is an argument of xacro, and this is no file of xacro");
+                Err(SessionError::at(path, why))
+            }
+        };
+    }
+    let text = expand(path, &options.arm.xacro).map_err(SessionError::other)?.urdf;
+    let folder = tempfile::tempdir().map_err(SessionError::other)?;
+    let stem =
+        path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let urdf = folder.path().join(format!("{}.urdf", stem.trim_end_matches(".urdf")));
+    files::write(&urdf, &text)?;
+    let mut own = options.clone();
+    own.arm.arm = urdf.display().to_string();
+    Ok((Some(folder), own))
 }
 
 fn write(files: &[(PathBuf, String)], replace: bool) -> Result<(), SessionError> {
