@@ -45,6 +45,7 @@ mod sweep;
 mod table;
 mod terminal;
 mod verify;
+mod xacro;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

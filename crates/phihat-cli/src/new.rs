@@ -13,6 +13,7 @@ use serde_json::json;
 
 use crate::failure::Failure;
 use crate::shown::TerminalWatch;
+use crate::xacro::Xacro;
 
 /// Write a study that runs, for an arm of yours.
 ///
@@ -24,11 +25,13 @@ use crate::shown::TerminalWatch;
 #[derive(Debug, Args)]
 #[command(
     after_help = "Exit code 1: the files are written, and no gains keep any error; what would make them possible is told.\n\n\
-                        Example:\n  phihat new planar3r --out my_first.toml --payload 0.2"
+                        Examples:\n  phihat new planar3r --out my_first.toml --payload 0.2\n  phihat new fr3.urdf.xacro hand:=true"
 )]
 pub(crate) struct New {
-    /// A URDF, the TOML of an arm, or a built-in arm's name.
+    /// A URDF or xacro file, the TOML of an arm, or a built-in arm's name.
     arm: Option<String>,
+    #[command(flatten)]
+    xacro: Xacro,
     /// Link that the arm stands on, in a file of a larger robot [default: that of the longest chain].
     #[arg(long, value_name = "LINK")]
     base: Option<String>,
@@ -119,6 +122,7 @@ impl New {
             arm: ArmOptions {
                 arm: arm.to_owned(),
                 part: Part { base: self.base.clone(), tip: self.tip.clone(), ..Part::default() },
+                xacro: self.xacro.options()?,
                 torque_max_nm: self.torque_max.clone(),
             },
             out,
@@ -203,6 +207,7 @@ impl New {
 /// The study of an arm, in the folder that the program runs in.
 fn default_out(arm: &str) -> Option<PathBuf> {
     let stem = Path::new(arm).file_stem()?.to_str()?.to_lowercase();
+    let stem = stem.trim_end_matches(".urdf");
     let plain = |c: char| if matches!(c, 'a'..='z' | '0'..='9' | '_' | '-') { c } else { '_' };
     let name: String = stem.chars().map(plain).take(64).collect();
     (!name.is_empty()).then(|| PathBuf::from(format!("{name}.toml")))

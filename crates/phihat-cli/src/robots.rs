@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use phihat_model::{Chain, InertiaRange, Part, Robot};
-use phihat_session::{ArmOptions, write_arm};
+use phihat_model::xacro::{expand, is_xacro};
+use phihat_model::{Chain, InertiaRange, Part, Robot, RobotError};
+use phihat_session::{ArmOptions, files, write_arm};
 use serde_json::json;
 
 use crate::failure::Failure;
 use crate::table;
+use crate::xacro::Xacro;
 
 /// Postures sampled for the range of inertia.
 const POSTURES: usize = 1500;
@@ -25,10 +27,17 @@ const SEED: u64 = 1;
 /// error, which a design finds), and the ratio of eigenvalues that the
 /// law's stability window has to hold.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  phihat robots\n  phihat robots panda")]
+#[command(
+    after_help = "Examples:\n  phihat robots\n  phihat robots panda\n  phihat robots fr3.urdf.xacro hand:=true --urdf fr3.urdf"
+)]
 pub(crate) struct Robots {
-    /// A built-in arm, or a file: a URDF, or the TOML that stands beside one.
+    /// A built-in arm, or a file: a URDF, xacro, or the TOML that stands beside a URDF.
     name: Option<String>,
+    #[command(flatten)]
+    xacro: Xacro,
+    /// Write the URDF that a file of xacro expands to.
+    #[arg(long, value_name = "ARM.urdf", requires = "name", conflicts_with = "write")]
+    urdf: Option<PathBuf>,
     /// Link that the arm stands on, in a file of a larger robot.
     #[arg(long, value_name = "LINK")]
     base: Option<String>,
@@ -42,8 +51,8 @@ pub(crate) struct Robots {
     /// Torque limits of the drives for that file, one for all joints or one each, separated by commas.
     #[arg(long, value_name = "NM,…", value_delimiter = ',', requires = "write")]
     torque_max: Vec<f64>,
-    /// Replace that file, if it is there.
-    #[arg(long, requires = "write")]
+    /// Replace the file to write, if it is there.
+    #[arg(long, requires = "name")]
     force: bool,
     /// Print one JSON document in place of tables.
     #[arg(long)]
@@ -54,9 +63,10 @@ impl Robots {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         match &self.name {
             None => self.list()?,
-            Some(name) => match &self.write {
-                Some(out) => self.write(name, out)?,
-                None => self.show(name)?,
+            Some(name) => match (&self.write, &self.urdf) {
+                (Some(out), _) => self.write(name, out)?,
+                (None, Some(out)) => self.expand(name, out)?,
+                (None, None) => self.show(name)?,
             },
         }
         Ok(ExitCode::SUCCESS)
@@ -87,6 +97,7 @@ impl Robots {
         let options = ArmOptions {
             arm: name.to_owned(),
             part: Part { base: self.base.clone(), tip: self.tip.clone(), ..Part::default() },
+            xacro: self.xacro.options()?,
             torque_max_nm: self.torque_max.clone(),
         };
         let notes = write_arm(&options, out, self.force)?;
@@ -101,20 +112,57 @@ impl Robots {
         Ok(())
     }
 
-    fn show(&self, name: &str) -> Result<(), Failure> {
+    /// Writes the URDF that a file of xacro expands to.
+    fn expand(&self, name: &str, out: &Path) -> Result<(), Failure> {
+        if out.exists() && !self.force {
+            let why = format!("{}: it is there already; --force replaces it", out.display());
+            return Err(Failure::plain(why));
+        }
+        let expanded = expand(Path::new(name), &self.xacro.options()?).map_err(Failure::plain)?;
+        files::write(out, &expanded.urdf).map_err(Failure::plain)?;
+        if self.json {
+            let files: Vec<String> =
+                expanded.files.iter().map(|file| file.display().to_string()).collect();
+            let document = json!({ "file": out, "arguments": expanded.arguments, "files": files });
+            println!("{document:#}");
+            return Ok(());
+        }
+        for (name, value) in &expanded.arguments {
+            println!("argument: {name}:={value}");
+        }
+        println!("written: {}", out.display());
+        Ok(())
+    }
+
+    /// The arm of a file or a built-in one, and the chains of a file in which no part is stated.
+    fn read(&self, name: &str) -> Result<(Result<Robot, RobotError>, Vec<Chain>), Failure> {
         let file = Some(Path::new(name)).filter(|path| path.extension().is_some());
         let part = Part { base: self.base.clone(), tip: self.tip.clone(), ..Part::default() };
-        let chains = file.filter(|_| !part.is_stated()).map(Robot::chains);
-        let chains = chains.transpose().map_err(Failure::plain)?.unwrap_or_default();
-        let robot = match file {
-            Some(path) => Robot::read_part(path, &part),
-            None if part.is_stated() => {
+        let xacro = self.xacro.options()?;
+        let Some(path) = file else {
+            if part.is_stated() {
                 let why =
                     "--base and --tip cut an arm out of a file; built-in robots are arms already";
                 return Err(Failure::plain(why));
             }
-            None => Robot::named(name),
+            return Ok((Robot::named(name), Vec::new()));
         };
+        let (chains, robot) = if is_xacro(path) {
+            let text = expand(path, &xacro).map_err(Failure::plain)?.urdf;
+            (Robot::chains_of_text(&text, name), Robot::part_of_text(&text, &part, name))
+        } else if let Some(argument) = xacro.arguments.keys().next() {
+            let why =
+                format!("{argument}:= is an argument of xacro, and {name} is no file of xacro");
+            return Err(Failure::plain(why));
+        } else {
+            (Robot::chains(path), Robot::read_part(path, &part))
+        };
+        let chains = if part.is_stated() { Vec::new() } else { chains.map_err(Failure::plain)? };
+        Ok((robot, chains))
+    }
+
+    fn show(&self, name: &str) -> Result<(), Failure> {
+        let (robot, chains) = self.read(name)?;
         let whole = robot.as_ref().is_ok_and(|robot| {
             chains.iter().all(|chain| chain.joints == robot.model.joint_names())
         });
@@ -127,7 +175,14 @@ impl Robots {
                 );
             }
         }
-        let robot = robot.map_err(Failure::plain)?;
+        let robot = match robot {
+            // Which arm it is remains to be chosen: that is an answer.
+            Err(why @ RobotError::SeveralArms { .. }) if !self.json => {
+                println!("note: {why}");
+                return Ok(());
+            }
+            robot => robot.map_err(Failure::plain)?,
+        };
         let range = robot.inertia_range(POSTURES, SEED);
         if self.json {
             println!("{:#}", document(&robot, &range, &chains));

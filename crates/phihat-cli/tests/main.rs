@@ -32,3 +32,4 @@ mod texts;
 mod tip;
 mod tube;
 mod verify_study;
+mod xacro;

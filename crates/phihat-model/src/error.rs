@@ -106,6 +106,26 @@ pub enum RobotError {
         /// Description of the error, and what would be valid.
         why: String,
     },
+    /// No link that a joint moves has mass: the description is one of motion only, as those of many industrial arms.
+    #[error(
+        "{origin}:{line}: joint \"{joint}\": it moves no mass, and no other joint does: the file has no <inertial>, so it describes motion only; `phihat new` writes a study of such an arm, with each joint's inertia as an interval to fill in"
+    )]
+    NoInertia {
+        /// File.
+        origin: String,
+        /// Line of the joint, from 1.
+        line: u32,
+        /// Name of the first joint.
+        joint: String,
+    },
+    /// More joints move than an arm has: an arm of them has to be chosen.
+    #[error("{origin}: {why}")]
+    SeveralArms {
+        /// File.
+        origin: String,
+        /// Number of joints, and an arm that could be chosen.
+        why: String,
+    },
     /// The links and joints do not form one tree.
     #[error("{origin}: {why}")]
     Tree {
@@ -159,11 +179,13 @@ impl RobotError {
     pub(crate) fn plain(mut self) -> Self {
         let texts = match &mut self {
             Self::Xml { why, .. }
+            | Self::SeveralArms { why, .. }
             | Self::Tree { why, .. }
             | Self::Toml { why, .. }
             | Self::Value { why, .. } => vec![why],
             Self::Link { link, why, .. } => vec![link, why],
             Self::Joint { joint, why, .. } => vec![joint, why],
+            Self::NoInertia { joint, .. } => vec![joint],
             Self::Lock { robot, joint, why } => vec![robot, joint, why],
             Self::Unknown { name, .. } => vec![name],
             Self::Read { .. } | Self::TooMuch { .. } => Vec::new(),

@@ -75,6 +75,7 @@ mod vector;
 mod workspace;
 #[cfg(test)]
 mod written;
+pub mod xacro;
 
 pub use body::Body;
 pub use choice::FileChoice;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::RobotError;
 use crate::input::plain;
+use crate::joint::Joint;
 use crate::robot_text::read_text;
 use crate::{Chain, Model, Part, Robot, extras, urdf};
 
@@ -103,6 +104,17 @@ impl Robot {
     /// As for [`chains`](Self::chains).
     pub fn chains_of_text(urdf: &str, origin: &str) -> Result<Vec<Chain>, RobotError> {
         urdf::chains(urdf, origin).map_err(RobotError::plain)
+    }
+
+    /// Joints of a part of a URDF with their limits, in order, and the robot's name; the links may be without mass
+    /// ([`RobotError::NoInertia`]).
+    ///
+    /// # Errors
+    ///
+    /// [`RobotError`], as for [`read_part`](Self::read_part).
+    pub fn joints_of(path: &Path, part: &Part) -> Result<(String, Vec<Joint>), RobotError> {
+        let (text, origin) = (read_text(path)?, path.display().to_string());
+        urdf::joints(&text, part, &origin).map_err(RobotError::plain)
     }
 
     /// Gives one of the arms that come with the crate: those of [`names`](Self::names).

@@ -31,3 +31,4 @@ mod robots;
 mod single_precision;
 mod trigonometry;
 mod variants;
+mod xacro;

@@ -150,3 +150,115 @@ fn what_is_held_is_told_with_its_place() {
     let locked = whole.lock(&[("j3".to_owned(), -0.1)]).unwrap();
     assert_eq!(locked.held, [("j3".to_owned(), -0.1)].into());
 }
+
+/// Replacement of the limits in the first joint; its torque limit, speed limit and travel as read; words of the warning.
+type OddLimit =
+    (&'static str, (Option<f64>, Option<f64>, Option<(f64, f64)>), &'static [&'static str]);
+
+/// The travel of the tower's joints.
+const TRAVEL: Option<(f64, f64)> = Some((-0.5, 0.25));
+
+const ODD_LIMITS: &[OddLimit] = &[
+    // Annin's AR4, Halodi's EVE.
+    ("effort=\"-1\" velocity=\"2\"", (None, Some(2.0), TRAVEL), &["effort limit -1", "none"]),
+    ("effort=\"9\" velocity=\"-1\"", (Some(9.0), None, TRAVEL), &["velocity limit -1", "none"]),
+    ("effort=\"inf\" velocity=\"2\"", (None, Some(2.0), TRAVEL), &["effort", "inf", "none"]),
+    (
+        "effort=\"999999\" velocity=\"2\"",
+        (None, Some(2.0), TRAVEL),
+        &["effort", "9.99999e5", "none"],
+    ),
+    // A speed in degrees is read as it stands, and doubted.
+    ("effort=\"9\" velocity=\"180\"", (Some(9.0), Some(180.0), TRAVEL), &["(line 5)", "3.141593"]),
+];
+
+#[test]
+fn limits_that_mean_none_are_read_as_none_and_units_are_doubted() {
+    let right = tower(&["revolute", "revolute"]);
+    for (instead, (torque_max, velocity_max, position), clues) in ODD_LIMITS {
+        let odd = right.replacen("effort=\"9\" velocity=\"2\"", instead, 1);
+        let robot = Robot::from_text(&odd, None, "odd").unwrap();
+        let joint = &robot.joints[0];
+        assert_eq!(
+            (joint.torque_max, joint.velocity_max),
+            (*torque_max, *velocity_max),
+            "{instead}"
+        );
+        assert_eq!(joint.position, *position, "{instead}");
+        let [warning] = &robot.warnings[..] else { panic!("{:?}", robot.warnings) };
+        assert!(clues.iter().all(|clue| warning.contains(clue)), "{clues:?} in: {warning}");
+    }
+    let travel = "lower=\"-0.5\" upper=\"0.25\"";
+    for (instead, position, clues) in [
+        ("lower=\"-inf\" upper=\"inf\"", None, ["-inf … inf", "without end"]),
+        ("lower=\"-999999\" upper=\"999999\"", None, ["999999", "without end"]),
+        (
+            "lower=\"-170\" upper=\"170\"",
+            Some((-170.0, 170.0)),
+            ["54.1 turns", "lower=\"-2.967060\""],
+        ),
+    ] {
+        let robot = Robot::from_text(&right.replacen(travel, instead, 1), None, "odd").unwrap();
+        assert_eq!(robot.joints[0].position, position, "{instead}");
+        let [warning] = &robot.warnings[..] else { panic!("{:?}", robot.warnings) };
+        assert!(clues.iter().all(|clue| warning.contains(clue)), "{clues:?} in: {warning}");
+    }
+    // A number below 0 that nobody writes for none may be a slip.
+    let odd = right.replacen("effort=\"9\"", "effort=\"-87\"", 1);
+    let why = Robot::from_text(&odd, None, "odd").unwrap_err().to_string();
+    assert!(why.contains("odd:5") && why.contains("write 0 or -1"), "{why}");
+}
+
+#[test]
+fn inertia_and_centre_in_other_units_are_read_and_doubted() {
+    let right = tower(&["revolute"]);
+    // sqrt(0.03e6 / 1.5) m, and 120 m.
+    for (written, instead, clues) in [
+        ("iyy=\"0.03\"", "iyy=\"30000\"", ["gyration of 141.421 m", "kg·mm², divide by 1e6"]),
+        ("0.02 -0.01 0.1", "0 0 120", ["120.000 m from the link's frame", "divide by 1000"]),
+    ] {
+        let robot = Robot::from_text(&right.replacen(written, instead, 1), None, "odd").unwrap();
+        let told = |warning: &&String| clues.iter().all(|clue| warning.contains(clue));
+        let [warning] = robot.warnings.iter().filter(told).collect::<Vec<_>>()[..] else {
+            panic!("{:?}", robot.warnings)
+        };
+        assert!(warning.contains("link \"l1\" (line 3)"), "{warning}");
+    }
+}
+
+#[test]
+fn properties_of_xacro_that_nothing_uses_are_left_out() {
+    let right = tower(&["revolute"]);
+    let plain = torque(&Robot::from_text(&right, None, "plain").unwrap());
+    for open in [
+        "<robot name=\"tower\">",
+        "<robot name=\"tower\" xmlns:xacro=\"http://ros.org/wiki/xacro\">",
+    ] {
+        let property = format!("{open}<xacro:property name=\"pi\" value=\"3.14\"/>");
+        let text = right.replacen("<robot name=\"tower\">", &property, 1);
+        assert_eq!(torque(&Robot::from_text(&text, None, "unused").unwrap()), plain);
+        let text = text.replacen("value=\"1.5\"", "value=\"${pi}\"", 1);
+        let why = Robot::from_text(&text, None, "used").unwrap_err().to_string();
+        assert!(why.contains("xacro") && why.contains("expand it first"), "{why}");
+    }
+}
+
+#[test]
+fn usd_is_named() {
+    let folder = std::env::temp_dir().join(format!("phihat-usd-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    for (name, bytes) in
+        [("arm.usda", &b"#usda 1.0\n"[..]), ("arm.usd", b"PXR-USDC\0\0\x01\x02\xff\xfe")]
+    {
+        let file = folder.join(name);
+        std::fs::write(&file, bytes).unwrap();
+        for why in [Robot::read(&file).map(|_| ()), Robot::chains(&file).map(|_| ())] {
+            let why = why.unwrap_err().to_string();
+            assert!(
+                why.contains(name) && why.contains("this is USD") && why.contains("URDF"),
+                "{why}"
+            );
+        }
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}

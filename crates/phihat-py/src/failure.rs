@@ -34,7 +34,9 @@ pub(crate) fn argument(
 pub(crate) fn robot(py: Python<'_>, error: &RobotError) -> PyErr {
     let carried = PyDict::new(py);
     let (field, joint) = match error {
-        RobotError::Joint { joint, .. } | RobotError::Lock { joint, .. } => (None, Some(joint)),
+        RobotError::Joint { joint, .. }
+        | RobotError::NoInertia { joint, .. }
+        | RobotError::Lock { joint, .. } => (None, Some(joint)),
         RobotError::Value { key, .. } => (Some(key), None),
         _ => (None, None),
     };

@@ -272,6 +272,7 @@ impl Session {
     /// Says before a run what the robot's torque interface will not bear, and what else is worth knowing before.
     pub(crate) fn warn(&self, watch: &mut dyn Watch) {
         self.study.renamed.iter().for_each(|key| watch.warn(&format!("warning: {key}")));
+        self.study.unread_columns().for_each(|line| watch.warn(&format!("warning: {line}")));
         let told = |line: &&String| line.starts_with(FORECAST) || line.starts_with(JOINT_BY_JOINT);
         self.warnings.iter().filter(told).for_each(|line| watch.warn(line));
     }

@@ -1,6 +1,7 @@
-//! One motion of a class, drawn from a seed: jerk-limited, switched at random instants.
+//! Jerk-limited motions towards positions that change at any instant: one of a class, drawn from a seed, and that to the
+//! setpoints of a study.
 
-use phihat::{MotionLimits, Reference, Shaper};
+use phihat::{BoxedShaper, Braking, GainError, MotionLimits, Reference, Shaper};
 use phihat_study::MotionClass;
 
 use crate::spline::Jet;
@@ -11,6 +12,10 @@ const STEP: f64 = 1e-3;
 
 /// Motion beyond the end of the run, for whoever looks ahead \[s\].
 const BEYOND: f64 = 1.0;
+
+/// Travel of a joint without ends, either way from its start \[rad\]; and what a time may be off by rounding \[s\].
+const ENDLESS: f64 = 1e4;
+const ROUNDING: f64 = 1e-9;
 
 /// Share of the box's width that targets stay away from its ends, first, and how often it is doubled where a motion
 /// leaves the box.
@@ -45,6 +50,38 @@ impl ClassMotion {
         Self { jets: vec![[class.center[joint], 0.0, 0.0]] }
     }
 
+    /// The motion from rest at the first of some positions towards each, from its time on, within limits `|q̇_d|`,
+    /// `|q̈_d|`, `|q⃛_d|` and the ends of the joint's travel.
+    ///
+    /// # Errors
+    ///
+    /// [`GainError`]: a limit is not positive, or the travel too short for any motion.
+    pub(crate) fn towards(
+        targets: impl Iterator<Item = (f64, f64)>,
+        [velocity, acceleration, jerk]: [f64; 3],
+        travel: Option<(f64, f64)>,
+        duration: f64,
+    ) -> Result<Self, GainError> {
+        let mut targets = targets.peekable();
+        let start = targets.peek().map_or(0.0, |(_, q)| *q);
+        let ends = travel.unwrap_or((start - ENDLESS, start + ENDLESS));
+        let limits = MotionLimits { velocity, acceleration, jerk };
+        let shaper = BoxedShaper::<f64>::new(&limits, ends, STEP)?;
+        let (mut now, mut target, mut braking) =
+            (at_rest(start), at_rest(start), Braking::default());
+        let mut jets = Vec::new();
+        for step in 0..steps(duration) {
+            // A setpoint acts from the first step on that is not before it.
+            let t = step as f64 * STEP;
+            while let Some((_, q)) = targets.next_if(|(from, _)| *from <= t + ROUNDING) {
+                target = at_rest(q);
+            }
+            jets.push([now.q, now.dq, now.ddq]);
+            now = shaper.step(&now, &target, &mut braking);
+        }
+        Ok(Self { jets })
+    }
+
     /// `None`: it leaves the box.
     fn within(
         class: &MotionClass,
@@ -72,9 +109,7 @@ impl ClassMotion {
         let mut now = at_rest(class.center[joint]);
         let (mut target, mut left) = (now, 0.0);
         let mut jets = Vec::new();
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-        let steps = ((duration + BEYOND) / STEP).ceil().clamp(1.0, 1e9) as u64;
-        for _ in 0..steps {
+        for _ in 0..steps(duration) {
             if left <= 0.0 {
                 let place = next();
                 let at = match place {
@@ -117,6 +152,12 @@ impl ClassMotion {
             ddq + s * jerk,
         ]
     }
+}
+
+/// Steps of a motion of a run.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+fn steps(duration: f64) -> u64 {
+    ((duration + BEYOND) / STEP).ceil().clamp(1.0, 1e9) as u64
 }
 
 fn at_rest(q: f64) -> Reference<f64> {

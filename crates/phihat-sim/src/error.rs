@@ -45,6 +45,14 @@ pub enum SimError {
         /// Reason why it cannot be reached.
         reason: OutOfReach,
     },
+    /// No motion to the setpoints is within their limits.
+    #[error("reference: joint {joint}: {why}")]
+    Setpoints {
+        /// The joint.
+        joint: String,
+        /// What is wrong with a limit, or with its travel.
+        why: phihat::GainError,
+    },
     /// Friction, a spring or a wall is too stiff for the integration step.
     #[error(
         "world.substeps = {substeps} is too coarse for what is stiff on {joint}; {needed} or more are needed"

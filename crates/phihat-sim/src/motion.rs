@@ -75,11 +75,23 @@ impl Motion {
                 Path::Sines { center: center.clone(), terms: terms.clone(), fade_in: *fade_in }
             }
             ReferenceRequest::Waypoints { t, q } => Path::Waypoints { t: t.clone(), q: q.clone() },
-            ReferenceRequest::Samples { t, q } => Path::Splines(per_joint(t, q)),
+            ReferenceRequest::Samples { t, q, .. } => Path::Splines(per_joint(t, q)),
             ReferenceRequest::Any { class, seed } => {
                 let joints = 0..class.center.len();
                 let draw = |joint| ClassMotion::draw(class, joint, *seed, duration);
                 Path::OfClass(joints.map(draw).collect())
+            }
+            ReferenceRequest::Setpoints { t, q, limits, .. } => {
+                let joint = |(j, limits): (usize, &[f64; 3])| {
+                    let targets = t.iter().zip(q).map(|(t, q)| (*t, q[j]));
+                    ClassMotion::towards(targets, *limits, robot.joints[j].position, duration)
+                        .map_err(|why| SimError::Setpoints {
+                            joint: robot.joints[j].name.clone(),
+                            why,
+                        })
+                };
+                let motions = limits.iter().enumerate().map(joint);
+                Path::OfClass(motions.collect::<Result<_, _>>()?)
             }
             ReferenceRequest::Cartesian { .. } => {
                 let (t, q) = curve::joint_samples(reference, robot, duration)?;

@@ -1,6 +1,8 @@
 //! Every reference is twice continuously differentiable, and goes where it says. Wrong if a derivative did
 //! not belong to its function, or a junction had a jump.
 
+use std::fmt::Write as _;
+
 use phihat_model::Workspace;
 use phihat_sim::Motion;
 use phihat_study::Study;
@@ -131,4 +133,107 @@ fn a_circle_out_of_reach_is_refused_with_time_and_place() {
     let error =
         Motion::new(&study.reference, &study.robot, 6.0).map(|_| ()).unwrap_err().to_string();
     assert!(error.contains("cannot be reached") && error.contains("t ="), "{error}");
+}
+
+/// Setpoints at random times, at most as far apart as is stated, within the joints' travel; one row per setpoint.
+fn setpoints(rng: &mut impl FnMut() -> f64, (least, most): (f64, f64)) -> String {
+    let mut text = "kind = \"setpoints\"\nspeed_max_rad_s = [1.0, 0.4, 2.0]\nacceleration_max_rad_s2 = [4.0, 2.0, 9.0]\n\
+                    jerk_max_rad_s3 = [60.0, 20.0, 200.0]\n"
+        .to_owned();
+    let mut t = 0.0;
+    for _ in 0..4000 {
+        let q: Vec<f64> = (0..3).map(|_| 2.0 * rng() - 1.0).collect();
+        let _ = write!(text, "[[reference.setpoint]]\nt_s = {t:?}\nq_rad = {q:?}\n");
+        t += least + (most - least) * rng();
+        if t > 4.0 {
+            break;
+        }
+    }
+    text
+}
+
+/// Limits hold at all times, between steps too, whatever comes; a setpoint does nothing before its time; the last is
+/// reached.
+#[test]
+fn setpoints_are_followed_within_limits_and_not_foreseen() {
+    let mut state = 7_u64;
+    let mut rng = || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    for (least, most) in [(0.001, 0.01), (0.05, 0.2), (0.8, 3.0)] {
+        let text = setpoints(&mut rng, (least, most));
+        let mut study = study("planar3r", &text);
+        // The slowest way takes 5.3 s.
+        study.duration = 12.0;
+        let motion = motion(&study);
+        let phihat_study::ReferenceRequest::Setpoints { t, q, limits, .. } = &study.reference
+        else {
+            panic!("setpoints")
+        };
+        // The same but for the last: nothing is otherwise before its time.
+        let mut other = study.clone();
+        if let phihat_study::ReferenceRequest::Setpoints { q, .. } = &mut other.reference {
+            q.last_mut().unwrap().iter_mut().for_each(|q| *q = -*q);
+        }
+        let other = Motion::new(&other.reference, &other.robot, other.duration).unwrap();
+        let last = *t.last().unwrap();
+        for (joint, [speed, acceleration, jerk]) in limits.iter().enumerate() {
+            let h = 2e-4;
+            for k in 0..30_000 {
+                let time = f64::from(k) * h;
+                let [q, dq, ddq] = motion.at(joint, time);
+                let next = motion.at(joint, time + h);
+                // The integral of the acceleration, by Simpson's rule: exact for a line.
+                let middle = motion.at(joint, time + 0.5 * h);
+                let moved = h / 6.0 * (ddq + 4.0 * middle[2] + next[2]);
+                assert!((next[1] - dq - moved).abs() < 1e-9, "{text}joint {joint}, t = {time}");
+                let moved = h / 6.0 * (dq + 4.0 * middle[1] + next[1]);
+                assert!((next[0] - q - moved).abs() < 1e-9, "{text}joint {joint}, t = {time}");
+                assert!(
+                    dq.abs() <= speed * (1.0 + 1e-9) && ddq.abs() <= acceleration * (1.0 + 1e-9)
+                );
+                assert!((next[2] - ddq).abs() <= jerk * h * (1.0 + 1e-6), "{text}{joint} {time}");
+                if time < last {
+                    let same = motion.at(joint, time).map(f64::to_bits);
+                    assert_eq!(same, other.at(joint, time).map(f64::to_bits));
+                }
+            }
+            let [end, ..] = motion.at(joint, 11.9);
+            assert!((end - q.last().unwrap()[joint]).abs() < 1e-2, "{text}joint {joint}: {end}");
+        }
+    }
+}
+
+/// A step of a joint alone, against the least time of a motion within speed, acceleration and jerk, in closed form.
+#[test]
+fn a_step_arrives_soon_and_does_not_overshoot() {
+    let text = "kind = \"setpoints\"\nspeed_max_rad_s = 1.0\nacceleration_max_rad_s2 = 4.0\njerk_max_rad_s3 = 60.0\n\
+                [[reference.setpoint]]\nt_s = 0.0\nq_rad = [0.0, 0.0, 0.0]\n[[reference.setpoint]]\nt_s = 0.5\nq_rad = [0.8, 0.1, -0.01]\n";
+    let study = study("planar3r", text);
+    let motion = motion(&study);
+    let (v, a, j) = (1.0_f64, 4.0_f64, 60.0_f64);
+    for (joint, way) in [0.8_f64, 0.1, 0.01].into_iter().enumerate() {
+        // Full speed; full acceleration without full speed; neither.
+        let ramp = v / a + a / j;
+        let least = if way >= v * ramp {
+            way / v + ramp
+        } else if way >= 2.0 * a * (a / j).powi(2) {
+            let t = a / j;
+            t + (t * t + 4.0 * way / a).sqrt()
+        } else {
+            4.0 * (way / (2.0 * j)).cbrt()
+        };
+        let sign = if joint == 2 { -1.0 } else { 1.0 };
+        let at = |t: f64| sign * motion.at(joint, 0.5 + t)[0];
+        assert!(
+            (0..5000).all(|k| at(1e-3 * f64::from(k)) <= way + 1e-4),
+            "joint {joint} overshoots"
+        );
+        let near = (0..5000).find(|k| (at(1e-3 * f64::from(*k)) - way).abs() < 0.01 * way);
+        let ratio = 1e-3 * f64::from(near.unwrap()) / least;
+        eprintln!("joint {joint}: within 1 % after {ratio:.2} of the least time");
+        assert!(ratio < 2.0, "joint {joint}: {ratio}");
+    }
 }

@@ -4,8 +4,9 @@ use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::run::{QUINTIC_SLOPE_MAX, ReferenceRun};
+use crate::samples::{self, Between, SampledReference, rows};
 use crate::study::{MotionClass, ReferenceRequest};
-use crate::{cartesian, samples, sines};
+use crate::{cartesian, sines};
 
 pub(crate) fn read(
     node: &Node<'_>,
@@ -16,6 +17,7 @@ pub(crate) fn read(
         "sines" => sines::read(node, arm, run),
         "waypoints" => waypoints(node, arm),
         "csv" => samples::read(node, arm, run),
+        "setpoints" => setpoints(node, arm, run),
         "any" => any(node, arm, run.seed),
         "hold" => Ok(ReferenceRequest::Waypoints {
             t: vec![0.0],
@@ -51,6 +53,49 @@ fn waypoints(node: &Node<'_>, arm: &StudyArm) -> Result<ReferenceRequest, StudyE
     Ok(ReferenceRequest::Waypoints { t, q })
 }
 
+/// Setpoints from a file or from sections, and the limits of the motion to them.
+fn setpoints(
+    node: &Node<'_>,
+    arm: &StudyArm,
+    run: ReferenceRun<'_>,
+) -> Result<ReferenceRequest, StudyError> {
+    let speed = arm.joints.numbers(node, "speed_max_rad_s")?;
+    let acceleration = arm.joints.numbers(node, "acceleration_max_rad_s2")?;
+    let jerk = arm.joints.numbers(node, "jerk_max_rad_s3")?;
+    for (j, speed) in speed.iter().enumerate() {
+        arm.check_velocity(node, "speed_max_rad_s", j, *speed)?;
+    }
+    let limits = speed.iter().zip(&acceleration).zip(&jerk).map(|((v, a), j)| [*v, *a, *j]);
+    let limits = limits.collect();
+    match (node.has("file"), node.has("setpoint")) {
+        (true, false) => {
+            let SampledReference { t, q, unread } = rows(node, arm, run, Between::Jumps)?;
+            return Ok(ReferenceRequest::Setpoints { t, q, limits, unread });
+        }
+        (false, true) => {}
+        (true, true) => {
+            let why = "given, beside [[reference.setpoint]]";
+            return Err(node.error(Kind::Conflict, "file", why).with_help("keep one of them"));
+        }
+        (false, false) => return Err(node.missing("file")),
+    }
+    let (mut t, mut q): (Vec<f64>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
+    for node in node.children("setpoint") {
+        let time = node.number("t_s")?;
+        match t.last() {
+            Some(&before) => check_order(&node, before, time)?,
+            None if time > 0.0 => {
+                let message = format!("the first setpoint is at {time} s, expected 0");
+                node.note(node.error(Kind::OutOfRange, "t_s", message))?;
+            }
+            None => {}
+        }
+        t.push(time);
+        q.push(arm.position(&node, "q_rad", "pose")?);
+    }
+    Ok(ReferenceRequest::Setpoints { t, q, limits, unread: Vec::new() })
+}
+
 /// A class of motions: its box inside the joints' limits, its speeds too.
 fn any(node: &Node<'_>, arm: &StudyArm, seed: u64) -> Result<ReferenceRequest, StudyError> {
     let center = arm.position(node, "center_rad", "center")?;
@@ -81,7 +126,7 @@ fn check_order(node: &Node<'_>, before: f64, time: f64) -> Result<(), StudyError
     if time > before {
         return Ok(());
     }
-    let message = format!("{time} s is not after the waypoint before it, at {before} s");
+    let message = format!("{time} s is not after the one before it, at {before} s");
     node.note(node.error(Kind::OutOfRange, "t_s", message))
 }
 

@@ -13,6 +13,7 @@ pub(crate) const KINDS: &[SectionKind] = &[
     SectionKind { word: "circle", section: &CIRCLE },
     SectionKind { word: "curve", section: &CURVE },
     SectionKind { word: "csv", section: &CSV },
+    SectionKind { word: "setpoints", section: &SETPOINTS },
     SectionKind { word: "hold", section: &HOLD },
     SectionKind { word: "any", section: &ANY },
 ];
@@ -225,6 +226,49 @@ static CSV: FormatSection = FormatSection {
     ],
 };
 
+static SETPOINTS: FormatSection = FormatSection {
+    path: "reference",
+    doc: "Positions to go to, each held until the next, at any rate: a step, a pose, the output of a policy or of a camera. A \
+          governor makes a motion of them within speed, acceleration and jerk, joint by joint, that sees no setpoint before \
+          its time. Give `file` or `[[reference.setpoint]]`.",
+    keys: &[
+        kind(&["setpoints"], "From rest at the first setpoint towards each next one, at its time."),
+        Key {
+            name: "file",
+            unit: "",
+            shape: Shape::Text,
+            need: Need::Optional("`[[reference.setpoint]]` is given"),
+            doc: "A CSV file as for `csv`, relative to the study; the last row is held to the end of the run.",
+        },
+        Key {
+            name: "setpoint",
+            unit: "",
+            shape: Shape::Tables(&SETPOINT, 10_000),
+            need: Need::Optional("`file` is given"),
+            doc: "The setpoints, in time order; the first at 0 s, where the motion begins.",
+        },
+        largest("speed_max_rad_s", "rad/s", "Largest speed of the motion."),
+        largest("acceleration_max_rad_s2", "rad/s²", "Largest acceleration."),
+        largest("jerk_max_rad_s3", "rad/s³", "Largest jerk."),
+    ],
+};
+
+static SETPOINT: FormatSection = FormatSection {
+    path: "reference.setpoint",
+    doc: "Where to go and from when on. Give `q_rad` or `pose`.",
+    keys: &[
+        Key {
+            name: "t_s",
+            unit: "s",
+            shape: Shape::Number(NumberBounds::closed(0.0, 86_400.0)),
+            need: Need::Required,
+            doc: "Time from which it is the target.",
+        },
+        joint_position("q_rad", "`pose` is given", "Position."),
+        pose("pose", "`q_rad` is given", "A named pose of the robot."),
+    ],
+};
+
 static HOLD: FormatSection = FormatSection {
     path: "reference",
     doc: "One position, held. Give `q_rad` or `pose`.",
@@ -235,7 +279,7 @@ static HOLD: FormatSection = FormatSection {
     ],
 };
 
-/// A largest derivative of the motions of a class.
+/// A largest derivative of a motion.
 const fn largest(name: &'static str, unit: &'static str, doc: &'static str) -> Key {
     let shape = Shape::PerJoint(NumberBounds::positive(1e6), &[]);
     Key { name, unit, shape, need: Need::Required, doc }

@@ -2,7 +2,7 @@
 
 use toml::{Table, Value};
 
-use crate::study::Study;
+use crate::study::{ReferenceRequest, Study};
 
 impl Study {
     /// The study's text with keys of earlier versions under the names that they have now; all else, comments and
@@ -15,10 +15,23 @@ impl Study {
         (text.parse::<Table>().ok()? == self.table().ok()?).then_some(text)
     }
 
-    /// Warnings before a run, one line each: of the robot's description, of keys of earlier versions.
+    /// Warnings before a run, one line each: of the robot's description, of keys of earlier versions, of columns of a
+    /// reference that are no joint's.
     pub fn warnings(&self) -> Vec<String> {
         let renamed = self.renamed.iter().map(ToString::to_string);
-        self.robot.warnings.iter().cloned().chain(renamed).collect()
+        self.robot.warnings.iter().cloned().chain(renamed).chain(self.unread_columns()).collect()
+    }
+
+    /// A line for each column of a reference's file that is of no joint of the arm.
+    pub fn unread_columns(&self) -> impl Iterator<Item = String> {
+        let unread = match &self.reference {
+            ReferenceRequest::Samples { unread, .. }
+            | ReferenceRequest::Setpoints { unread, .. } => &unread[..],
+            _ => &[],
+        };
+        unread.iter().map(|column| {
+            format!("reference.file: column `{column}` is of no joint of this arm, and is not read")
+        })
     }
 
     /// The study's keys as a table, those of earlier versions under the names that they have now.

@@ -13,54 +13,65 @@ use crate::error::{StudyError, StudyErrorKind as Kind, TextPlace};
 use crate::node::Node;
 use crate::run::ReferenceRun;
 use crate::study::ReferenceRequest;
-use crate::suggest::did_you_mean;
+use crate::suggest::nearest;
 
 const BYTES_MAX: u64 = 256 << 20;
 const LINE_MAX: u64 = 4096;
 const COLUMNS_MAX: usize = 512;
 const ROWS_MAX: usize = 1_000_000;
 
+/// Samples that are joined by splines.
 pub(crate) fn read(
     node: &Node<'_>,
     arm: &StudyArm,
     run: ReferenceRun<'_>,
 ) -> Result<ReferenceRequest, StudyError> {
-    let name = node.word("file")?;
-    let path = run.base.join(name);
-    let shown = path.display().to_string();
-    let joints = Columns { names: &arm.joints.names, locked: &arm.joints.locked };
-    let (t, q) = match opened(&path) {
-        Ok(file) => SamplesTable::new(&shown, file, joints).read(Some(arm))?,
-        Err(Unopened::TooLarge(message)) => {
-            return Err(node.error(Kind::TooLarge, "file", message));
-        }
-        Err(Unopened::Unreadable(why)) => {
-            let message = format!("`{}`: {why}", clip(name));
-            return Err(node.error(Kind::Unreadable, "file", message).with_help(beside(&path)));
-        }
-    };
+    let SampledReference { t, q, unread } = rows(node, arm, run, Between::Moves)?;
     if let Some(&end) = t.last().filter(|&&end| end < run.duration - 1e-9) {
         let message = format!("the samples end at {end} s, the run at {} s", run.duration);
         return Err(node.error(Kind::Conflict, "file", message));
     }
-    Ok(ReferenceRequest::Samples { t, q })
+    Ok(ReferenceRequest::Samples { t, q, unread })
+}
+
+/// The rows of the file that a section names.
+pub(crate) fn rows(
+    node: &Node<'_>,
+    arm: &StudyArm,
+    run: ReferenceRun<'_>,
+    between: Between,
+) -> Result<SampledReference, StudyError> {
+    let name = node.word("file")?;
+    let path = run.base.join(name);
+    let shown = path.display().to_string();
+    let joints = Columns { names: &arm.joints.names, locked: &arm.joints.locked };
+    match opened(&path) {
+        Ok(file) => SamplesTable::new(&shown, file, joints).read(Some(arm), between),
+        Err(Unopened::TooLarge(message)) => Err(node.error(Kind::TooLarge, "file", message)),
+        Err(Unopened::Unreadable(why)) => {
+            let message = format!("`{}`: {why}", clip(name));
+            Err(node.error(Kind::Unreadable, "file", message).with_help(beside(&path)))
+        }
+    }
 }
 
 /// Times \[s\], and one row of positions \[rad, m\] for each.
 pub type Samples = (Vec<f64>, Vec<Vec<f64>>);
 
-/// Reads a motion (CSV: `t_s` and every joint's name, in any order) for these joints, in their order; nothing of an
-/// arm's limits is checked, and positions are taken as they are.
+/// Reads a motion (CSV: `t_s` and every joint's name, in any order) for these joints, in their order; columns of other
+/// joints are left out; nothing of an arm's limits is checked, and positions are taken as they are.
 ///
 /// # Errors
 ///
-/// [`StudyError`] with file, line and column: the file cannot be read, a column is missing or unknown, a cell is no
-/// finite number, or the times do not begin at 0 and grow.
+/// [`StudyError`] with file, line and column: the file cannot be read, a column is missing, a cell is no finite number, or
+/// the times do not begin at 0 and grow.
 pub fn motion_samples(path: &Path, joints: &[String]) -> Result<Samples, StudyError> {
     let shown = path.display().to_string();
     match opened(path) {
         Ok(file) => {
-            SamplesTable::new(&shown, file, Columns { names: joints, locked: &[] }).read(None)
+            let joints = Columns { names: joints, locked: &[] };
+            let read = SamplesTable::new(&shown, file, joints).read(None, Between::Moves)?;
+            Ok((read.t, read.q))
         }
         Err(Unopened::TooLarge(why) | Unopened::Unreadable(why)) => {
             Err(StudyError::new(Kind::Unreadable, TextPlace::whole_file(&shown), "", why))
@@ -92,11 +103,29 @@ struct Columns<'a> {
     locked: &'a [String],
 }
 
+/// Motion from one row to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Between {
+    /// The rows are passed in their time, so that the way between them must keep the speed limits.
+    Moves,
+    /// A row may be anywhere.
+    Jumps,
+}
+
+/// Times, one row of positions for each, and the columns that are no joint's.
+pub(crate) struct SampledReference {
+    pub(crate) t: Vec<f64>,
+    pub(crate) q: Vec<Vec<f64>>,
+    pub(crate) unread: Vec<String>,
+}
+
 /// Content of a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Column {
     Time,
     Joint(usize),
+    /// Of no joint of the arm, such as a gripper's: not read.
+    Other,
 }
 
 /// A CSV file while it is read; knows the line it is at.
@@ -116,13 +145,20 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
     }
 
     /// All rows, checked against an arm's limits where there is one.
-    fn read(&mut self, arm: Option<&StudyArm>) -> Result<Samples, StudyError> {
+    fn read(
+        &mut self,
+        arm: Option<&StudyArm>,
+        between: Between,
+    ) -> Result<SampledReference, StudyError> {
         if !self.next_line()? {
             let place = TextPlace::whole_file(self.file);
             return Err(StudyError::new(Kind::Syntax, place, "", "the file is empty"));
         }
         let columns = self.header()?;
-        let (mut t, mut q): Samples = Default::default();
+        let names = cells(&self.line);
+        let others = columns.iter().zip(names).filter(|(column, _)| **column == Column::Other);
+        let unread: Vec<String> = others.map(|(_, name)| clip(name)).collect();
+        let (mut t, mut q) = (Vec::<f64>::new(), Vec::<Vec<f64>>::new());
         while self.next_line()? {
             if self.line.trim().is_empty() {
                 continue;
@@ -133,6 +169,7 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
             }
             self.check_time(t.last().copied(), time)?;
             let before = t.last().copied().zip(q.last().map(Vec::as_slice));
+            let before = before.filter(|_| between == Between::Moves);
             if let Some(arm) = arm {
                 self.check_row(arm, &columns, before, (time, &row))?;
             }
@@ -143,10 +180,13 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
             t.push(time);
             q.push(row);
         }
-        if t.len() < 2 {
+        if t.len() < 2 && between == Between::Moves {
             return Err(self.error(Kind::WrongLength, 0, "expected at least 2 rows of samples"));
         }
-        Ok((t, q))
+        if t.is_empty() {
+            return Err(self.error(Kind::WrongLength, 0, "expected at least one row of samples"));
+        }
+        Ok(SampledReference { t, q, unread })
     }
 
     /// Reads the next line into `line`; `false` at the end.
@@ -189,7 +229,7 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
         let mut columns: Vec<Column> = Vec::with_capacity(cells.len());
         for (i, cell) in cells.iter().enumerate() {
             let column = self.column(i, cell)?;
-            if columns.contains(&column) {
+            if column != Column::Other && columns.contains(&column) {
                 let message = format!("column `{}` appears twice", clip(cell));
                 return Err(self.error(Kind::Conflict, i, message));
             }
@@ -198,12 +238,21 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
         let names = self.joints.names;
         let missing = (0..names.len()).find(|&j| !columns.contains(&Column::Joint(j)));
         let missing = missing.map(|j| names[j].as_str());
-        match missing.or((!columns.contains(&Column::Time)).then_some("t_s")) {
-            None => Ok(columns),
-            Some(name) => Err(self
-                .error(Kind::WrongLength, 0, format!("no column `{name}`"))
-                .with_help(format!("the first line is `t_s,{}`, in any order", names.join(",")))),
+        let Some(name) = missing.or((!columns.contains(&Column::Time)).then_some("t_s")) else {
+            return Ok(columns);
+        };
+        // A column of no joint may be the one that is missing, by another name.
+        let other = |i: &usize| columns[*i] == Column::Other;
+        let others: Vec<usize> = (0..columns.len()).filter(other).collect();
+        let near = nearest(name, others.iter().map(|i| cells[*i]));
+        if let Some(i) = others.into_iter().find(|i| near == Some(cells[*i])) {
+            let message = format!("no joint `{}`", clip(cells[i]));
+            let help = format!("did you mean `{name}`?");
+            return Err(self.error(Kind::UnknownName, i, message).with_help(help));
         }
+        Err(self
+            .error(Kind::WrongLength, 0, format!("no column `{name}`"))
+            .with_help(format!("the first line is `t_s,{}`, in any order", names.join(","))))
     }
 
     fn column(&self, i: usize, cell: &str) -> Result<Column, StudyError> {
@@ -213,21 +262,17 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
         if let Some(j) = self.joints.names.iter().position(|name| name == cell) {
             return Ok(Column::Joint(j));
         }
-        let locked = self.joints.locked.iter().any(|name| name == cell);
-        let shown = clip(cell);
-        let message = if locked {
-            format!("joint `{shown}` is locked")
-        } else {
-            format!("no joint `{shown}`")
-        };
-        let names = self.joints.names.iter().map(String::as_str);
-        let known: Vec<&str> = std::iter::once("t_s").chain(names).collect();
-        let help = if cell.parse::<f64>().is_ok() {
-            "the first line names the columns".into()
-        } else {
-            did_you_mean(cell, &known)
-        };
-        Err(self.error(Kind::UnknownName, i, message).with_help(help))
+        if self.joints.locked.iter().any(|name| name == cell) {
+            let message = format!("joint `{}` is locked", clip(cell));
+            let help = "leave its column out, or take it out of robot.locked";
+            return Err(self.error(Kind::UnknownName, i, message).with_help(help));
+        }
+        if cell.parse::<f64>().is_ok() {
+            let message = format!("no joint `{}`", clip(cell));
+            let help = "the first line names the columns";
+            return Err(self.error(Kind::UnknownName, i, message).with_help(help));
+        }
+        Ok(Column::Other)
     }
 
     fn row(&self, columns: &[Column], joints: usize) -> Result<(f64, Vec<f64>), StudyError> {
@@ -237,7 +282,8 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
             return Err(self.error(Kind::WrongLength, 0, message));
         }
         let (mut t, mut q) = (0.0, vec![0.0; joints]);
-        for (i, (cell, column)) in cells.iter().zip(columns).enumerate() {
+        let read = cells.iter().zip(columns).enumerate();
+        for (i, (cell, column)) in read.filter(|(_, (_, column))| **column != Column::Other) {
             let x: f64 = cell.parse().map_err(|_| {
                 let error = format!("`{}` is not a number", clip(cell));
                 self.error(Kind::WrongType, i, error).with_help("a finite number, such as 0.25")
@@ -249,6 +295,7 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
             match *column {
                 Column::Time => t = x,
                 Column::Joint(j) => q[j] = x,
+                Column::Other => {}
             }
         }
         Ok((t, q))

@@ -610,12 +610,25 @@ pub enum ReferenceRequest {
         /// Seed of the motion that a run draws.
         seed: u64,
     },
+    /// Positions to go to, each held until the next, made a motion by a governor.
+    Setpoints {
+        /// Times \[s\], strictly increasing, first one 0.
+        t: Vec<f64>,
+        /// `q[i][j]`: target of joint `j` from time `t[i]` on \[rad\]; the motion starts at rest at `q[0]`.
+        q: Vec<Vec<f64>>,
+        /// Limits of the motion, one per joint: `|q̇_d|` \[rad/s\], `|q̈_d|` \[rad/s²\], `|q⃛_d|` \[rad/s³\].
+        limits: Vec<[f64; 3]>,
+        /// Columns of the file that are of no joint of the arm: not read.
+        unread: Vec<String>,
+    },
     /// Samples from a file, joined by a natural cubic spline per joint.
     Samples {
         /// Times \[s\], strictly increasing, first one 0.
         t: Vec<f64>,
         /// `q[i][j]`: joint `j` at time `t[i]` \[rad\].
         q: Vec<Vec<f64>>,
+        /// Columns of the file that are of no joint of the arm, such as a gripper's: not read.
+        unread: Vec<String>,
     },
 }
 

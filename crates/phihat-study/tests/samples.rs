@@ -39,6 +39,7 @@ fn columns_are_found_by_name() {
     let expected = ReferenceRequest::Samples {
         t: vec![0.0, 2.5, 5.0],
         q: vec![vec![0.1, 0.2, 0.3], vec![0.2, 0.3, 0.4], vec![0.3, 0.4, 0.5]],
+        unread: Vec::new(),
     };
     let plain = "t_s,joint1,joint2,joint3\n0,0.1,0.2,0.3\n2.5,0.2,0.3,0.4\n5,0.3,0.4,0.5\n";
     assert_eq!(samples("plain", plain), expected);
@@ -48,6 +49,31 @@ fn columns_are_found_by_name() {
     let office = "\u{feff}\"t_s\", \"joint1\",joint2,joint3\r\n0,1e-1,0.2 ,0.3\r\n2.5,0.2,0.3,0.4\r\n\
                   5,0.3,0.4,0.5\r\n\r\n";
     assert_eq!(samples("office", office), expected);
+}
+
+/// `joint_states` of a robot has its gripper too.
+#[test]
+fn columns_of_no_joint_are_left_out_and_named() {
+    let text = "finger,t_s,joint1,joint2,joint3,note\n0.04,0,0.1,0.2,0.3,home\n,2.5,0.2,0.3,0.4,\n0,5,0.3,0.4,0.5,x\n";
+    let folder = Folder::new("others", text.as_bytes());
+    let study = with_reference("[reference]\nkind = 'csv'\nfile = 'ref.csv'\n");
+    let study = read_in(&study, &folder.0).unwrap_or_else(|error| panic!("{}", error.render()));
+    let warnings = study.warnings();
+    for column in ["`finger`", "`note`"] {
+        assert_eq!(warnings.iter().filter(|told| told.contains(column)).count(), 1, "{warnings:?}");
+    }
+    let ReferenceRequest::Samples { q, unread, .. } = study.reference else { panic!("samples") };
+    assert_eq!(
+        (q[2].as_slice(), unread),
+        (&[0.3, 0.4, 0.5][..], vec!["finger".into(), "note".into()])
+    );
+    // One that stands in the place of a joint is a slip.
+    let slip = text.replace("joint2", "joint_2");
+    let error = Folder::new("slip", slip.as_bytes()).read().unwrap_err().render();
+    assert!(
+        error.contains("no joint `joint_2`") && error.contains("did you mean `joint2`"),
+        "{error}"
+    );
 }
 
 /// A recording of a joint without ends starts over at ±π; what is followed does not.
@@ -122,10 +148,40 @@ fn hostile_files_are_refused() {
         ("long", vec![b'1'; 1 << 20], StudyErrorKind::TooLarge),
         ("wide", wide.into_bytes(), StudyErrorKind::TooLarge),
         ("binary", vec![0xff, 0xfe, 0x00], StudyErrorKind::Syntax),
-        ("zero", vec![0; 100], StudyErrorKind::UnknownName),
+        ("zero", vec![0; 100], StudyErrorKind::WrongLength),
     ] {
         let error = Folder::new(name, &bytes).read().unwrap_err();
         assert_eq!(error.kind(), kind, "{error}");
         assert!(error.render().len() < 1000);
+    }
+}
+
+const LIMITS: &str =
+    "speed_max_rad_s = 1.0\nacceleration_max_rad_s2 = 5.0\njerk_max_rad_s3 = 50.0\n";
+
+/// Rows of setpoints may jump, may end before the run, and may be one; limits are one for all joints or one each.
+#[test]
+fn setpoints_come_from_a_file_or_from_sections() {
+    let text = "t_s,joint1,joint2,joint3\n0,0.1,0.2,0.3\n0.1,0.9,0.3,0.4\n";
+    let folder = Folder::new("setpoints", text.as_bytes());
+    let from = |reference: &str| {
+        let text = format!("[reference]\nkind = 'setpoints'\n{LIMITS}{reference}");
+        read_in(&with_reference(&text), &folder.0).map(|study| study.reference)
+    };
+    let sections = "[[reference.setpoint]]\nt_s = 0\nq_rad = [0.1, 0.2, 0.3]\n[[reference.setpoint]]\nt_s = 0.1\nq_rad = [0.9, 0.3, 0.4]\n";
+    let [file, typed] = ["file = 'ref.csv'\n", sections].map(|text| from(text).unwrap());
+    assert_eq!(file, typed);
+    let ReferenceRequest::Setpoints { t, limits, .. } = file else { panic!("setpoints") };
+    assert_eq!((t, limits), (vec![0.0, 0.1], vec![[1.0, 5.0, 50.0]; 3]));
+    let both = format!("file = 'ref.csv'\n{sections}");
+    for (text, kind) in [
+        ("", StudyErrorKind::MissingKey),
+        (&both[..], StudyErrorKind::Conflict),
+        (&sections.replace("t_s = 0.1", "t_s = 0"), StudyErrorKind::OutOfRange),
+        (&sections.replace("t_s = 0\n", "t_s = 0.05\n"), StudyErrorKind::OutOfRange),
+        (&sections.replace("[0.1, 0.2, 0.3]", "[9.9, 0.2, 0.3]"), StudyErrorKind::BeyondLimits),
+    ] {
+        let error = from(text).unwrap_err();
+        assert_eq!(error.kind(), kind, "{error}");
     }
 }

@@ -11,8 +11,10 @@
 //! `∫|λ_P'| ≤ |a − b| + 4 δ`, `a, b` the ends, `δ` the most that `λ_P` is from its chord. What is read of the velocity
 //! at a sample, `ε' = M⁻¹ (P − x)`, makes `λ_P` jump: `x` weighs the jump too.
 
+use phihat_model::{Lanes, Scalar as _};
+
 use super::frame::Frame;
-use super::lanes::{WIDE, combine, gather};
+use super::lanes::{WIDE, combine, eight, gather, put};
 use super::law::LinearLoop;
 
 /// Sizes of the boxes of one sample.
@@ -259,26 +261,23 @@ impl AdjointRows<'_> {
             let row = |hand: &'_ [f64], i: usize| hand[c * n + i];
             let turned: f64 = (0..n).map(|i| (row(end_hand, i) - row(start_hand, i)).abs()).sum();
             for at in (0..rows).step_by(WIDE) {
-                let (mut moved, mut a_sum, mut b_sum) = ([0.0; WIDE], [0.0; WIDE], [0.0; WIDE]);
+                let mut moved = Lanes::default();
+                let (mut a_sum, mut b_sum) = (moved, moved);
                 for i in 0..n {
                     let from = (n + i) * rows + at;
-                    let (a, b) = (&end[from..from + WIDE], &start[from..from + WIDE]);
-                    let (here, j_end, j_start) =
-                        (row(&frame.hand, i), row(end_hand, i), row(start_hand, i));
-                    for r in 0..WIDE {
-                        moved[r] += j_end * a[r] - j_start * b[r];
-                        a_sum[r] += here * a[r];
-                        b_sum[r] += here * b[r];
-                    }
+                    let (a, b) = (eight(end, from), eight(start, from));
+                    let [here, j_end, j_start] = [&frame.hand[..], end_hand, start_hand]
+                        .map(|hand| Lanes::splat(row(hand, i)));
+                    moved += j_end * a - j_start * b;
+                    a_sum += here * a;
+                    b_sum += here * b;
                 }
+                // The products of changes, and twice as much for how `J` itself bends within a sample.
+                let bent = eight(step, at) + Lanes::splat(0.01) * eight(most, at);
                 let to = c * rows + at;
-                let (mu, wrench) = (&mut mu[to..to + WIDE], &mut wrench[to..to + WIDE]);
-                let (most, step) = (&most[at..at + WIDE], &step[at..at + WIDE]);
-                for r in 0..WIDE {
-                    // The products of changes, and twice as much for how `J` itself bends within a sample.
-                    mu[r] = moved[r].abs() + turned * (step[r] + 0.01 * most[r]);
-                    wrench[r] = 0.5 * self.period * (a_sum[r].abs() + b_sum[r].abs());
-                }
+                put(moved.abs() + Lanes::splat(turned) * bent, mu, to);
+                let both = a_sum.abs() + b_sum.abs();
+                put(Lanes::splat(0.5 * self.period) * both, wrench, to);
             }
         }
     }
@@ -297,18 +296,19 @@ impl AdjointRows<'_> {
         for i in 0..n {
             let (a, b) = (&end[(n + i) * rows..][..rows], &start[(n + i) * rows..][..rows]);
             let (u, x) = (&mut out.u[i * rows..][..rows], &mut out.x[i * rows..][..rows]);
-            for r in 0..rows {
-                let (size_a, size_b, change) = (a[r].abs(), b[r].abs(), b[r] - a[r]);
-                u[r] = 0.5 * period * (size_a + size_b);
-                x[r] = change;
-                out.most[r] = out.most[r].max(size_a).max(size_b);
-                out.step[r] = out.step[r].max(change.abs());
+            let weights = u.iter_mut().zip(x).zip(a.iter().zip(b));
+            let largest = out.most.iter_mut().zip(&mut out.step);
+            for (((u, x), (a, b)), (most, step)) in weights.zip(largest) {
+                let (size_a, size_b, change) = (a.abs(), b.abs(), b - a);
+                *u = 0.5 * period * (size_a + size_b);
+                *x = change.abs();
+                *most = most.max(size_a).max(size_b);
+                *step = step.max(change.abs());
             }
         }
         if let Some((start_hand, end_hand)) = hands {
             self.weigh_hand((end, end_hand), (start, start_hand), frame, out);
         }
-        out.x.iter_mut().for_each(|x| *x = x.abs());
     }
 }
 

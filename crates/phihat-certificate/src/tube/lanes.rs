@@ -1,5 +1,7 @@
 //! Sums over many rows at once, in lanes.
 
+use phihat_model::{Lanes, Scalar as _};
+
 /// Rows that are summed together; the number of rows is a multiple of it.
 pub(super) const WIDE: usize = 8;
 
@@ -29,18 +31,32 @@ fn sums<const S: usize>(
     (from, rows, at): (&[f64], usize, usize),
     out: &mut [f64],
 ) {
-    let mut sum = [[0.0; WIDE]; S];
+    let mut sum = [Lanes::default(); S];
     for (factors, from) in flow.chunks_exact(columns).zip(from.chunks_exact(rows)) {
-        let (factors, from) = (&factors[s..s + S], &from[at..at + WIDE]);
+        let Some(factors) = factors.get(s..).and_then(|row| row.first_chunk::<S>()) else {
+            continue;
+        };
+        let from = eight(from, at);
         for (sum, factor) in sum.iter_mut().zip(factors) {
-            for (sum, from) in sum.iter_mut().zip(from) {
-                *sum += factor * from;
-            }
+            *sum += from * Lanes::splat(*factor);
         }
     }
     for (c, sum) in sum.iter().enumerate() {
-        out[(s + c) * rows + at..][..WIDE].copy_from_slice(sum);
+        put(*sum, out, (s + c) * rows + at);
     }
+}
+
+/// Eight rows of one entry, from a row on.
+#[inline]
+pub(super) fn eight(entry: &[f64], at: usize) -> Lanes {
+    let eight = entry.get(at..).and_then(|rows| rows.first_chunk::<WIDE>());
+    eight.map_or_else(Lanes::default, |rows| Lanes::from(*rows))
+}
+
+/// Writes eight rows of one entry, from a row on.
+#[inline]
+pub(super) fn put(eight: Lanes, entry: &mut [f64], at: usize) {
+    entry[at..at + WIDE].copy_from_slice(&<[f64; WIDE]>::from(eight));
 }
 
 /// Sparse sums: a row per column, the last two into `read`.
@@ -53,14 +69,11 @@ pub(super) fn gather<'a>(
     let into = out.chunks_exact_mut(rows).chain(read.chunks_exact_mut(rows));
     for (terms, into) in columns.zip(into) {
         for at in (0..rows).step_by(WIDE) {
-            let mut sum = [0.0; WIDE];
+            let mut sum = Lanes::default();
             for (row, factor) in terms {
-                let from = &from[row * rows + at..][..WIDE];
-                for (sum, from) in sum.iter_mut().zip(from) {
-                    *sum += factor * from;
-                }
+                sum += eight(from, row * rows + at) * Lanes::splat(*factor);
             }
-            into[at..at + WIDE].copy_from_slice(&sum);
+            put(sum, into, at);
         }
     }
 }

@@ -66,7 +66,7 @@ impl<'a, 'x> Element<'a, 'x> {
         }
     }
 
-    fn line(&self) -> u32 {
+    pub(super) fn line(&self) -> u32 {
         self.node.document().text_pos_at(self.node.range().start).row
     }
 
@@ -111,6 +111,16 @@ impl<'a, 'x> Element<'a, 'x> {
     /// The attribute `key` of `node` as a finite number, or `None` if it is not there.
     pub(super) fn number_if_any(&self, node: Node<'a, 'x>, key: &str) -> Result<Option<f64>> {
         node.attribute(key).map(|_| self.number(node, key)).transpose()
+    }
+
+    /// The attribute `key` of `node` as a number that may be infinite, as some write for no limit, or `None` if it is
+    /// not there.
+    pub(super) fn limit_if_any(&self, node: Node<'a, 'x>, key: &str) -> Result<Option<f64>> {
+        let infinite = |text: &str| text.trim().parse().ok().filter(|x: &f64| x.is_infinite());
+        match node.attribute(key).and_then(infinite) {
+            Some(limit) => Ok(Some(limit)),
+            None => self.number_if_any(node, key),
+        }
     }
 
     /// The attribute `key` of `node` as three finite numbers; `default` if it is not there.

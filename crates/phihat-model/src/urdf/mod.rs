@@ -14,7 +14,9 @@ mod scan;
 mod travel;
 mod tree;
 
-pub(crate) use read::{chains, read, readable};
+pub(crate) use scan::{XACRO_ATTRIBUTES_MAX, scanned};
+
+pub(crate) use read::{chains, joints, read, readable};
 
 /// Largest description that is read \[bytes\].
 pub(crate) const BYTES_MAX: usize = 4 << 20;

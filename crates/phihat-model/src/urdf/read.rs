@@ -13,7 +13,7 @@ use super::{Result, Urdf, scan};
 use crate::body::{Body, LumpedBody};
 use crate::description::{JointMotion, JointOf};
 use crate::error::RobotError;
-use crate::joint::JointKind;
+use crate::joint::{Joint, JointKind};
 use crate::part::{Chain, Part};
 use crate::placement::{dot, mul, normalised, transpose};
 use crate::{Model, Workspace};
@@ -22,6 +22,8 @@ use crate::{Model, Workspace};
 const LINKS_MAX: usize = 4096;
 /// Most joints of an arm.
 const MOVING_MAX: usize = 32;
+/// Radius of gyration, and distance of a centre of mass, beyond which units are doubted \[m\].
+const FAR: f64 = 5.0;
 /// Most prefixes that are declared for a file that forgot to.
 const PREFIXES_MAX: usize = 8;
 
@@ -43,13 +45,7 @@ pub(crate) fn read(text: &str, part: &Part, origin: &str) -> Result<Urdf> {
         let proposed = whole.chains().into_iter().find(|chain| chain.joints.len() <= MOVING_MAX);
         return Err(too_many(moving, proposed.as_ref(), origin));
     }
-    let mut driven = Vec::new();
-    for link in &tree.order {
-        let Some(at) = tree.hangs[*link].filter(|at| cut.driven[*at]) else { continue };
-        if let Moves::Driven(kind) = joints[at].moves {
-            driven.push(read_limits(&joints[at].element, kind, &mut warnings)?);
-        }
-    }
+    let driven = driven_joints((&joints, &tree), &cut.driven, &mut warnings)?;
     let mut held = BTreeMap::new();
     for (at, joint) in joints.iter_mut().enumerate().filter(|(at, _)| !cut.driven[*at]) {
         if joint.joint.motion != JointMotion::Fixed {
@@ -63,14 +59,49 @@ pub(crate) fn read(text: &str, part: &Part, origin: &str) -> Result<Urdf> {
     let model = Model::new(description);
     if let Some(at) = unmoved(&model) {
         let at = order.iter().filter(|at| cut.driven[**at]).nth(at).copied().unwrap_or(0);
+        let joint = &joints[at].element;
+        if matter.iter().all(|body| *body == LumpedBody::default()) {
+            let (origin, line, joint) = (origin.to_owned(), joint.line(), joint.name.to_owned());
+            return Err(RobotError::NoInertia { origin, line, joint });
+        }
         let why = format!(
             "it moves no mass, so torque has nothing to act on: link \"{}\" and what is welded to it need an <inertial>",
             joints[at].child
         );
-        return Err(joints[at].element.error(why));
+        return Err(joint.error(why));
     }
     warnings.extend(source.notes());
     Ok(Urdf { name, model, joints: driven, held, warnings })
+}
+
+/// Joints of a part of a URDF with their limits, in the order of their links, whatever its links weigh; and its name.
+pub(crate) fn joints(text: &str, part: &Part, origin: &str) -> Result<(String, Vec<Joint>)> {
+    let text = &readable(text, origin)?;
+    let document = document(text, origin)?;
+    let root = robot_element(&document, origin)?;
+    let (mut unread, source) = (Vec::new(), ElementSource::of(origin));
+    let (links, joints) = elements(root, &source, &mut unread)?;
+    let tree = Tree::of(&links, &joints, origin)?;
+    let whole = WholeDescription { links: &links, joints: &joints, tree: &tree, origin };
+    let cut = whole.cut(part, &mut unread)?;
+    let name = root.attribute("name").unwrap_or("robot").to_owned();
+    Ok((name, driven_joints((&joints, &tree), &cut.driven, &mut unread)?))
+}
+
+/// Joints that are driven, with their limits, in the order of their links.
+fn driven_joints(
+    (joints, tree): (&[JointElement<'_, '_>], &Tree),
+    driven: &[bool],
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Joint>> {
+    let mut read = Vec::new();
+    for link in &tree.order {
+        let Some(at) = tree.hangs[*link].filter(|at| driven[*at]) else { continue };
+        if let Moves::Driven(kind) = joints[at].moves {
+            read.push(read_limits(&joints[at].element, kind, warnings)?);
+        }
+    }
+    Ok(read)
 }
 
 /// The chains of a URDF that could be arms, the longest first.
@@ -92,7 +123,7 @@ fn too_many(moving: usize, proposed: Option<&Chain>, origin: &str) -> RobotError
     let why = format!(
         "{moving} joints move, more than the {MOVING_MAX} of an arm: name the arm's base and tip{remedy}"
     );
-    RobotError::Tree { origin: origin.to_owned(), why }
+    RobotError::SeveralArms { origin: origin.to_owned(), why }
 }
 
 /// The text with prefixes declared that nobody declared: what other programs read beside us.
@@ -113,7 +144,7 @@ pub(crate) fn readable<'t>(text: &'t str, origin: &str) -> Result<Cow<'t, str>> 
         let Err(roxmltree::Error::UnknownNamespace(prefix, at)) = Document::parse(&text) else {
             break;
         };
-        if prefix == "xacro" {
+        if prefix == "xacro" && text.contains("${") {
             return Err(xacro(at.row, origin));
         }
         let Some(start) = text.find("<robot") else { break };
@@ -124,7 +155,7 @@ pub(crate) fn readable<'t>(text: &'t str, origin: &str) -> Result<Cow<'t, str>> 
 }
 
 fn xacro(line: u32, origin: &str) -> RobotError {
-    let why = "this is xacro, which writes URDF: expand it first, `xacro FILE.xacro > FILE.urdf`";
+    let why = "this is xacro, which writes URDF: expand it first, `phihat robots FILE.xacro --urdf FILE.urdf`";
     RobotError::Xml { origin: origin.to_owned(), line, why: why.to_owned() }
 }
 
@@ -143,16 +174,21 @@ fn robot_element<'a, 'x>(document: &'a Document<'x>, origin: &str) -> Result<Nod
         let tag = root.tag_name().name();
         let hint = match tag {
             "mujoco" => " (this is MJCF: in Python, `phihat.mujoco.describe` writes a URDF of it)",
-            "sdf" => " (this is SDF, which is not read)",
+            "sdf" => " (this is SDF, which is not read; the URDF that it was made from is)",
             _ => "",
         };
         let why = format!("the root element is <{tag}>; it must be <robot>{hint}");
         return Err(RobotError::Xml { origin: origin.to_owned(), line: 1, why });
     }
-    let written = |node: &Node<'_, '_>| {
-        node.tag_name().namespace().is_some_and(|space| space.contains("xacro"))
+    // Properties and arguments that nothing uses are left out.
+    let unused = |node: &Node<'_, '_>| {
+        matches!(node.tag_name().name(), "property" | "arg")
+            && !document.input_text().contains("${")
     };
-    if let Some(node) = root.children().find(written) {
+    let written = |node: &Node<'_, '_>| {
+        node.tag_name().namespace().is_some_and(|space| space.contains("xacro")) && !unused(node)
+    };
+    if let Some(node) = root.descendants().find(written) {
         return Err(xacro(document.text_pos_at(node.range().start).row, origin));
     }
     Ok(root)
@@ -274,10 +310,33 @@ fn read_matter(link: &Element<'_, '_>) -> Result<(LumpedBody, Vec<String>)> {
     if mass <= 0.0 && stated.inertia.iter().any(|x| x.abs() > 0.0) {
         odd.push(format!("link \"{}\": it has inertia but no mass", link.name));
     }
+    odd.extend(doubts(link, &at.p, &stated));
     let [xx, xy, xz, yy, yz, zz] = stated.inertia;
     let turned = mul(&mul(&at.r, &[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), &transpose(&at.r));
     let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = turned;
     Ok((Body { com: at.p, inertia: [xx, xy, xz, yy, yz, zz], ..stated }.lumped(), odd))
+}
+
+/// Doubts about the units of a link's figures: no link of an arm is this large.
+fn doubts(link: &Element<'_, '_>, centre: &[f64; 3], body: &Body) -> Vec<String> {
+    let mut odd = Vec::new();
+    let place = |why: String| format!("link \"{}\" (line {}): {why}", link.name, link.line());
+    let [xx, _, _, yy, _, zz] = body.inertia;
+    let largest = xx.max(yy).max(zz);
+    let gyration = (largest / body.mass).sqrt();
+    if body.mass > 0.0 && gyration > FAR {
+        odd.push(place(format!(
+            "an inertia of {largest} kg·m² with a mass of {} kg is a radius of gyration of {gyration:.3} m; if it is kg·mm², divide by 1e6, if g·mm², by 1e9",
+            body.mass
+        )));
+    }
+    let away = dot(*centre, *centre).sqrt();
+    if away > FAR {
+        odd.push(place(format!(
+            "the centre of mass is {away:.3} m from the link's frame; if it is in mm, divide by 1000"
+        )));
+    }
+    odd
 }
 
 fn read_joints<'a, 'x>(

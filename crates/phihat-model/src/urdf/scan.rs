@@ -16,9 +16,18 @@ const ELEMENTS_MAX: usize = 50_000;
 /// Most attributes on one element; the parser takes quadratic time in them.
 const ATTRIBUTES_MAX: usize = 32;
 
-/// Checks `text` against the limits.
+/// The same of a macro's call, which has an attribute for each parameter.
+pub(crate) const XACRO_ATTRIBUTES_MAX: usize = 256;
+
+/// Checks the text of a URDF against the limits.
 pub(super) fn scan(text: &str, origin: &str) -> Result<()> {
-    let mut scan = Scan { rest: text.as_bytes(), text, origin, depth: 0, elements: 0 };
+    scanned(text, origin, ATTRIBUTES_MAX)
+}
+
+/// Checks a text against the limits, with so many attributes on one element at most.
+pub(crate) fn scanned(text: &str, origin: &str, attributes_max: usize) -> Result<()> {
+    let mut scan =
+        Scan { rest: text.as_bytes(), text, origin, depth: 0, elements: 0, attributes_max };
     scan.at_most("bytes", text.len(), BYTES_MAX)?;
     while let Some(start) = scan.rest.iter().position(|byte| *byte == b'<') {
         scan.rest = &scan.rest[start..];
@@ -33,6 +42,7 @@ struct Scan<'a> {
     origin: &'a str,
     depth: usize,
     elements: usize,
+    attributes_max: usize,
 }
 
 impl Scan<'_> {
@@ -71,16 +81,20 @@ impl Scan<'_> {
                         self.depth -= 1;
                     }
                     self.rest = &self.rest[at + 1..];
-                    return self.at_most("attributes on one element", attributes, ATTRIBUTES_MAX);
+                    return self.at_most(
+                        "attributes on one element",
+                        attributes,
+                        self.attributes_max,
+                    );
                 }
                 _ => {}
             }
-            if attributes > ATTRIBUTES_MAX {
+            if attributes > self.attributes_max {
                 break;
             }
             before = byte;
         }
-        self.at_most("attributes on one element", attributes, ATTRIBUTES_MAX)?;
+        self.at_most("attributes on one element", attributes, self.attributes_max)?;
         self.refuse("a tag that does not end")
     }
 

@@ -6,8 +6,18 @@ use super::Result;
 use super::element::Element;
 use crate::joint::{Friction, Joint, JointKind};
 
-/// A limit beyond this is what some exporters write for none \[rad, m, rad/s, N·m\].
-const BOUNDLESS: f64 = 1e9;
+/// A travel beyond this is what some exporters write for none \[rad, m\].
+const BOUNDLESS: f64 = 1e4;
+
+/// Limits of torque and speed beyond these are what some exporters write for none: far more than any drive of an arm
+/// has \[N·m, rad/s\].
+const EFFORT_BOUNDLESS: f64 = 1e5;
+const VELOCITY_BOUNDLESS: f64 = 1e3;
+
+/// An end of travel further from 0 than this, and a speed beyond this, are rare in rad and common in degrees
+/// \[rad, rad/s\].
+const TRAVEL_DEGREES: f64 = 6.0 * std::f64::consts::PI;
+const SPEED_DEGREES: f64 = 60.0;
 
 /// Swapped limits are read where 0, at which a description is drawn, lies between them, and they are no
 /// further apart than this; otherwise their meaning is unknown \[rad, m\].
@@ -53,7 +63,7 @@ pub(super) fn read_moves<'a>(element: &Element<'a, '_>) -> Result<Moves<'a>> {
 /// checked here.
 pub(super) fn nearest(joint: &Element<'_, '_>, kind: JointKind, wanted: f64) -> f64 {
     let limit = joint.child(joint.node, "limit").ok().flatten();
-    let end = |key| limit.and_then(|node| joint.number_if_any(node, key).ok().flatten());
+    let end = |key| limit.and_then(|node| joint.limit_if_any(node, key).ok().flatten());
     let (low, high) = (end("lower").unwrap_or(0.0), end("upper").unwrap_or(0.0));
     let swapped = low >= 0.0 && high <= 0.0;
     let (low, high) = if swapped { (high, low) } else { (low, high) };
@@ -75,7 +85,7 @@ fn read_travel<'a, 'x>(
         };
         return Err(joint.error(why.to_owned()));
     };
-    let number = |key| Ok(joint.number_if_any(limit, key)?.unwrap_or(0.0));
+    let number = |key| Ok(joint.limit_if_any(limit, key)?.unwrap_or(0.0));
     let (mut low, mut high) = (number("lower")?, number("upper")?);
     let none = low == 0.0 && high == 0.0;
     if low >= 0.0 && high <= 0.0 && low > high && low - high <= SWAPPED_MAX {
@@ -88,6 +98,13 @@ fn read_travel<'a, 'x>(
         return Err(joint.error(format!("lower limit {low} must be below upper {high}")));
     }
     if !none && high - low <= BOUNDLESS {
+        if !slides && low.abs().max(high.abs()) > TRAVEL_DEGREES {
+            let (least, most) = (low.to_radians(), high.to_radians());
+            joint.note(&format!(
+                "limits {low} … {high} rad are {:.1} turns; if they are degrees, write lower=\"{least:.6}\" upper=\"{most:.6}\"",
+                (high - low) / std::f64::consts::TAU
+            ));
+        }
         return Ok(Some((low, high)));
     }
     if slides {
@@ -98,7 +115,9 @@ fn read_travel<'a, 'x>(
         "limits 0 … 0 are read as none: the joint turns without end (type continuous); state them if it does not"
             .to_owned()
     } else {
-        format!("a travel beyond {BOUNDLESS:e} is read as none: the joint turns without end")
+        format!(
+            "limits {low} … {high} are read as none: the joint turns without end (type continuous)"
+        )
     };
     warnings.push(format!("joint \"{}\": {why}", joint.name));
     Ok(None)
@@ -111,29 +130,42 @@ pub(super) fn read_limits(
     warnings: &mut Vec<String>,
 ) -> Result<Joint> {
     let limit = joint.child(joint.node, "limit")?;
-    let number = |key| limit.map_or(Ok(None), |node| joint.number_if_any(node, key));
+    let number = |key| limit.map_or(Ok(None), |node| joint.limit_if_any(node, key));
     let position = match kind {
         JointKind::Continuous => None,
         _ => read_travel(joint, (kind, limit), warnings)?,
     };
     let kind = if position.is_none() { JointKind::Continuous } else { kind };
-    let mut positive = |key| match number(key)? {
-        Some(x) if x < 0.0 => {
-            Err(joint.error(format!("<limit {key}=\"{x}\"> must not be negative")))
+    let mut positive = |key, boundless: f64| {
+        match number(key)? {
+        Some(x) if x < 0.0 && x.is_finite() && x.to_bits() != (-1.0_f64).to_bits() => {
+            Err(joint.error(format!(
+                "<limit {key}=\"{x}\"> must not be negative; where there is none, leave it out or write 0 or -1"
+            )))
         }
-        Some(x) if x > BOUNDLESS => {
-            let why = format!("{key} limit beyond {BOUNDLESS:e} is read as none");
-            warnings.push(format!("joint \"{}\": a {why}", joint.name));
+        Some(x) if x > boundless => {
+            let why = format!("{key} limit {x:e}, beyond {boundless:e}, is read as none");
+            warnings.push(format!("joint \"{}\": {why}", joint.name));
             Ok(None)
         }
         Some(x) if x > 0.0 => Ok(Some(x)),
-        Some(_) => {
-            warnings.push(format!("joint \"{}\": {key} limit 0 is read as none", joint.name));
+        Some(x) => {
+            warnings.push(format!("joint \"{}\": {key} limit {x} is read as none", joint.name));
             Ok(None)
         }
         None => Ok(None),
+    }
     };
-    let (torque_max, velocity_max) = (positive("effort")?, positive("velocity")?);
+    let torque_max = positive("effort", EFFORT_BOUNDLESS)?;
+    let velocity_max = positive("velocity", VELOCITY_BOUNDLESS)?;
+    if let Some(speed) = velocity_max.filter(|v| *v > SPEED_DEGREES)
+        && kind != JointKind::Prismatic
+    {
+        let degrees = speed.to_radians();
+        joint.note(&format!(
+            "a largest speed of {speed} rad/s; if it is degrees per second, write velocity=\"{degrees:.6}\""
+        ));
+    }
     let dynamics = joint.child(joint.node, "dynamics")?;
     let dissipation = |key| {
         let value = dynamics.map_or(Ok(None), |node| joint.number_if_any(node, key))?;

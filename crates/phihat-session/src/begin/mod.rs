@@ -15,6 +15,7 @@
 
 mod arm;
 mod motion;
+mod motion_only;
 mod options;
 mod posture;
 mod search;
@@ -24,13 +25,16 @@ mod torque;
 use std::path::{Path, PathBuf};
 
 use phihat_model::JointKind;
+use phihat_model::xacro::{expand, is_xacro};
 use phihat_study::Study;
+use tempfile::TempDir;
 
 pub use arm::described;
 pub use options::{ArmOptions, BeginOptions};
 
 use crate::disk::{DiskError, Whole, folder_of, make_folder};
 use crate::error::SessionError;
+use crate::files;
 use crate::watch::Watch;
 use arm::ChosenArm;
 use search::{BeginResult, BeginStudy};
@@ -61,10 +65,15 @@ pub struct Begun {
 ///
 /// # Errors
 ///
-/// [`SessionError`]: the arm cannot be used, or a file is there already. That no gains exist is an answer.
+/// [`SessionError`]: the arm cannot be used, or a file is there already. That no gains exist is an answer, as it is that
+/// a description has no masses: then the study asks for each joint's inertia.
 pub fn begin(options: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, SessionError> {
     let folder = folder_of(&options.out);
     let name = options.study_name()?;
+    let (_expanded, options) = &expanded(options)?;
+    if let Some(joints) = motion_only::joints_of(options) {
+        return motion_only::begin(options, joints);
+    }
     let mut chosen = ChosenArm::of(options, folder, &name)?;
     let scratch = tempfile::tempdir().map_err(SessionError::other)?;
     let mut looked = BeginStudy::new(options, &mut chosen, scratch.path())?;
@@ -91,6 +100,29 @@ pub fn begin(options: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, Ses
     let BeginResult { error_bound, simulated, infeasible, .. } = found;
     let study = options.out.clone();
     Ok(Begun { study, files, joints, slides, notes, error_bound, simulated, infeasible })
+}
+
+/// The options with a URDF in a folder of its own in place of a file of xacro.
+fn expanded(options: &BeginOptions) -> Result<(Option<TempDir>, BeginOptions), SessionError> {
+    let path = Path::new(&options.arm.arm);
+    if !is_xacro(path) {
+        return match options.arm.xacro.arguments.keys().next() {
+            None => Ok((None, options.clone())),
+            Some(name) => {
+                let why = format!("{name}:= is an argument of xacro, and this is no file of xacro");
+                Err(SessionError::at(path, why))
+            }
+        };
+    }
+    let text = expand(path, &options.arm.xacro).map_err(SessionError::other)?.urdf;
+    let folder = tempfile::tempdir().map_err(SessionError::other)?;
+    let stem =
+        path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let urdf = folder.path().join(format!("{}.urdf", stem.trim_end_matches(".urdf")));
+    files::write(&urdf, &text)?;
+    let mut own = options.clone();
+    own.arm.arm = urdf.display().to_string();
+    Ok((Some(folder), own))
 }
 
 fn write(files: &[(PathBuf, String)], replace: bool) -> Result<(), SessionError> {

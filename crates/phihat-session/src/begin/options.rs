@@ -3,16 +3,19 @@
 use std::path::PathBuf;
 
 use phihat_model::Part;
+use phihat_model::xacro::XacroOptions;
 
 use crate::error::SessionError;
 
 /// Arm of a new study.
 #[derive(Debug, Clone, Default)]
 pub struct ArmOptions {
-    /// Name of a built-in arm, or a URDF or TOML file.
+    /// Name of a built-in arm, or a URDF, xacro or TOML file.
     pub arm: String,
     /// The part of the file that is the arm; the chain that is proposed, where none is stated.
     pub part: Part,
+    /// Arguments and packages, where the file is one of xacro.
+    pub xacro: XacroOptions,
     /// Torque limits \[N·m\]: one for all joints or one each, in place of those of the description; empty: those.
     pub torque_max_nm: Vec<f64>,
 }

@@ -21,6 +21,12 @@ pub(super) fn slower(study: &Study, factor: f64) -> Study {
                 *t *= factor;
             }
         }
+        ReferenceRequest::Setpoints { t, limits, .. } => {
+            t.iter_mut().for_each(|t| *t *= factor);
+            for limits in limits {
+                limits.iter_mut().zip(1..).for_each(|(most, power)| *most /= factor.powi(power));
+            }
+        }
         ReferenceRequest::Cartesian { period, fade_in, .. } => {
             *period *= factor;
             *fade_in *= factor;

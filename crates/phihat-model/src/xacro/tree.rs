@@ -1,0 +1,121 @@
+//! Elements of a file on their way, and their text.
+
+use std::fmt::Write as _;
+use std::rc::Rc;
+
+use roxmltree::{Document, Node};
+
+/// Prefix of what xacro itself reads.
+pub(super) const PREFIX: &str = "xacro:";
+
+/// A file, and a line of it from 1.
+#[derive(Debug, Clone)]
+pub(super) struct Place {
+    pub(super) file: Rc<str>,
+    pub(super) line: u32,
+}
+
+/// An element or a text.
+#[derive(Debug, Clone)]
+pub(super) enum Part {
+    Element(Element),
+    Text(String),
+}
+
+/// An element with its place.
+#[derive(Debug, Clone)]
+pub(super) struct Element {
+    /// Name; of what xacro reads, with [`PREFIX`].
+    pub(super) name: String,
+    pub(super) attributes: Vec<(String, String)>,
+    pub(super) parts: Vec<Part>,
+    pub(super) place: Place,
+}
+
+impl Element {
+    /// The root of a document.
+    pub(super) fn of(document: &Document<'_>, file: &Rc<str>) -> Self {
+        Self::copied(document.root_element(), file)
+    }
+
+    /// The scan before has bounded the depth.
+    fn copied(node: Node<'_, '_>, file: &Rc<str>) -> Self {
+        let qualified = |space: Option<&str>, name: &str| {
+            let xacro = space.is_some_and(|space| space.contains("xacro"));
+            if xacro { format!("{PREFIX}{name}") } else { name.to_owned() }
+        };
+        let parts = node.children().filter_map(|child| match child {
+            child if child.is_element() => Some(Part::Element(Self::copied(child, file))),
+            child if child.is_text() => Some(Part::Text(child.text()?.to_owned())),
+            _ => None,
+        });
+        let attributes = node.attributes().map(|attribute| {
+            (qualified(attribute.namespace(), attribute.name()), attribute.value().to_owned())
+        });
+        Self {
+            name: qualified(node.tag_name().namespace(), node.tag_name().name()),
+            attributes: attributes.collect(),
+            parts: parts.collect(),
+            place: Place {
+                file: Rc::clone(file),
+                line: node.document().text_pos_at(node.range().start).row,
+            },
+        }
+    }
+
+    pub(super) fn attribute(&self, name: &str) -> Option<&str> {
+        let own = self.attributes.iter().find(|(own, _)| own == name);
+        own.map(|(_, value)| value.as_str())
+    }
+
+    /// Sets an attribute, which may be there.
+    pub(super) fn set(&mut self, name: String, value: String) {
+        match self.attributes.iter_mut().find(|(own, _)| *own == name) {
+            Some((_, own)) => *own = value,
+            None => self.attributes.push((name, value)),
+        }
+    }
+
+    /// Elements among its parts.
+    pub(super) fn elements(&self) -> impl Iterator<Item = &Self> {
+        self.parts.iter().filter_map(|part| match part {
+            Part::Element(element) => Some(element),
+            Part::Text(_) => None,
+        })
+    }
+
+    /// Writes it as XML.
+    pub(super) fn write(&self, depth: usize, out: &mut String) {
+        // Infallible: a String takes everything.
+        let _ = write!(out, "{:indent$}<{}", "", self.name, indent = 2 * depth);
+        for (name, value) in &self.attributes {
+            let _ = write!(out, " {name}=\"{}\"", escaped(value));
+        }
+        let text: String = self
+            .parts
+            .iter()
+            .filter_map(|part| if let Part::Text(text) = part { Some(text.trim()) } else { None })
+            .collect();
+        let mut elements = self.elements().peekable();
+        if elements.peek().is_none() && text.is_empty() {
+            out.push_str("/>\n");
+            return;
+        }
+        out.push('>');
+        out.push_str(&escaped(&text));
+        if elements.peek().is_some() {
+            out.push('\n');
+        }
+        for element in self.elements() {
+            element.write(depth + 1, out);
+        }
+        if self.elements().next().is_some() {
+            let _ = write!(out, "{:indent$}", "", indent = 2 * depth);
+        }
+        let _ = writeln!(out, "</{}>", self.name);
+    }
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

@@ -1,0 +1,145 @@
+//! YAML files of a description: joint limits, inertial figures.
+
+use std::collections::BTreeMap;
+
+use saphyr_parser::{Event, Parser, ScalarStyle, Tag};
+
+use super::value::Value;
+
+/// Deepest nesting.
+const DEPTH_MAX: usize = 32;
+
+/// Largest content, aliases written out \[bytes, about\].
+const SIZE_MAX: usize = 1 << 20;
+
+/// A list or table on its way, and its anchor, 0 for none.
+enum Open {
+    List(Vec<Value>, usize),
+    Table(Vec<(Value, Value)>, Option<Value>, usize),
+}
+
+/// A file on its way.
+#[derive(Default)]
+struct Reader {
+    open: Vec<Open>,
+    anchors: BTreeMap<usize, Value>,
+    whole: Option<Value>,
+    size: usize,
+}
+
+/// Content of a YAML file with one document.
+///
+/// # Errors
+///
+/// Words that say what is not read.
+pub(super) fn read(text: &str) -> Result<Value, String> {
+    let mut reader = Reader::default();
+    for event in Parser::new_from_str(text) {
+        let (event, span) = event.map_err(|why| why.to_string())?;
+        reader.take(event).map_err(|why| format!("line {}: {why}", span.start.line()))?;
+    }
+    Ok(reader.whole.unwrap_or(Value::None))
+}
+
+impl Reader {
+    fn take(&mut self, event: Event<'_>) -> Result<(), String> {
+        self.size += 16;
+        if self.size > SIZE_MAX || self.open.len() > DEPTH_MAX {
+            return Err("more entries or levels than are read".to_owned());
+        }
+        let (done, anchor) = match event {
+            Event::Scalar(word, style, anchor, tag) => {
+                (scalar(&word, style, tag.as_deref())?, anchor)
+            }
+            Event::SequenceStart(anchor, _) => {
+                self.open.push(Open::List(Vec::new(), anchor));
+                return Ok(());
+            }
+            Event::MappingStart(anchor, _) => {
+                self.open.push(Open::Table(Vec::new(), None, anchor));
+                return Ok(());
+            }
+            Event::SequenceEnd | Event::MappingEnd => match self.open.pop() {
+                Some(Open::List(list, anchor)) => (Value::List(list), anchor),
+                Some(Open::Table(table, _, anchor)) => (Value::Table(merged(table)), anchor),
+                None => return Ok(()),
+            },
+            Event::Alias(anchor) => {
+                let own = self.anchors.get(&anchor).cloned();
+                (own.ok_or("an alias inside its own anchor is not read")?, 0)
+            }
+            _ => return Ok(()),
+        };
+        self.size += done.size();
+        if anchor != 0 {
+            self.anchors.insert(anchor, done.clone());
+        }
+        match self.open.last_mut() {
+            Some(Open::List(list, _)) => list.push(done),
+            Some(Open::Table(table, key, _)) => match key.take() {
+                None => *key = Some(done),
+                Some(key) => put(table, key, done),
+            },
+            None => self.whole = Some(done),
+        }
+        Ok(())
+    }
+}
+
+/// Puts an entry into a table; of two with one key the last counts.
+fn put(table: &mut Vec<(Value, Value)>, key: Value, value: Value) {
+    match table.iter_mut().find(|(own, _)| own.equals(&key)) {
+        Some((_, own)) => *own = value,
+        None => table.push((key, value)),
+    }
+}
+
+/// A table with what its keys `<<` stand for; its own keys come first.
+fn merged(table: Vec<(Value, Value)>) -> Vec<(Value, Value)> {
+    let is_merge = |key: &Value| matches!(key, Value::Text(text) if text == "<<");
+    let (merge, mut own): (Vec<_>, Vec<_>) = table.into_iter().partition(|(key, _)| is_merge(key));
+    let tables = merge.into_iter().flat_map(|(_, value)| match value {
+        Value::List(list) => list,
+        one => vec![one],
+    });
+    for more in tables {
+        let Value::Table(more) = more else { continue };
+        for (key, value) in more {
+            if !own.iter().any(|(own, _)| own.equals(&key)) {
+                own.push((key, value));
+            }
+        }
+    }
+    own
+}
+
+/// Units that xacro has as tags, in radians and metres.
+const UNITS: [(&str, f64); 6] = [
+    ("radians", 1.0),
+    ("degrees", core::f64::consts::PI / 180.0),
+    ("meters", 1.0),
+    ("millimeters", 1e-3),
+    ("foot", 0.3048),
+    ("inches", 0.0254),
+];
+
+fn scalar(word: &str, style: ScalarStyle, tag: Option<&Tag>) -> Result<Value, String> {
+    if let Some(tag) = tag {
+        let unit = UNITS.iter().find(|(name, _)| *name == tag.suffix);
+        let Some((_, factor)) = unit else {
+            return Err(format!("the tag !{} is not read", tag.suffix));
+        };
+        let number: f64 =
+            word.trim().parse().map_err(|_| format!("!{} {word}: not a number", tag.suffix))?;
+        return Ok(Value::Float(factor * number));
+    }
+    if style != ScalarStyle::Plain {
+        return Ok(Value::Text(word.to_owned()));
+    }
+    Ok(match word {
+        "" | "~" | "null" | "Null" | "NULL" => Value::None,
+        "true" | "True" | "TRUE" | "yes" | "Yes" | "on" | "On" => Value::Bool(true),
+        "false" | "False" | "FALSE" | "no" | "No" | "off" | "Off" => Value::Bool(false),
+        _ => Value::literal(word),
+    })
+}
