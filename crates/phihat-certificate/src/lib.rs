@@ -27,6 +27,7 @@ mod coupled;
 mod derive;
 #[cfg(test)]
 mod dice;
+mod elastic;
 pub mod extremes;
 mod frozen;
 mod gains;
@@ -76,6 +77,7 @@ pub use class::{ClassAgain, ClassBound, ClassPace, ClassWitness, JointOfClass};
 pub use coarser::CoarserEncoder;
 pub use continuous::ContinuousLaw;
 pub use coupled::{CoupledGains, FrozenPayload, FrozenPosture};
+pub use elastic::{ElasticJoint, ElasticJoints, EncoderSide, SpringBasis};
 pub use frozen::FrozenArm;
 pub use gains::{FORMAT, Gains, GainsError, VERSION};
 pub use iss::Iss;

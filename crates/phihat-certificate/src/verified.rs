@@ -4,8 +4,8 @@ use phihat::{Form, TorqueSource, VelocitySource};
 use serde::Serialize;
 
 use crate::{
-    ArmBasis, Certificate, CheckedBound, ClassAgain, Gains, JointCertificate, LoopModel,
-    NotCounted, PhiBasis, Refutation, TubeAgain, Verdict,
+    ArmBasis, Certificate, CheckedBound, ClassAgain, ElasticJoints, Gains, JointCertificate,
+    LoopModel, NotCounted, PhiBasis, Refutation, SpringBasis, TubeAgain, Verdict,
 };
 
 /// One line of a checked certificate.
@@ -86,6 +86,19 @@ impl Certificate {
             );
             shown.push(whole("stable while the arm moves", value));
         }
+        if let Some(elastic) = &self.elastic {
+            let what = format!(
+                "coupled arm with elastic joints, read at the {}, stable at every frozen posture (A-EL3: samples fold no \
+                 motion of the springs back)",
+                elastic.encoder.word()
+            );
+            let value = format!(
+                "{} of the links alone, torques wrong by any {:.3} of them",
+                range(elastic.low, elastic.high),
+                elastic.modulus
+            );
+            derived_twice.push(whole(&what, value));
+        }
         if let Some(coupled) = &self.coupled {
             let n = coupled.error_rad_per_nm.len();
             let value = format!("{n} × {n}, at the frozen postures of the file");
@@ -145,6 +158,12 @@ impl Certificate {
                 let range = format!("μ in {:.5} … {:.5}", proved.low, proved.high);
                 list.push(whole("range that a proof by cells is said to have shown", range));
             }
+        }
+        if let Some(elastic) = &self.elastic {
+            let links = &elastic.links;
+            let value = format!("μ in {:.5} … {:.5}: {}", links.low, links.high, links.source);
+            list.push(whole("range of the links' inertia", value));
+            list.extend(springs(self, elastic));
         }
         if arm.basis != ArmBasis::Postures {
             list.push(whole(
@@ -340,6 +359,24 @@ fn trusted(joint: &JointCertificate, uncoupled: bool, slides: bool) -> Vec<(Stri
         }
     }
     list
+}
+
+/// Intervals of each joint's spring.
+fn springs(certificate: &Certificate, elastic: &ElasticJoints) -> Vec<VerifiedStatement> {
+    let lines = certificate.joints.iter().zip(&elastic.joints).map(|(joint, own)| {
+        let (k, c, b) = (own.stiffness_nm_rad, own.damping_nm_s_rad, own.rotor_kg_m2);
+        let stiffest = k.1.map_or_else(|| "∞".to_owned(), |most| format!("{most:.0}"));
+        let value = format!(
+            "{:.0} … {stiffest} N·m/rad, damping {:.4} … {:.4} N·m·s/rad, rotor {} … {} kg·m²",
+            k.0, c.0, c.1, b.0, b.1
+        );
+        let what = match elastic.basis {
+            SpringBasis::Stated => "spring of the joint",
+            SpringBasis::Softest => "springs that these gains bear (the study states none)",
+        };
+        (joint.name.clone(), vec![(what.to_owned(), value)])
+    });
+    merged(lines)
 }
 
 /// A joint's loop in words.

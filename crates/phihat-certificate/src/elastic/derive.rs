@@ -1,0 +1,57 @@
+//! Second derivation, from the study, of the data that the clause of elastic joints rests on.
+
+use phihat_model::Rotor;
+use phihat_study::Study;
+
+use super::document::{ElasticJoint, ElasticJoints, EncoderSide, SpringBasis};
+use crate::{Certificate, Refutation};
+
+const CLAIM: &str = "elastic joints";
+
+impl Certificate {
+    /// Checks that springs, rotors and encoder are the study's, and looks at the range of the links again; `None`: the
+    /// certificate has no clause of elastic joints.
+    pub(crate) fn derive_elastic(&self, study: &Study) -> Result<Option<String>, Refutation> {
+        let stated = ElasticJoint::of(study);
+        let Some(elastic) = &self.elastic else {
+            let what = "the study states springs: stable with them, or refused";
+            let said = stated.is_none() || self.elastic_refused.is_some();
+            Refutation::unless(CLAIM, what, 0.0, 1.0, said)?;
+            return Ok(None);
+        };
+        let of_study = elastic.basis == SpringBasis::Stated;
+        let what = "the springs are the study's if, and only if, it states some";
+        Refutation::unless(CLAIM, what, 0.0, 1.0, of_study == stated.is_some())?;
+        elastic.is_of(study, stated.as_deref())?;
+        let mut links = study.clone();
+        links.robot = links.robot.links_alone();
+        let range = elastic.links.derive_range(&links)?;
+        let whose = if of_study { "springs, rotors" } else { "rotors" };
+        Ok(Some(format!("{whose} and encoder are the study's; range of the links: {range}")))
+    }
+}
+
+impl ElasticJoints {
+    fn is_of(&self, study: &Study, stated: Option<&[ElasticJoint]>) -> Result<(), Refutation> {
+        let same = self.encoder == EncoderSide::of(study);
+        Refutation::unless(CLAIM, "the encoder's side is the study's", 0.0, 1.0, same)?;
+        let (own, right) = (self.joints.len(), study.robot.joints.len());
+        Refutation::unless(CLAIM, "one entry per joint", own as f64, right as f64, own == right)?;
+        for (i, (own, joint)) in self.joints.iter().zip(&study.robot.joints).enumerate() {
+            let rotor = (joint.armature_at(Rotor::Least), joint.armature_at(Rotor::Most));
+            let mut pairs = vec![("rotor", own.rotor_kg_m2, rotor)];
+            if let Some(right) = stated.and_then(|all| all.get(i)) {
+                let ends = |of: &ElasticJoint| (of.stiffness_nm_rad.0, of.stiffest());
+                pairs.push(("stiffness", ends(own), ends(right)));
+                pairs.push(("damping", own.damping_nm_s_rad, right.damping_nm_s_rad));
+            }
+            for (what, own, right) in pairs {
+                let holds = own.0 <= right.0 && right.1 <= own.1;
+                let what = format!("{what} holds the study's interval");
+                Refutation::unless(CLAIM, &what, own.0, right.0, holds)
+                    .map_err(|why| why.on(&joint.name))?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,258 @@
+//! Connection of an arm's links at one joint: rotor, spring, drive and law as one scalar.
+
+use phihat_kernel::{JointLoop, Polynomial};
+
+use super::disc::{Disc, LOST};
+use super::document::{ElasticJoint, EncoderSide};
+use crate::check::complex::Complex;
+use crate::check::response::on_circle;
+
+/// Rotor `B`, compliance `s = 1/k` and damping `c` in units of `M̄`, each by its ends.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Springs {
+    pub(super) rotor: (f64, f64),
+    pub(super) compliance: (f64, f64),
+    pub(super) damping: (f64, f64),
+}
+
+fn half((low, high): (f64, f64)) -> f64 {
+    0.5 * (high - low)
+}
+
+fn middle((low, high): (f64, f64)) -> f64 {
+    0.5 * (low + high)
+}
+
+impl Springs {
+    /// Those of a joint, per unit of its `M̄`.
+    fn of(joint: &ElasticJoint, inertia: f64) -> Self {
+        let per = |(low, high): (f64, f64)| (low / inertia, high / inertia);
+        Self {
+            rotor: per(joint.rotor_kg_m2),
+            compliance: (inertia / joint.stiffest(), inertia / joint.stiffness_nm_rad.0),
+            damping: per(joint.damping_nm_s_rad),
+        }
+    }
+
+    /// The middle of every interval.
+    pub(super) fn centre(&self) -> Self {
+        let point = |ends| (middle(ends), middle(ends));
+        Self {
+            rotor: point(self.rotor),
+            compliance: point(self.compliance),
+            damping: point(self.damping),
+        }
+    }
+
+    /// Two halves of the interval that `weights` (of rotor, compliance, damping) say matters most.
+    fn halves(&self, weights: [f64; 3]) -> [Self; 2] {
+        let cut = |(low, high): (f64, f64)| {
+            let at = middle((low, high));
+            [(low, at), (at, high)]
+        };
+        let [rotor, compliance, damping] = weights;
+        if compliance >= rotor && compliance >= damping {
+            cut(self.compliance).map(|compliance| Self { compliance, ..*self })
+        } else if damping >= rotor {
+            cut(self.damping).map(|damping| Self { damping, ..*self })
+        } else {
+            cut(self.rotor).map(|rotor| Self { rotor, ..*self })
+        }
+    }
+}
+
+/// One joint in its loop.
+#[derive(Debug)]
+pub(super) struct Port {
+    /// `N` and `Δ` in `w = z − 1`, rounded coefficient by coefficient.
+    back: Vec<f64>,
+    open: Vec<f64>,
+    period: f64,
+    side: EncoderSide,
+    modulus: f64,
+    pub(super) springs: Springs,
+}
+
+/// Frequencies of a cell \[rad/sample\], and the joint's loop over them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Band {
+    /// `ω` over the cell \[rad/s\].
+    omega: (f64, f64),
+    open: Disc,
+    back: Disc,
+}
+
+/// A circle through `−low` and `−high`, by `κ`: everything outside satisfies
+/// `|1/L″ + p − jq| > r`, `p = (a + b)/2ab`, `q = κ/2ab`, `r² = p² + q² − 1/ab`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Circle {
+    at: Complex,
+    radius: f64,
+}
+
+impl Circle {
+    pub(super) fn new((a, b): (f64, f64), kappa: f64) -> Self {
+        let (p, q) = (0.5 * (a + b) / (a * b), 0.5 * kappa / (a * b));
+        // p² − 1/ab = ((b − a)/2ab)².
+        let apart = 0.5 * (b - a) / (a * b);
+        Self { at: Complex::new(p, -q), radius: apart.hypot(q) * (1.0 + LOST) }
+    }
+}
+
+/// `f + κg > 0` says on which side of the circle a point is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sides {
+    pub(super) f: f64,
+    pub(super) g: f64,
+}
+
+impl Port {
+    /// A joint with its law in its loop, per unit of its `M̄`.
+    pub(super) fn new(
+        (law, period): (&JointLoop, f64),
+        (joint, inertia): (&ElasticJoint, f64),
+        (side, modulus): (EncoderSide, f64),
+    ) -> Self {
+        let rounded = |p: &Polynomial| {
+            p.about_one().coefficients().iter().map(phihat_kernel::Number::near).collect()
+        };
+        let springs = Springs::of(joint, inertia);
+        let (back, open) = (rounded(&law.back), rounded(&law.open));
+        Self { back, open, period, side, modulus, springs }
+    }
+
+    /// Degree of the rigid loop's characteristic polynomial.
+    pub(super) fn degree(&self) -> usize {
+        self.open.len().max(self.back.len()).saturating_sub(1)
+    }
+
+    /// The loop over the frequencies from `from` to `to` \[rad/sample\].
+    pub(super) fn band(&self, from: f64, to: f64) -> Band {
+        let (centre, half) = (0.5 * (from + to), 0.5 * (to - from));
+        // No point of an arc is farther from its middle than the arc is long.
+        let reach = if half > 0.0 { half * (1.0 + 1e-12) + 1e-300 } else { 0.0 };
+        let w = Disc::new(on_circle(centre), reach);
+        let per = |theta: f64| theta / self.period;
+        Band {
+            omega: (per(from) * (1.0 - LOST), per(to) * (1.0 + LOST)),
+            open: w.horner(&self.open),
+            back: w.horner(&self.back),
+        }
+    }
+
+    /// `G = ω²s/(1 + jωcs)`; `None` where the denominator is not kept from 0.
+    fn compliance(springs: &Springs, omega: (f64, f64)) -> Option<Disc> {
+        let Springs { compliance: s, damping: c, .. } = *springs;
+        let lost = (omega.0 * s.0 * c.0, omega.1 * s.1 * c.1);
+        let turned = Disc::between(lost) * Disc::new(Complex::new(0.0, 1.0), 0.0);
+        let bent = Disc::between((omega.0 * omega.0 * s.0, omega.1 * omega.1 * s.1));
+        Some(bent * (Disc::real(1.0) + turned).inverse()?)
+    }
+
+    /// Returns true if `L″` is outside the circle over a band, for all springs of a box and all errors of the torque.
+    fn outside(&self, band: &Band, springs: &Springs, circle: &Circle) -> bool {
+        let Some(g) = Self::compliance(springs, band.omega) else { return false };
+        let at = Disc::new(circle.at, 0.0);
+        let rotor = Disc::between(springs.rotor);
+        let bent = at + g.times(-1.0);
+        let on_back = match self.side {
+            EncoderSide::Motor => bent,
+            EncoderSide::Link => at,
+        };
+        // N″ = BΔ + N;  D″ + (p − jq)N″ = Δ(1 + B(p − jq − G)) + N(p − jq − G, at the link p − jq), Δ times 1 + δ.
+        let on_open = band.open * (Disc::real(1.0) + rotor * bent);
+        let inside = rotor * band.open + band.back;
+        let away = on_open + band.back * on_back;
+        let wrong = self.modulus * (1.0 + LOST);
+        let most = inside.most() + wrong * (rotor * band.open).most();
+        away.least() - wrong * on_open.most() > circle.radius * most
+    }
+
+    /// Returns true if `L″` is outside the circle over a band for all springs: boxes are halved, `most` at most.
+    pub(super) fn clear(&self, band: &Band, circle: &Circle, most: u32) -> (bool, u32) {
+        let mut boxes = vec![self.springs];
+        let mut tried = 0;
+        while let Some(springs) = boxes.pop() {
+            tried += 1;
+            if self.outside(band, &springs, circle) {
+                continue;
+            }
+            // A failure at one point of the box is one of the band's width, or of the circle.
+            if tried > most || !self.outside(band, &springs.centre(), circle) {
+                return (false, tried);
+            }
+            boxes.extend(springs.halves(self.weights(band, &springs)));
+        }
+        (true, tried)
+    }
+
+    /// Share of each interval of a box in the width of `1/L″`: of rotor, compliance, damping.
+    fn weights(&self, band: &Band, springs: &Springs) -> [f64; 3] {
+        let square = band.omega.1 * band.omega.1;
+        let Springs { rotor, compliance: s, damping: c } = *springs;
+        let ratio = band.open.centre.over(band.open.centre.times(middle(rotor)) + band.back.centre);
+        let by = match self.side {
+            EncoderSide::Motor => 1.0,
+            EncoderSide::Link => middle(rotor) * ratio.size(),
+        };
+        let damping = square * middle(s) * middle(s) * band.omega.1 * half(c);
+        [half(rotor) * ratio.size() * ratio.size(), by * square * half(s), by * damping]
+    }
+
+    /// `f`, `g` of the circles through `−a` and `−b` in the middle of a band, for one compliance, damping and rotor.
+    pub(super) fn sides(&self, band: &Band, point: [f64; 3], (a, b): (f64, f64)) -> Sides {
+        let (top, bottom) = self.ratio(band, point);
+        let cross = bottom * top.conjugate();
+        let square = |z: Complex| z.re * z.re + z.im * z.im;
+        Sides { f: square(top) + (a + b) * cross.re + a * b * square(bottom), g: -cross.im }
+    }
+
+    /// Numerator and denominator of `L″` in the middle of a band.
+    fn ratio(&self, band: &Band, [s, c, rotor]: [f64; 3]) -> (Complex, Complex) {
+        let omega = middle(band.omega);
+        let g = Complex::new(omega * omega * s, 0.0).over(Complex::new(1.0, omega * c * s));
+        let (open, back) = (band.open.centre, band.back.centre);
+        let top = open.times(rotor) + back;
+        let bottom = match self.side {
+            EncoderSide::Motor => open - g * top,
+            EncoderSide::Link => open - g * open.times(rotor),
+        };
+        (top, bottom)
+    }
+
+    /// Compliance whose `L″` is deepest inside a circle at the middle of a band, for one rotor, without damping.
+    pub(super) fn deepest(&self, band: &Band, circle: &Circle, rotor: f64) -> f64 {
+        let (open, back) = (band.open.centre, band.back.centre);
+        let top = open.times(rotor) + back;
+        let moved = match self.side {
+            EncoderSide::Motor => top,
+            EncoderSide::Link => open.times(rotor),
+        };
+        let omega = middle(band.omega);
+        let at = (open + circle.at * top).over(moved).re / (omega * omega);
+        let (low, high) = self.springs.compliance;
+        if at.is_finite() { at.clamp(low, high) } else { high }
+    }
+
+    /// `Δ(B + μ − μGB) + N(1 − μG)`, at the link `… + N`: the joint alone on a link of inertia `μ`, over a band.
+    pub(super) fn alone(&self, band: &Band, springs: &Springs, mu: f64) -> Option<Disc> {
+        let g = Self::compliance(springs, band.omega)?;
+        let rotor = middle(springs.rotor);
+        let on_open = Disc::real(rotor + mu) + g.times(-mu * rotor);
+        let on_back = match self.side {
+            EncoderSide::Motor => Disc::real(1.0) + g.times(-mu),
+            EncoderSide::Link => Disc::real(1.0),
+        };
+        Some(band.open * on_open + band.back * on_back)
+    }
+
+    /// Angle by which `1 − Gm`, `m = μB/(μ + B)`, turns from frequency 0 to half the sample rate.
+    pub(super) fn spring_turns(&self, springs: &Springs, mu: f64) -> f64 {
+        let omega = core::f64::consts::PI / self.period;
+        let (s, c) = (middle(springs.compliance), middle(springs.damping));
+        let rotor = middle(springs.rotor);
+        let reduced = mu * rotor / (mu + rotor);
+        let damped = omega * c * s;
+        damped.atan2(1.0 - reduced * omega * omega * s) - damped.atan2(1.0)
+    }
+}
