@@ -83,6 +83,7 @@ mod class;
 mod contradiction;
 pub mod coupled;
 mod designer;
+pub mod elastic;
 pub mod export;
 mod lanes;
 mod limit;
@@ -110,10 +111,10 @@ pub use designer::{
 pub use limit::{Limit, LimitError, LimitRequest, beside_limit, limit};
 pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, ClassBound, ClassPace, ClassWitness, CoarserEncoder,
-    CoupledGains, ErrorBound, FORMAT, FilterSection, FrozenPayload, FrozenPosture, Gains,
+    CoupledGains, ElasticJoint, ElasticJoints, EncoderSide, ErrorBound, FORMAT, FilterSection, FrozenPayload, FrozenPosture, Gains,
     GainsError, JointCertificate, JointKept, JointLimit, JointRecord, JointRun, Left, LeftOut,
     NotCounted, Phi, PhiBasis, PositionObserver, Proved, Quantity, ReferenceBounds, Searched,
-    Settle, SettleFrom, TradeOff, Tube, TubeJoint, TubeKept, TubePayloadSet, TubeWatch, VERSION,
+    Settle, SettleFrom, SpringBasis, TradeOff, Tube, TubeJoint, TubeKept, TubePayloadSet, TubeWatch, VERSION,
     Verified, VerifiedStatement, Witness,
 };
 pub use positions::{PositionEstimate, PositionSearch, TubeParts};

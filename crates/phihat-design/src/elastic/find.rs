@@ -1,0 +1,223 @@
+//! Finding the claim of elastic joints, or what a user has to know where it does not hold.
+
+use core::f64::consts::TAU;
+
+use phihat_certificate::{ElasticJoint, ElasticJoints, EncoderSide, SpringBasis};
+use phihat_model::{JointSpring, Rotor};
+use phihat_study::{InertiaSource, Study};
+
+use super::grid::{Gap, Grid, Looped};
+use super::refusal::{ElasticRefusal, Needs, Refused};
+use super::softest::Unsprung;
+use crate::claims::Refutation;
+use crate::sampled::LoopModel;
+use crate::{Arm, Gains};
+
+/// Steps of the frequencies that are tried: at stated springs, and where the springs themselves are sought.
+const FINE: f64 = 0.004;
+const COARSE: f64 = 0.015;
+
+/// Room over the softest springs of a grid, for what lies between its points; once more where the check asks for it.
+const ABOVE: f64 = 1.05;
+const TRIES: usize = 6;
+
+/// Moduli that are tried, from the largest.
+const MODULI: [f64; 8] = [0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.05, 0.02];
+
+/// A study's arm without its rotors: the links on the springs of its joints.
+pub fn links_of(study: &Study) -> Study {
+    let mut links = study.clone();
+    links.robot = links.robot.links_alone();
+    links
+}
+
+/// Finding the clause of elastic joints.
+pub trait FindElastic: Sized {
+    /// The clause for gains of a study that states the springs of its joints, with the largest modulus of a list;
+    /// `None`: it does not. `links` is the arm of [`links_of`] the study.
+    ///
+    /// # Method
+    ///
+    /// Frequencies by steps of 0.4 %, stiffness by steps of 2 %, damping and rotor at both ends: where one circle
+    /// serves all joints at each of them, the claim is made, and shown by its own check.
+    ///
+    /// # Errors
+    ///
+    /// [`ElasticRefusal`], with what this law needs and what else would do.
+    fn find(study: &Study, gains: &Gains, links: &Arm)
+    -> Result<Option<Self>, Box<ElasticRefusal>>;
+
+    /// The clause from the softest springs on, up to rigid joints, at 1 % of critical damping at the softest; `None`:
+    /// none was found, a rotor is not known, or the arm's inertia is not that of a description.
+    fn softest(study: &Study, gains: &Gains, links: &Arm) -> Option<Self>;
+}
+
+impl FindElastic for ElasticJoints {
+    fn find(
+        study: &Study,
+        gains: &Gains,
+        links: &Arm,
+    ) -> Result<Option<Self>, Box<ElasticRefusal>> {
+        let Some(joints) = ElasticJoint::of(study) else { return Ok(None) };
+        let clause = clause((study, gains), links, joints)
+            .map_err(|what| Box::new(ElasticRefusal::unknown(&what)))?;
+        let Err(why) = shown(&clause, study, gains) else {
+            let larger = |modulus: &f64| {
+                let tried = Self { modulus: *modulus, ..clause.clone() };
+                tried.verify(&looped(gains, &models(study, gains))).is_ok().then_some(tried)
+            };
+            return Ok(Some(MODULI.iter().find_map(larger).unwrap_or(clause)));
+        };
+        Err(Box::new(refused(&clause, (study, gains), links, why)))
+    }
+
+    fn softest(study: &Study, gains: &Gains, links: &Arm) -> Option<Self> {
+        let mut own = clause((study, gains), links, Vec::new()).ok()?;
+        own.basis = SpringBasis::Softest;
+        let models = models(study, gains);
+        let ends = |place: Rotor| -> Vec<f64> {
+            study.robot.joints.iter().map(|joint| joint.armature_at(place)).collect()
+        };
+        let (least, most) = (ends(Rotor::Least), ends(Rotor::Most));
+        if least.iter().any(|rotor| *rotor <= 0.0) {
+            return None;
+        }
+        let mut stiffness = softest(&own, (gains, &models), &least)?;
+        for _ in 0..TRIES {
+            stiffness.iter_mut().for_each(|k| *k = rounded_up(*k * ABOVE));
+            let joint = |i: usize| {
+                let damping = JointSpring::damping_assumed(stiffness[i], least[i]);
+                ElasticJoint {
+                    rotor_kg_m2: (least[i], most[i]),
+                    stiffness_nm_rad: (stiffness[i], None),
+                    damping_nm_s_rad: (damping, damping),
+                }
+            };
+            own.joints = (0..least.len()).map(joint).collect();
+            if own.verify(&looped(gains, &models)).is_ok() {
+                return Some(own);
+            }
+        }
+        None
+    }
+}
+
+/// Two digits, upwards.
+fn rounded_up(k: f64) -> f64 {
+    let unit = 10.0_f64.powf(k.log10().floor() - 1.0);
+    (k / unit).ceil() * unit
+}
+
+/// The clause of a study's arm with these joints, not shown yet, or what is not known.
+fn clause(
+    (study, gains): (&Study, &Gains),
+    links: &Arm,
+    joints: Vec<ElasticJoint>,
+) -> Result<ElasticJoints, String> {
+    if study.design.inertia != InertiaSource::Robot {
+        let what = "the links' inertia is that of the robot's description (design.inertia)";
+        return Err(what.to_owned());
+    }
+    let nominal: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
+    let range = links.against(nominal).map_err(|why| format!("the links' inertia ({why})"))?;
+    let margin = study.design.window_margin.max(1.0);
+    Ok(ElasticJoints {
+        basis: SpringBasis::Stated,
+        encoder: EncoderSide::of(study),
+        modulus: 0.0,
+        low: range.low / margin,
+        high: range.high * margin,
+        links: range,
+        joints,
+    })
+}
+
+/// Loop model of every joint.
+fn models(study: &Study, gains: &Gains) -> Vec<LoopModel> {
+    (0..gains.joints.len())
+        .map(|i| LoopModel::from_study(study, i).with_choices_of(gains, study))
+        .collect()
+}
+
+fn looped<'a>(gains: &'a Gains, models: &'a [LoopModel]) -> Vec<Looped<'a>> {
+    gains.joints.iter().zip(models).collect()
+}
+
+/// Stiffness from which on each joint is borne, on a coarse grid.
+fn softest(
+    clause: &ElasticJoints,
+    (gains, models): (&Gains, &[LoopModel]),
+    rotor: &[f64],
+) -> Option<Vec<f64>> {
+    let grid = &Grid::new(&looped(gains, models), COARSE);
+    Unsprung { grid, side: clause.encoder, range: (clause.low, clause.high), rotor }.softest()
+}
+
+/// Why the clause does not hold: a gap of the search, or a failure of the check.
+enum Why {
+    Gap(Gap),
+    Check(Refutation),
+}
+
+fn shown(clause: &ElasticJoints, study: &Study, gains: &Gains) -> Result<(), Why> {
+    let models = models(study, gains);
+    let loops = looped(gains, &models);
+    let request = (clause.encoder, (clause.low, clause.high));
+    if let Some(gap) = Grid::new(&loops, FINE).gap(&clause.joints, request) {
+        return Err(Why::Gap(gap));
+    }
+    clause.verify(&loops).map_err(Why::Check)
+}
+
+/// Needs of the law, and what else would do.
+fn refused(
+    clause: &ElasticJoints,
+    (study, gains): (&Study, &Gains),
+    links: &Arm,
+    why: Why,
+) -> ElasticRefusal {
+    let gap = match why {
+        Why::Gap(gap) => gap,
+        Why::Check(why) => return ElasticRefusal::of(why),
+    };
+    let (first, second) = gap.joints;
+    let mut blamed = vec![first];
+    if second != first {
+        blamed.push(second);
+    }
+    let rotor: Vec<f64> = clause.joints.iter().map(|joint| joint.rotor_kg_m2.0).collect();
+    let softest = softest(clause, (gains, &models(study, gains)), &rotor);
+    let inertia = links.diagonal();
+    let needs = |joint: &usize| {
+        let own = &clause.joints[*joint];
+        let (light, heavy) = inertia.get(*joint).copied().unwrap_or((f64::NAN, f64::NAN));
+        let hz = |stiffness: f64, rotor: f64, link: f64| {
+            (stiffness * (1.0 / rotor + 1.0 / link)).sqrt() / TAU
+        };
+        let (low, high) = (own.stiffness_nm_rad.0, own.stiffest());
+        Needs {
+            joint: gains.joints[*joint].name.clone(),
+            stiffness_nm_rad: (low, high),
+            resonance_hz: (hz(low, own.rotor_kg_m2.1, heavy), hz(high, own.rotor_kg_m2.0, light)),
+            stiffer_than: softest.as_ref().map(|all| all[*joint]),
+        }
+    };
+    let what = format!(
+        "one circle through −{:.5} and −{:.5} has every L″ outside from {:.3} to {:.3} Hz",
+        clause.low, clause.high, gap.hz.0, gap.hz.1
+    );
+    let why = Refutation {
+        claim: format!("{}: elastic joints", gains.joints[first].name),
+        inequality: what,
+        left: 0.0,
+        right: 1.0,
+    };
+    let other = ElasticJoints { encoder: clause.encoder.other(), ..clause.clone() };
+    let refused = Refused {
+        encoder: clause.encoder,
+        band_hz: gap.hz,
+        needs: blamed.iter().map(needs).collect(),
+        other_side: shown(&other, study, gains).is_ok(),
+    };
+    ElasticRefusal { why, refused: Some(refused) }
+}
