@@ -77,7 +77,10 @@ pub fn claimed(gains: &Gains, study: &Study) -> Result<AttackClaim, NoClaim> {
         return Err(NoClaim::NoTube(why.clone()));
     }
     let tube = certificate.tube.as_ref();
-    let counted = |left_out: &&NotCounted| tube.is_some() && left_out.in_tube();
+    // Of an assumption, the drawn arms are as assumed.
+    let counted = |left_out: &&NotCounted| {
+        left_out.claims == LeftOut::Assumed || tube.is_some() && left_out.in_tube()
+    };
     if let Some(left_out) = certificate.not_counted.iter().find(|left_out| !counted(left_out)) {
         return Err(NoClaim::NotCounted(left_out.key.clone()));
     }

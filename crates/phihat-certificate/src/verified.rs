@@ -159,12 +159,6 @@ impl Certificate {
                 list.push(whole("range that a proof by cells is said to have shown", range));
             }
         }
-        if let Some(elastic) = &self.elastic {
-            let links = &elastic.links;
-            let value = format!("μ in {:.5} … {:.5}: {}", links.low, links.high, links.source);
-            list.push(whole("range of the links' inertia", value));
-            list.extend(springs(self, elastic));
-        }
         if arm.basis != ArmBasis::Postures {
             list.push(whole(
                 "uncoupled joints",
@@ -246,6 +240,12 @@ impl Certificate {
         let whole =
             |what: &str, value: String| VerifiedStatement { joint: None, what: what.into(), value };
         let mut list = Vec::new();
+        if let Some(elastic) = &self.elastic {
+            let links = &elastic.links;
+            let value = format!("μ in {:.5} … {:.5}: {}", links.low, links.high, links.source);
+            list.push(whole("range of the links' inertia", value));
+            list.extend(springs(self, elastic));
+        }
         if let Some(coupled) = &self.coupled {
             let found = format!("the worst of {} looked at: {}", coupled.postures, coupled.source);
             list.push(whole("postures of the coupled gains", found));

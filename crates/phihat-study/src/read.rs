@@ -17,7 +17,6 @@ use crate::node::Node;
 use crate::run::ReferenceRun;
 use crate::source::Source;
 use crate::study::{Interface, MotionClass, ReferenceRequest, Sensor, Study};
-use crate::springs::JointSprings;
 use crate::supervisor::SupervisorRequest;
 use crate::{
     control, design, fault, feedforward, gains, profile, reference, renamed, spec, supervisor,
@@ -181,7 +180,6 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let arm = StudyArm::read(top, base)?;
     // Where there are none, no time is beyond the end, and no frequency above half of the rate.
     let [duration, rate] = [duration, rate].map(|known| known.unwrap_or(f64::INFINITY));
-    let springs = found.keep(JointSprings::read(&top.child("robot"), &arm))?;
     let gains = found.keep(stated_gains(top, &arm, rate))?.flatten();
     let sensor = found.keep(sensor(top, &arm, rate, gains.is_some()))?;
     let given = (period_ns.unwrap_or_default(), gains.is_some());
@@ -202,7 +200,6 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     let reference = run.map(|run| reference::read(&top.child("reference"), &arm, run));
     let reference = reference.map_or(Ok(None), |reference| found.keep(reference))?;
     let (
-        Some(springs),
         Some(sensor),
         Some(interface),
         Some(spec),
@@ -210,7 +207,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         Some(feedforward),
         Some(supervisor),
         Some(reference),
-    ) = (springs, sensor, interface, spec, design, feedforward, supervisor, reference)
+    ) = (sensor, interface, spec, design, feedforward, supervisor, reference)
     else {
         return Err(found.last());
     };
@@ -235,7 +232,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         inputs: inputs(top, &arm, base)?,
         renamed: Vec::new(),
         robot: arm.robot,
-        springs,
+        springs: arm.springs,
     })
 }
 

@@ -1,10 +1,10 @@
 //! `[robot.transmission]`: the springs between rotors and links.
 
-use phihat_model::{Joint, JointSpring, Rotor};
+use phihat_model::{Joint, JointSpring, Robot, Rotor};
 
-use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
+use crate::per_joint::Joints;
 
 /// `[robot.transmission]`: what is stated of the spring between each rotor and its link.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,7 +26,11 @@ impl JointSprings {
         }
     }
 
-    pub(crate) fn read(node: &Node<'_>, arm: &StudyArm) -> Result<Self, StudyError> {
+    pub(crate) fn read(
+        node: &Node<'_>,
+        robot: &Robot,
+        joints: &Joints,
+    ) -> Result<Self, StudyError> {
         let own = node.child("transmission");
         if !own.exists() {
             return Ok(Self::Unstated);
@@ -38,10 +42,10 @@ impl JointSprings {
             }
             "robot" => {
                 alone(&own, "stiffness and damping are the description's")?;
-                arm.robot.joints.iter().map(|joint| described(&own, joint)).collect()
+                robot.joints.iter().map(|joint| described(&own, joint)).collect()
             }
             _ => {
-                let of = |keys| interval(&own, arm, keys);
+                let of = |keys| interval(&own, joints, keys);
                 let stiffness = of(["stiffness_min_nm_rad", "stiffness_max_nm_rad"])?;
                 let damping = of(["damping_min_nm_s_rad", "damping_max_nm_s_rad"])?;
                 let both = stiffness.into_iter().zip(damping);
@@ -49,7 +53,7 @@ impl JointSprings {
             }
         }?;
         let bare = |joint: &&Joint| joint.armature_at(Rotor::Least) <= 0.0;
-        if let Some(joint) = arm.robot.joints.iter().find(bare) {
+        if let Some(joint) = robot.joints.iter().find(bare) {
             let why =
                 format!("joint `{}` has no rotor inertia to stand behind a spring", joint.name);
             let error = node.error(Kind::Robot, "transmission", why);
@@ -85,10 +89,9 @@ fn described(own: &Node<'_>, joint: &Joint) -> Result<JointSpring, StudyError> {
 /// Both ends of an interval per joint; one number where only the lower end is stated.
 fn interval(
     node: &Node<'_>,
-    arm: &StudyArm,
+    joints: &Joints,
     [first, second]: [&str; 2],
 ) -> Result<Vec<(f64, f64)>, StudyError> {
-    let joints = &arm.joints;
     let low = joints.numbers(node, first)?;
     let high = joints.numbers_if(node, second)?.unwrap_or_else(|| low.clone());
     for (j, (least, most)) in low.iter().zip(&high).enumerate() {

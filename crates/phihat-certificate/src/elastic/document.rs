@@ -60,6 +60,9 @@ pub struct ElasticJoint {
     pub stiffness_nm_rad: (f64, Option<f64>),
     /// Damping `c` of the spring \[N·m·s/rad, N·s/m\].
     pub damping_nm_s_rad: (f64, f64),
+    /// Stiffness that the description states, or that is assumed of such a joint, where the study states none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub usual_nm_rad: Option<(f64, f64)>,
 }
 
 impl ElasticJoint {
@@ -71,6 +74,7 @@ impl ElasticJoint {
             rotor_kg_m2: (joint.armature_at(Rotor::Least), joint.armature_at(Rotor::Most)),
             stiffness_nm_rad: (spring.stiffness.0, Some(spring.stiffness.1)),
             damping_nm_s_rad: spring.damping,
+            usual_nm_rad: None,
         };
         Some(joints.map(joint).collect())
     }

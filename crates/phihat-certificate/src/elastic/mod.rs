@@ -6,5 +6,6 @@ mod derive;
 mod disc;
 mod document;
 mod port;
+mod words;
 
 pub use document::{ElasticJoint, ElasticJoints, EncoderSide, SpringBasis};

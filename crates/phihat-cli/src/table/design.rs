@@ -2,7 +2,7 @@
 
 use phihat_design::{
     Certificate, ErrorBound, FilterSection, Gains, JointCertificate, LeftOut, NotCounted, Settle,
-    SettleFrom,
+    SettleFrom, SpringBasis,
 };
 use phihat_report::section_poles;
 
@@ -91,6 +91,17 @@ pub(crate) fn certificate(certificate: &Certificate, gains: &Gains) -> String {
             proved.cells, proved.low, proved.high
         ));
     }
+    if let Some(elastic) = certificate.elastic.as_ref().filter(|own| own.basis == SpringBasis::Stated) {
+        lines.push(format!(
+            "joints that bend as stated, encoders at the {}: every frozen posture is stable, links alone μ = {:.3} … {:.3}, \
+             modulus margin {:.2}",
+            elastic.encoder.word(),
+            elastic.low,
+            elastic.high,
+            elastic.modulus
+        ));
+    }
+    lines.extend(certificate.rigid_joints());
     lines.push(moving(certificate));
     if let Some(phi) = certificate.joints.first().and_then(|joint| joint.phi.as_ref()) {
         lines.push(format!("φ: {}", phi.source));
@@ -229,6 +240,11 @@ pub(crate) fn not_counted(list: &[NotCounted]) -> Vec<String> {
             "counted in range, stability and bounds; tube and coupled gains are for the simulated value",
         ),
         (LeftOut::AllButTube, "NOT counted but in a tube, where there is one"),
+        (
+            LeftOut::AllButElastic,
+            "counted in the clause of elastic joints alone; bounds and tube are those of rigid joints",
+        ),
+        (LeftOut::Assumed, "ASSUMED"),
     ]
     .into_iter()
     .filter_map(line)

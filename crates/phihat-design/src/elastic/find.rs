@@ -3,7 +3,7 @@
 use core::f64::consts::TAU;
 
 use phihat_certificate::{ElasticJoint, ElasticJoints, EncoderSide, SpringBasis};
-use phihat_model::{JointSpring, Rotor};
+use phihat_model::{Joint, JointSpring, Rotor};
 use phihat_study::{InertiaSource, Study};
 
 use super::grid::{Gap, Grid, Looped};
@@ -84,13 +84,16 @@ impl FindElastic for ElasticJoints {
         }
         let mut stiffness = softest(&own, (gains, &models), &least)?;
         for _ in 0..TRIES {
-            stiffness.iter_mut().for_each(|k| *k = rounded_up(*k * ABOVE));
+            for k in &mut stiffness {
+                *k = rounded_up(*k * ABOVE);
+            }
             let joint = |i: usize| {
                 let damping = JointSpring::damping_assumed(stiffness[i], least[i]);
                 ElasticJoint {
                     rotor_kg_m2: (least[i], most[i]),
                     stiffness_nm_rad: (stiffness[i], None),
                     damping_nm_s_rad: (damping, damping),
+                    usual_nm_rad: usual(&study.robot.joints[i]),
                 }
             };
             own.joints = (0..least.len()).map(joint).collect();
@@ -100,6 +103,11 @@ impl FindElastic for ElasticJoints {
         }
         None
     }
+}
+
+/// Stiffness of a joint's description, or the one that is assumed of such a joint.
+fn usual(joint: &Joint) -> Option<(f64, f64)> {
+    joint.spring.or_else(|| JointSpring::assumed(joint)).map(|spring| spring.stiffness)
 }
 
 /// Two digits, upwards.

@@ -40,9 +40,9 @@ impl Unsprung<'_> {
         }
         let mut hz = vec![STIFFEST_HZ; n];
         let mut together = STIFFEST_HZ;
-        while together >= SOFTEST_HZ {
+        loop {
             let mut tried = rooms.clone();
-            if !(0..n).all(|joint| self.take(&mut tried, joint, together)) {
+            if together < SOFTEST_HZ || !(0..n).all(|joint| self.take(&mut tried, joint, together)) {
                 break;
             }
             rooms = tried;
@@ -83,7 +83,7 @@ impl Unsprung<'_> {
         for (rooms, (omega, laws)) in each {
             let admittance = point.admittance(laws[joint], *omega, self.side);
             rooms[joint].add(joint, admittance, self.range);
-            if rooms.iter().fold(Room::ALL, |all, own| all.and(own)).is_empty() {
+            if rooms.iter().fold(Room::ALL, Room::and).is_empty() {
                 return false;
             }
         }
