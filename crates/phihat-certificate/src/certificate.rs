@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 use crate::refutation::refuse;
 use crate::{
     AnySpeed, ArmBasis, ArmInertia, Bounds, ClassBound, ContinuousLaw, CoupledGains, ElasticJoints,
-    FrozenArm, InertiaWindow, LargestStep, LoopModel, Margins, Moving, NotCounted, Phi, ReadingError,
-    ReferenceError, Refutation, SampledPeaks, SampledVarying, Settle, TorqueNoise, Tube,
-    VaryingWindow,
+    FrozenArm, InertiaWindow, LargestStep, LoopModel, Margins, Moving, NotCounted, Phi,
+    ReadingError, ReferenceError, Refutation, SampledPeaks, SampledVarying, Settle, TorqueNoise,
+    Tube, VaryingWindow,
 };
 
 /// Everything that is claimed about a set of gains on an arm.
