@@ -1,6 +1,6 @@
 //! Claims of a certificate about a run, as bounds for every joint and time.
 
-use phihat_certificate::{NotCounted, Tube, TubeJoint};
+use phihat_certificate::{LeftOut, NotCounted, Tube, TubeJoint};
 use phihat_design::Gains;
 use phihat_design::claims::Refutation;
 use phihat_study::Study;

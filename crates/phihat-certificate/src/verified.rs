@@ -45,6 +45,8 @@ pub struct Verified {
     pub class: Option<ClassAgain>,
     /// Effects in the study that the claims leave out, as the file says.
     pub not_counted: Vec<NotCounted>,
+    /// One sentence on joints that are taken as rigid; `None`: the study states their springs.
+    pub rigid_joints: Option<String>,
     /// Clauses of the specification that the file does not prove, and the reason where it bounds no error.
     pub not_proved: Vec<String>,
     /// True if the error of every joint has a bound. If false, the claims are about the loop alone.
@@ -114,6 +116,7 @@ impl Certificate {
             tube: None,
             class: None,
             not_counted: self.not_counted.clone(),
+            rigid_joints: self.rigid_joints(),
             not_proved: Vec::new(),
             bounded: self.without_bound().is_none(),
         };

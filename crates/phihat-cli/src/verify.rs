@@ -162,7 +162,8 @@ fn blocks(verified: &Verified, found: &Verification) -> String {
             .push(block("THE CLASS OF MOTIONS, BY A SECOND DERIVATION", class_lines(class, found)));
     }
     let left = table::not_counted(&verified.not_counted);
-    let left = left.into_iter().map(|one| format!("  {one}")).collect();
+    let left = left.into_iter().chain(verified.rigid_joints.clone());
+    let left = left.map(|one| format!("  {one}")).collect();
     blocks.push(block("NOT COUNTED", left));
     if !verified.error_bounds.is_empty() {
         let lines = verified.error_bounds.iter().map(|own| bound_line(own, found));

@@ -1,6 +1,6 @@
 //! Statement about the error of a drive before it begins: its bound, or the first clause that is not proved.
 
-use phihat_design::{ClassBound, Gains};
+use phihat_design::{Certificate, ClassBound, Gains};
 use phihat_study::{ReferenceRequest, Study};
 use serde::Serialize;
 
@@ -18,6 +18,9 @@ pub struct Proof {
     /// The statement in a sentence: "proved ≤ …" with its conditions, or "NOT PROVED: …" with the first clause that is
     /// not.
     pub sentence: String,
+    /// One sentence on joints that are taken as rigid; `None`: their springs are stated, or nothing is claimed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rigid_joints: Option<String>,
 }
 
 /// The first clause that is not proved.
@@ -50,7 +53,9 @@ impl Proof {
             }
             Err(Unproved(why)) => (None, format!("NOT PROVED: {why}")),
         };
-        Self { error_bound_rad, sentence }
+        let certificate = subject.gains.certificate.as_ref();
+        let rigid_joints = certificate.and_then(Certificate::rigid_joints);
+        Self { error_bound_rad, sentence, rigid_joints }
     }
 }
 
@@ -73,6 +78,9 @@ fn bound(subject: Subject<'_>, checks: &[Check]) -> Result<(f64, String), Unprov
         |check: &&Check| check.state == State::Accepted && RESTS_ON.contains(&check.name);
     if let Some(check) = checks.iter().find(accepted) {
         return Err(Unproved(format!("driven in spite of the check `{}`", check.name.word())));
+    }
+    if study.springs.stated().is_some() {
+        return Err(Unproved::of("joints bend as the study states: bounds are those of rigid joints"));
     }
     if let Some(class) = &certificate.class {
         return within_class(study, class);

@@ -64,6 +64,11 @@ impl NotCounted {
         list.0
     }
 
+    /// Returns true if there is no tube beside it; beside springs the tube is that of rigid joints.
+    pub fn forbids_tube(&self) -> bool {
+        !self.in_tube() && self.claims != LeftOut::AllButElastic
+    }
+
     /// Returns true if a tube counts it, or is for an arm that is assumed to be without it.
     pub fn in_tube(&self) -> bool {
         matches!(self.claims, LeftOut::AllButTube | LeftOut::TubeBesideValue | LeftOut::Assumed)
