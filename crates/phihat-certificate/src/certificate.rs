@@ -41,10 +41,10 @@ pub struct Certificate {
     pub frozen_refused: Option<Refutation>,
     /// Stability at every frozen posture where joints bend; `None`: not looked at, or refused.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub elastic: Option<ElasticJoints>,
+    pub elastic: Option<Box<ElasticJoints>>,
     /// Why the arm is not proved stable with the springs that its study states.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub elastic_refused: Option<Refutation>,
+    pub elastic_refused: Option<Box<Refutation>>,
     /// Gains from a push on one joint to every joint, at frozen postures; `None` where no model of the arm is
     /// known, or a claim about the loop is refused.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -230,7 +230,7 @@ impl Certificate {
     pub fn refused(&self) -> Option<Refutation> {
         let own =
             |joint: &JointCertificate| joint.refused.first().map(|why| why.clone().on(&joint.name));
-        let arm = self.frozen_refused.as_ref().or(self.elastic_refused.as_ref());
+        let arm = self.frozen_refused.as_ref().or(self.elastic_refused.as_deref());
         self.joints.iter().find_map(own).or_else(|| arm.cloned())
     }
 }

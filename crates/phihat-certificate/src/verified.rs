@@ -88,19 +88,7 @@ impl Certificate {
             );
             shown.push(whole("stable while the arm moves", value));
         }
-        if let Some(elastic) = &self.elastic {
-            let what = format!(
-                "coupled arm with elastic joints, read at the {}, stable at every frozen posture (A-EL3: samples fold no \
-                 motion of the springs back)",
-                elastic.encoder.word()
-            );
-            let value = format!(
-                "{} of the links alone, torques wrong by any {:.3} of them",
-                range(elastic.low, elastic.high),
-                elastic.modulus
-            );
-            derived_twice.push(whole(&what, value));
-        }
+        derived_twice.extend(self.elastic.as_deref().map(elastic_joints));
         if let Some(coupled) = &self.coupled {
             let n = coupled.error_rad_per_nm.len();
             let value = format!("{n} × {n}, at the frozen postures of the file");
@@ -362,6 +350,22 @@ fn trusted(joint: &JointCertificate, uncoupled: bool, slides: bool) -> Vec<(Stri
         }
     }
     list
+}
+
+/// The clause of elastic joints.
+fn elastic_joints(elastic: &ElasticJoints) -> VerifiedStatement {
+    let side = elastic.encoder.word();
+    VerifiedStatement {
+        joint: None,
+        what: format!(
+            "coupled arm with elastic joints, read at the {side}, stable at every frozen posture (A-EL3: samples fold no \
+             motion of the springs back)"
+        ),
+        value: format!(
+            "μ in {:.5} … {:.5} of the links alone, torques wrong by any {:.3} of them",
+            elastic.low, elastic.high, elastic.modulus
+        ),
+    }
 }
 
 /// Intervals of each joint's spring.

@@ -16,71 +16,15 @@ use phihat_study::Study;
 
 use crate::two_mass::{Square, TwoMass, inside, times, zeros};
 
-/// Laws that a design of studies/panda_rate.toml gave: `M̄`, `K_p`, `K_d`, `ℓ_0 … ℓ_2`, share.
+/// Laws that a design of studies/panda_rate.toml gave, rounded: `M̄`, `K_p`, `K_d`, `ℓ_0 … ℓ_2`, share.
 const PANDA: [[f64; 7]; 7] = [
-    [
-        1.4262030475890213,
-        492.3947273237571,
-        106.71398159179746,
-        0.33485714917179854,
-        298.4815667404188,
-        -16483.70973947169,
-        0.12349601236007314,
-    ],
-    [
-        1.4297567649827725,
-        597.606960644272,
-        107.13706687652903,
-        0.31828025555157247,
-        296.45551773138124,
-        -21750.65797351251,
-        0.11094085241693477,
-    ],
-    [
-        0.8417911576969437,
-        882.3655673199651,
-        132.62203808832643,
-        0.42478300814311953,
-        512.3930150927811,
-        -47903.341517355126,
-        0.13101898894791547,
-    ],
-    [
-        1.051314417307817,
-        661.6629890726526,
-        120.07465589239594,
-        0.3517274862025833,
-        369.2780602486944,
-        -22495.732980497363,
-        0.11477763879331522,
-    ],
-    [
-        0.4802345478640456,
-        962.8804858549353,
-        137.60320085324992,
-        0.4217033386787392,
-        518.9463354625207,
-        -37324.875741870994,
-        0.14197231313847583,
-    ],
-    [
-        0.4551923409899055,
-        681.3644259051283,
-        111.19198245502999,
-        0.550533952051895,
-        494.82393712386823,
-        -66044.43237316619,
-        0.1434233374632771,
-    ],
-    [
-        0.3941019357794462,
-        959.4342739028791,
-        157.30030423357857,
-        0.3323749222525434,
-        546.518869574612,
-        -40336.507963083546,
-        0.17705853567258822,
-    ],
+    [1.4262, 492.39, 106.71, 0.33486, 298.48, -16484.0, 0.1235],
+    [1.4298, 597.61, 107.14, 0.31828, 296.46, -21751.0, 0.11094],
+    [0.84179, 882.37, 132.62, 0.42478, 512.39, -47903.0, 0.13102],
+    [1.0513, 661.66, 120.07, 0.35173, 369.28, -22496.0, 0.11478],
+    [0.48023, 962.88, 137.6, 0.4217, 518.95, -37325.0, 0.14197],
+    [0.45519, 681.36, 111.19, 0.55053, 494.82, -66044.0, 0.14342],
+    [0.3941, 959.43, 157.3, 0.33237, 546.52, -40337.0, 0.17706],
 ];
 
 const PERIOD: f64 = 1e-3;
@@ -206,7 +150,9 @@ fn an_interval_of_stiffness_is_borne_whole_or_not_at_all() {
     assert!(of((6.0, 60.0), Link));
     // Up to rigid joints.
     let mut joints = springs(&study, (6.0, 6.0), 0.02);
-    joints.iter_mut().for_each(|joint| joint.stiffness_nm_rad.1 = None);
+    for joint in &mut joints {
+        joint.stiffness_nm_rad.1 = None;
+    }
     assert!(holds(&clause(&links, joints, Link), &laws, &model));
 }
 
@@ -263,7 +209,7 @@ fn drawn(dice: &mut Dice) -> Drawn {
         })
         .collect();
     // Laws of the Panda at other rates: as much slower or faster than the springs.
-    let factor = dice.between(0.7, 8.0);
+    let factor = dice.between(0.7, 12.0);
     let laws = (0..n)
         .map(|i| {
             let seen = links.iter().map(|m| m[i][i]).fold(0.0, f64::max);
@@ -276,8 +222,8 @@ fn drawn(dice: &mut Dice) -> Drawn {
         .collect();
     let joint = |rotor: &f64, dice: &mut Dice| {
         let low = dice.between(1e3, 3e5);
-        let high = low * dice.between(1.0, 2.0);
-        let damping = 2.0 * dice.between(0.003, 0.05) * (low * rotor).sqrt();
+        let high = low * dice.between(1.0, 1.5);
+        let damping = 2.0 * dice.between(0.005, 0.1) * (low * rotor).sqrt();
         let wide = dice.between(1.0, 1.5);
         ElasticJoint {
             rotor_kg_m2: (*rotor, *rotor * dice.between(1.0, 1.1)),
@@ -297,7 +243,9 @@ fn ends(a: &Square) -> (f64, f64) {
     let high = crate::two_mass::radius(a.clone()) * (1.0 + 1e-9);
     let mut rest = a.clone();
     for (i, row) in rest.iter_mut().enumerate() {
-        row.iter_mut().for_each(|x| *x = -*x);
+        for x in row.iter_mut() {
+            *x = -*x;
+        }
         row[i] += high;
     }
     ((high - crate::two_mass::radius(rest)) * (1.0 - 1e-6), high)
@@ -324,7 +272,7 @@ fn range(links: &[Square], laws: &[JointRecord]) -> ArmInertia {
 /// 1,000 arms with `PHIHAT_ALL=1`.
 #[test]
 fn no_drawn_arm_with_elastic_joints_is_certified_and_unstable() {
-    let all = if std::env::var_os("PHIHAT_ALL").is_some() { 1000 } else { 80 };
+    let all = if std::env::var_os("PHIHAT_ALL").is_some() { 1000 } else { 150 };
     let mut dice = Dice(0x9E37_79B9_7F4A_7C15);
     let (mut certified, mut refused, mut refused_stable) = ([0_u32; 2], [0_u32; 2], [0_u32; 2]);
     let mut largest = 0.0_f64;
@@ -359,7 +307,7 @@ fn no_drawn_arm_with_elastic_joints_is_certified_and_unstable() {
         100.0 * share(0),
         100.0 * share(1)
     );
-    assert!(certified.iter().all(|count| *count >= 3), "{certified:?}");
+    assert!(certified.iter().all(|count| *count >= 2), "{certified:?}");
     assert!(refused.iter().zip(&refused_stable).all(|(all, stable)| stable < all), "{refused:?}");
 }
 
@@ -387,7 +335,7 @@ fn a_claim_that_is_stretched_is_refuted() {
     forged(&|c| c.high *= 30.0);
     forged(&|c| c.low = 0.0);
     forged(&|c| c.encoder = Motor);
-    forged(&|c| drop(c.joints.pop()));
+    forged(&|c| c.joints.truncate(6));
 }
 
 #[test]
@@ -501,7 +449,7 @@ fn a_certificate_carries_the_clause_and_is_compared_with_the_study() {
     let links = Arm::of(&links_of(&study)).unwrap();
     let mut certificate = Certificate::find(&study, &gains, arm, &[]).unwrap();
     let without = certificate.clone();
-    certificate.elastic = ElasticJoints::find(&study, &gains, &links).unwrap();
+    certificate.elastic = ElasticJoints::find(&study, &gains, &links).unwrap().map(Box::new);
     gains.study_sha256.clone_from(&study.sha256);
     let verified = certificate.verified(&gains).unwrap();
     let said = |what: &str| verified.derived_twice.iter().any(|one| one.what.contains(what));

@@ -111,11 +111,11 @@ pub use designer::{
 pub use limit::{Limit, LimitError, LimitRequest, beside_limit, limit};
 pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, ClassBound, ClassPace, ClassWitness, CoarserEncoder,
-    CoupledGains, ElasticJoint, ElasticJoints, EncoderSide, ErrorBound, FORMAT, FilterSection, FrozenPayload, FrozenPosture, Gains,
-    GainsError, JointCertificate, JointKept, JointLimit, JointRecord, JointRun, Left, LeftOut,
-    NotCounted, Phi, PhiBasis, PositionObserver, Proved, Quantity, ReferenceBounds, Searched,
-    Settle, SettleFrom, SpringBasis, TradeOff, Tube, TubeJoint, TubeKept, TubePayloadSet, TubeWatch, VERSION,
-    Verified, VerifiedStatement, Witness,
+    CoupledGains, ElasticJoint, ElasticJoints, EncoderSide, ErrorBound, FORMAT, FilterSection,
+    FrozenPayload, FrozenPosture, Gains, GainsError, JointCertificate, JointKept, JointLimit,
+    JointRecord, JointRun, Left, LeftOut, NotCounted, Phi, PhiBasis, PositionObserver, Proved,
+    Quantity, ReferenceBounds, Searched, Settle, SettleFrom, SpringBasis, TradeOff, Tube,
+    TubeJoint, TubeKept, TubePayloadSet, TubeWatch, VERSION, Verified, VerifiedStatement, Witness,
 };
 pub use positions::{PositionEstimate, PositionSearch, TubeParts};
 pub use request::requested_gains;

@@ -80,7 +80,9 @@ fn bound(subject: Subject<'_>, checks: &[Check]) -> Result<(f64, String), Unprov
         return Err(Unproved(format!("driven in spite of the check `{}`", check.name.word())));
     }
     if study.springs.stated().is_some() {
-        return Err(Unproved::of("joints bend as the study states: bounds are those of rigid joints"));
+        return Err(Unproved::of(
+            "joints bend as the study states: bounds are those of rigid joints",
+        ));
     }
     if let Some(class) = &certificate.class {
         return within_class(study, class);

@@ -49,7 +49,12 @@ impl StudyArm {
             let (robot, stated) = joint::read(top, world.word("joint_inertia")? == "low")?;
             let names = robot.joint_names();
             let joints = Joints { names, locked: Vec::new() };
-            return Ok(Self { robot, joints, stated: Some(stated), springs: JointSprings::Unstated });
+            return Ok(Self {
+                robot,
+                joints,
+                stated: Some(stated),
+                springs: JointSprings::Unstated,
+            });
         }
         if !node.exists() {
             let help = "`[robot]` with `name` or `file`, or a `[[joint]]` for each joint of an arm without a description";

@@ -4,7 +4,9 @@
 
 use crate::support::{GOOD, read, studies, with_line, with_reference};
 use phihat::{Form, VelocitySource};
-use phihat_study::{Curve, JointSprings, LawRequest, Payload, Push, ReferenceRequest, Start, Study};
+use phihat_study::{
+    Curve, JointSprings, LawRequest, Payload, Push, ReferenceRequest, Start, Study,
+};
 
 #[test]
 fn every_published_study_is_read() {

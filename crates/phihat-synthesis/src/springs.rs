@@ -43,7 +43,7 @@ pub(crate) fn with_springs(
     if study.springs.stated().is_none() {
         let softest = links.ok().and_then(|links| ElasticJoints::softest(&own, gains, &links));
         if let Some(certificate) = &mut gains.certificate {
-            certificate.elastic = softest;
+            certificate.elastic = softest.map(Box::new);
         }
         return Ok(());
     }
@@ -68,7 +68,7 @@ pub(crate) fn with_springs(
         *gains = slow;
     } else if let Some(certificate) = &mut gains.certificate {
         certificate.unproved.push(refusal.to_string());
-        certificate.elastic_refused = Some(refusal.why);
+        certificate.elastic_refused = Some(Box::new(refusal.why));
     }
     Ok(())
 }
@@ -82,7 +82,7 @@ fn completed(study: &Study, gains: &Gains) -> Result<Study, SynthesisError> {
 /// Puts a clause into the certificate of gains.
 fn bear(gains: &mut Gains, clause: Option<ElasticJoints>) {
     if let Some(certificate) = &mut gains.certificate {
-        certificate.elastic = clause;
+        certificate.elastic = clause.map(Box::new);
         certificate.unproved.push(RIGID_ERROR.to_owned());
     }
 }

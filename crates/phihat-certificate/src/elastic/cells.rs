@@ -7,10 +7,10 @@ use super::port::{Band, Circle, Port};
 use crate::check::complex::Complex;
 
 /// Boxes of springs per joint and cell; where more are needed, the cell is halved.
-const BOXES: u32 = 512;
+const BOXES: u32 = 64;
 
 /// Boxes after which a proof is given up.
-const MOST: u64 = 60_000_000;
+const MOST: u64 = 3_000_000;
 
 /// Cells narrower than this share of their frequency prove nothing more.
 const NARROWEST: f64 = 1e-9;

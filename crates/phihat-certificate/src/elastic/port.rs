@@ -61,6 +61,20 @@ impl Springs {
     }
 }
 
+/// `G = ω²s/(1 + jωcs)`.
+fn bend(omega: f64, s: f64, c: f64) -> Complex {
+    Complex::new(omega * omega * s, 0.0).over(Complex::new(1.0, omega * c * s))
+}
+
+/// Distance of a point from a segment.
+fn from_segment(at: Complex, [from, to]: [Complex; 2]) -> f64 {
+    let (along, off) = (to - from, at - from);
+    let square = along.re * along.re + along.im * along.im;
+    let share = (off * along.conjugate()).re / square;
+    let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
+    (off - along.times(share)).size()
+}
+
 /// One joint in its loop.
 #[derive(Debug)]
 pub(super) struct Port {
@@ -69,7 +83,8 @@ pub(super) struct Port {
     open: Vec<f64>,
     period: f64,
     side: EncoderSide,
-    modulus: f64,
+    /// Torques that are wrong by any such share of themselves.
+    wrong: Disc,
     pub(super) springs: Springs,
 }
 
@@ -118,7 +133,10 @@ impl Port {
         };
         let springs = Springs::of(joint, inertia);
         let (back, open) = (rounded(&law.back), rounded(&law.open));
-        Self { back, open, period, side, modulus, springs }
+        // 1/(1 + δ) with |δ| ≤ m is within m/(1 − m) of 1.
+        let wrong = modulus / (1.0 - modulus) * (1.0 + LOST);
+        let wrong = Disc::new(Complex::new(1.0, 0.0), wrong);
+        Self { back, open, period, side, wrong, springs }
     }
 
     /// Degree of the rigid loop's characteristic polynomial.
@@ -136,7 +154,7 @@ impl Port {
         Band {
             omega: (per(from) * (1.0 - LOST), per(to) * (1.0 + LOST)),
             open: w.horner(&self.open),
-            back: w.horner(&self.back),
+            back: w.horner(&self.back) * self.wrong,
         }
     }
 
@@ -149,8 +167,14 @@ impl Port {
         Some(bent * (Disc::real(1.0) + turned).inverse()?)
     }
 
-    /// Returns true if `L″` is outside the circle over a band, for all springs of a box and all errors of the torque.
+    /// Returns true if `L″` is outside the circle over a band, for all springs of a box.
     fn outside(&self, band: &Band, springs: &Springs, circle: &Circle) -> bool {
+        self.off_disc(band, springs, circle)
+            || self.off_chord(band, springs, circle).unwrap_or(false)
+    }
+
+    /// By one disc for all `G` of the box.
+    fn off_disc(&self, band: &Band, springs: &Springs, circle: &Circle) -> bool {
         let Some(g) = Self::compliance(springs, band.omega) else { return false };
         let at = Disc::new(circle.at, 0.0);
         let rotor = Disc::between(springs.rotor);
@@ -159,13 +183,33 @@ impl Port {
             EncoderSide::Motor => bent,
             EncoderSide::Link => at,
         };
-        // N″ = BΔ + N;  D″ + (p − jq)N″ = Δ(1 + B(p − jq − G)) + N(p − jq − G, at the link p − jq), Δ times 1 + δ.
-        let on_open = band.open * (Disc::real(1.0) + rotor * bent);
+        // N″ = BΔ + N;  D″ + (p − jq)N″ = Δ(1 + B(p − jq − G)) + N(p − jq − G, at the link p − jq).
         let inside = rotor * band.open + band.back;
-        let away = on_open + band.back * on_back;
-        let wrong = self.modulus * (1.0 + LOST);
-        let most = inside.most() + wrong * (rotor * band.open).most();
-        away.least() - wrong * on_open.most() > circle.radius * most
+        let away = band.open * (Disc::real(1.0) + rotor * bent) + band.back * on_back;
+        away.least() > circle.radius * inside.most()
+    }
+
+    /// By the arc of all `G` of the box: `|P − G| > r|N″|/|V|`, `P = (D + (p − jq)N″)/V`, where `D″ = D − GV`. Over a
+    /// range of compliance `G` stays within `ω³c(Δs)²/4` of its chord. `None`: `V` may be 0.
+    fn off_chord(&self, band: &Band, springs: &Springs, circle: &Circle) -> Option<bool> {
+        let rotor = Disc::between(springs.rotor);
+        let top = rotor * band.open + band.back;
+        let moved = match self.side {
+            EncoderSide::Motor => top,
+            EncoderSide::Link => rotor * band.open,
+        };
+        let away = (band.open + Disc::new(circle.at, 0.0) * top) * moved.inverse()?;
+        let Springs { compliance: s, damping: c, .. } = *springs;
+        let (omega, most) = (middle(band.omega), band.omega.1);
+        let ends = [s.0, s.1].map(|s| bend(omega, s, middle(c)));
+        let (width, lost) = (s.1 - s.0, most * most * most);
+        let bowed = 0.25 * lost * c.1 * width * width;
+        let turned = half(band.omega) * most * s.1 * (2.0 + most * c.1 * s.1);
+        let damped = half(c) * lost * s.1 * s.1;
+        let rounding = 1e-12 * (away.most() + ends[1].size());
+        let spread = away.radius + (bowed + turned + damped) * (1.0 + LOST) + rounding;
+        let room = circle.radius * top.most() / moved.least() * (1.0 + LOST);
+        Some(from_segment(away.centre, ends) - spread > room)
     }
 
     /// Returns true if `L″` is outside the circle over a band for all springs: boxes are halved, `most` at most.
@@ -210,7 +254,7 @@ impl Port {
     /// Numerator and denominator of `L″` in the middle of a band.
     fn ratio(&self, band: &Band, [s, c, rotor]: [f64; 3]) -> (Complex, Complex) {
         let omega = middle(band.omega);
-        let g = Complex::new(omega * omega * s, 0.0).over(Complex::new(1.0, omega * c * s));
+        let g = bend(omega, s, c);
         let (open, back) = (band.open.centre, band.back.centre);
         let top = open.times(rotor) + back;
         let bottom = match self.side {

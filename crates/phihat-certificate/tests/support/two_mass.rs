@@ -33,7 +33,8 @@ fn scaled(a: &Square, factor: f64) -> Square {
 /// `e^A`, by its series of a part, squared.
 fn exponential(a: &Square) -> Square {
     let n = a.len();
-    let halvings = (norm(a).max(1e-3).log2().ceil().max(0.0) as i32) + 4;
+    // Until the part's norm is below 1/16.
+    let halvings = (0..64).find(|k| norm(a) < 0.0625 * 2.0_f64.powi(*k)).unwrap();
     let part = scaled(a, 0.5_f64.powi(halvings));
     let mut sum = zeros(n);
     (0..n).for_each(|i| sum[i][i] = 1.0);

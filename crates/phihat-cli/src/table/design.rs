@@ -91,7 +91,9 @@ pub(crate) fn certificate(certificate: &Certificate, gains: &Gains) -> String {
             proved.cells, proved.low, proved.high
         ));
     }
-    if let Some(elastic) = certificate.elastic.as_ref().filter(|own| own.basis == SpringBasis::Stated) {
+    if let Some(elastic) =
+        certificate.elastic.as_ref().filter(|own| own.basis == SpringBasis::Stated)
+    {
         lines.push(format!(
             "joints that bend as stated, encoders at the {}: every frozen posture is stable, links alone μ = {:.3} … {:.3}, \
              modulus margin {:.2}",

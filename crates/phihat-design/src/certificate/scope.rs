@@ -37,7 +37,9 @@ fn within_stated(study: &Study, world: &Flexibility) -> bool {
 /// The study without what the loop model lacks; `None` where it lacks nothing.
 pub(crate) fn as_modelled(study: &Study) -> Option<Study> {
     let rigid = study.world.flexibility.is_none();
-    if rigid && missing(study).is_empty() && (0..study.robot.joints.len()).all(|i| gains(study, i).is_none())
+    if rigid
+        && missing(study).is_empty()
+        && (0..study.robot.joints.len()).all(|i| gains(study, i).is_none())
     {
         return None;
     }

@@ -3,13 +3,14 @@
 use core::f64::consts::TAU;
 
 use phihat_certificate::EncoderSide;
+use phihat_certificate::extremes::smaller;
 use phihat_model::JointSpring;
 
 use super::actuator::{Actuator, Room};
 use super::grid::Grid;
 
 /// Frequencies of a rotor on its spring that are tried, from the stiffest \[Hz\] down, by steps of this share.
-const STIFFEST_HZ: f64 = 2e4;
+const STIFFEST_HZ: f64 = 1e3;
 const SOFTEST_HZ: f64 = 1.0;
 const STEP: f64 = 0.02;
 
@@ -30,37 +31,46 @@ impl Unsprung<'_> {
     ///
     /// # Method
     ///
-    /// All joints get softer together, at the same frequency of the rotor on its spring, until a gap opens; then each
-    /// goes on alone while the others stay.
+    /// Each joint gets softer by itself, the others rigid, until a gap opens: that are the ratios of the frequencies of
+    /// rotors on their springs. With these ratios all get softer together; then each goes on while the others stay.
     pub(super) fn softest(&self) -> Option<Vec<f64>> {
         let n = self.rotor.len();
-        let mut rooms = vec![vec![Room::ALL; n]; self.grid.omega.len()];
-        if !(0..n).all(|joint| self.take(&mut rooms, joint, f64::INFINITY)) {
+        let mut rigid = vec![vec![Room::ALL; n]; self.grid.omega.len()];
+        if !(0..n).all(|joint| self.take(&mut rigid, joint, f64::INFINITY)) {
             return None;
         }
+        let alone: Vec<f64> =
+            (0..n).map(|joint| self.softer(&mut rigid.clone(), joint, STIFFEST_HZ)).collect();
+        let mut rooms = rigid;
         let mut hz = vec![STIFFEST_HZ; n];
-        let mut together = STIFFEST_HZ;
+        let mut factor = STIFFEST_HZ / SOFTEST_HZ;
         loop {
             let mut tried = rooms.clone();
-            if together < SOFTEST_HZ || !(0..n).all(|joint| self.take(&mut tried, joint, together)) {
+            let together: Vec<f64> =
+                alone.iter().map(|own| smaller(own * factor, STIFFEST_HZ)).collect();
+            if factor < 1.0 || !(0..n).all(|joint| self.take(&mut tried, joint, together[joint])) {
                 break;
             }
-            rooms = tried;
-            hz.fill(together);
-            together /= 1.0 + STEP;
+            (rooms, hz) = (tried, together);
+            factor /= 1.0 + STEP;
         }
         for joint in 0..n {
-            loop {
-                let softer = hz[joint] / (1.0 + STEP);
-                let mut tried = rooms.clone();
-                if softer < SOFTEST_HZ || !self.take(&mut tried, joint, softer) {
-                    break;
-                }
-                rooms = tried;
-                hz[joint] = softer;
-            }
+            hz[joint] = self.softer(&mut rooms, joint, hz[joint]);
         }
         Some((0..n).map(|joint| self.stiffness(joint, hz[joint])).collect())
+    }
+
+    /// Lowest frequency \[Hz\] of a joint's rotor on its spring from another one down; takes all of them in.
+    fn softer(&self, rooms: &mut Vec<Vec<Room>>, joint: usize, from_hz: f64) -> f64 {
+        let mut hz = from_hz;
+        loop {
+            let next = hz / (1.0 + STEP);
+            let mut tried = rooms.clone();
+            if next < SOFTEST_HZ || !self.take(&mut tried, joint, next) {
+                return hz;
+            }
+            (*rooms, hz) = (tried, next);
+        }
     }
 
     /// Stiffness \[N·m/rad\] at which a joint's rotor has this frequency \[Hz\].
