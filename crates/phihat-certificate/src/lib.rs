@@ -77,7 +77,7 @@ pub use class::{ClassAgain, ClassBound, ClassPace, ClassWitness, JointOfClass};
 pub use coarser::CoarserEncoder;
 pub use continuous::ContinuousLaw;
 pub use coupled::{CoupledGains, FrozenPayload, FrozenPosture};
-pub use elastic::{ElasticJoint, ElasticJoints, EncoderSide, SpringBasis};
+pub use elastic::{ElasticJoint, ElasticJoints, EncoderSide};
 pub use frozen::FrozenArm;
 pub use gains::{FORMAT, Gains, GainsError, VERSION};
 pub use iss::Iss;

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::{
     ArmBasis, Certificate, CheckedBound, ClassAgain, ElasticJoints, Gains, JointCertificate,
-    LoopModel, NotCounted, PhiBasis, Refutation, SpringBasis, TubeAgain, Verdict,
+    LoopModel, NotCounted, PhiBasis, Refutation, TubeAgain, Verdict,
 };
 
 /// One line of a checked certificate.
@@ -45,8 +45,6 @@ pub struct Verified {
     pub class: Option<ClassAgain>,
     /// Effects in the study that the claims leave out, as the file says.
     pub not_counted: Vec<NotCounted>,
-    /// One sentence on joints that are taken as rigid; `None`: the study states their springs.
-    pub rigid_joints: Option<String>,
     /// Clauses of the specification that the file does not prove, and the reason where it bounds no error.
     pub not_proved: Vec<String>,
     /// True if the error of every joint has a bound. If false, the claims are about the loop alone.
@@ -104,7 +102,6 @@ impl Certificate {
             tube: None,
             class: None,
             not_counted: self.not_counted.clone(),
-            rigid_joints: self.rigid_joints(),
             not_proved: Vec::new(),
             bounded: self.without_bound().is_none(),
         };
@@ -377,11 +374,7 @@ fn springs(certificate: &Certificate, elastic: &ElasticJoints) -> Vec<VerifiedSt
             "{:.0} … {stiffest} N·m/rad, damping {:.4} … {:.4} N·m·s/rad, rotor {} … {} kg·m²",
             k.0, c.0, c.1, b.0, b.1
         );
-        let what = match elastic.basis {
-            SpringBasis::Stated => "spring of the joint",
-            SpringBasis::Softest => "springs that these gains bear (the study states none)",
-        };
-        (joint.name.clone(), vec![(what.to_owned(), value)])
+        (joint.name.clone(), vec![("spring of the joint".to_owned(), value)])
     });
     merged(lines)
 }

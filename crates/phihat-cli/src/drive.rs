@@ -96,7 +96,7 @@ impl DriveVerb {
         }
         if !self.json {
             println!("{}\n{}", lines(&prepared.checks), prepared.proof.sentence);
-            if let Some(rigid) = &prepared.proof.rigid_joints {
+            if let Some(rigid) = prepared.rigid_joints() {
                 println!("{rigid}");
             }
             if let Some(told) = announced(&prepared) {

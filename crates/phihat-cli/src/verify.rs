@@ -162,7 +162,7 @@ fn blocks(verified: &Verified, found: &Verification) -> String {
             .push(block("THE CLASS OF MOTIONS, BY A SECOND DERIVATION", class_lines(class, found)));
     }
     let left = table::not_counted(&verified.not_counted);
-    let left = left.into_iter().chain(verified.rigid_joints.clone());
+    let left = left.into_iter().chain(found.rigid_joints.clone());
     let left = left.map(|one| format!("  {one}")).collect();
     blocks.push(block("NOT COUNTED", left));
     if !verified.error_bounds.is_empty() {

@@ -114,8 +114,8 @@ pub use phihat_certificate::{
     CoupledGains, ElasticJoint, ElasticJoints, EncoderSide, ErrorBound, FORMAT, FilterSection,
     FrozenPayload, FrozenPosture, Gains, GainsError, JointCertificate, JointKept, JointLimit,
     JointRecord, JointRun, Left, LeftOut, NotCounted, Phi, PhiBasis, PositionObserver, Proved,
-    Quantity, ReferenceBounds, Searched, Settle, SettleFrom, SpringBasis, TradeOff, Tube,
-    TubeJoint, TubeKept, TubePayloadSet, TubeWatch, VERSION, Verified, VerifiedStatement, Witness,
+    Quantity, ReferenceBounds, Searched, Settle, SettleFrom, TradeOff, Tube, TubeJoint, TubeKept,
+    TubePayloadSet, TubeWatch, VERSION, Verified, VerifiedStatement, Witness,
 };
 pub use positions::{PositionEstimate, PositionSearch, TubeParts};
 pub use request::requested_gains;

@@ -1,6 +1,6 @@
 //! Statement about the error of a drive before it begins: its bound, or the first clause that is not proved.
 
-use phihat_design::{Certificate, ClassBound, Gains};
+use phihat_design::{ClassBound, Gains};
 use phihat_study::{ReferenceRequest, Study};
 use serde::Serialize;
 
@@ -18,9 +18,6 @@ pub struct Proof {
     /// The statement in a sentence: "proved ≤ …" with its conditions, or "NOT PROVED: …" with the first clause that is
     /// not.
     pub sentence: String,
-    /// One sentence on joints that are taken as rigid; `None`: their springs are stated, or nothing is claimed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rigid_joints: Option<String>,
 }
 
 /// The first clause that is not proved.
@@ -53,9 +50,7 @@ impl Proof {
             }
             Err(Unproved(why)) => (None, format!("NOT PROVED: {why}")),
         };
-        let certificate = subject.gains.certificate.as_ref();
-        let rigid_joints = certificate.and_then(Certificate::rigid_joints);
-        Self { error_bound_rad, sentence, rigid_joints }
+        Self { error_bound_rad, sentence }
     }
 }
 

@@ -49,7 +49,6 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
                 }
             } }
         }
-        @if let Some(rigid) = certificate.rigid_joints() { p { (line(&rigid)) "." } }
         (tube(record))
         (class(record))
         @if certificate.class.is_none() { (bounds(certificate, &record.metrics.joints)) }

@@ -4,7 +4,7 @@ use phihat_design::elastic::{links_of, slower};
 use phihat_design::prelude::*;
 use phihat_design::tube::PARTS;
 use phihat_design::{Arm, Certificate, ElasticJoints, Gains};
-use phihat_study::{InertiaSource, Study};
+use phihat_study::Study;
 
 use crate::along::arm_along;
 use crate::class_search::is_class;
@@ -18,13 +18,12 @@ const FACTORS: [f64; 12] = [1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 
 const RIGID_ERROR: &str =
     "the error on joints that bend: bounds and tube are those of rigid joints";
 
-/// Adds the clause of elastic joints to the certificate of gains.
+/// Adds the clause of elastic joints to the certificate of gains, where the study states springs.
 ///
 /// # Method
 ///
-/// Where the study states no springs: the softest ones that the gains bear. Where it does: these; where a search's law
-/// does not bear them, the first of some slower ones that does takes its place, with the tube of rigid joints. Where
-/// none does, or the gains are stated, the certificate refuses them.
+/// Where a search's law does not bear them, the first of some slower ones that does takes its place, with the tube of
+/// rigid joints. Where none does, or the gains are stated, the certificate refuses them.
 ///
 /// # Errors
 ///
@@ -35,19 +34,11 @@ pub(crate) fn with_springs(
     gains: &mut Gains,
 ) -> Result<(), SynthesisError> {
     let sound = gains.certificate.as_ref().is_some_and(|own| own.refused().is_none());
-    if !sound || study.design.inertia != InertiaSource::Robot {
+    if !sound || study.springs.stated().is_none() {
         return Ok(());
     }
     let own = completed(study, gains)?;
-    let links = arm_along(&links_of(&own));
-    if study.springs.stated().is_none() {
-        let softest = links.ok().and_then(|links| ElasticJoints::softest(&own, gains, &links));
-        if let Some(certificate) = &mut gains.certificate {
-            certificate.elastic = softest.map(Box::new);
-        }
-        return Ok(());
-    }
-    let links = links?;
+    let links = arm_along(&links_of(&own))?;
     let refusal = match ElasticJoints::find(&own, gains, &links) {
         Ok(clause) => {
             bear(gains, clause);

@@ -10,7 +10,7 @@ use crate::check::complex::Complex;
 const BOXES: u32 = 64;
 
 /// Boxes after which a proof is given up.
-const MOST: u64 = 3_000_000;
+const MOST: u64 = 8_000_000;
 
 /// Cells narrower than this share of their frequency prove nothing more.
 const NARROWEST: f64 = 1e-9;

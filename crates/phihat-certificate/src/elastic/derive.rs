@@ -3,7 +3,7 @@
 use phihat_model::Rotor;
 use phihat_study::Study;
 
-use super::document::{ElasticJoint, ElasticJoints, EncoderSide, SpringBasis};
+use super::document::{ElasticJoint, ElasticJoints, EncoderSide};
 use crate::{Certificate, Refutation};
 
 const CLAIM: &str = "elastic joints";
@@ -19,33 +19,31 @@ impl Certificate {
             Refutation::unless(CLAIM, what, 0.0, 1.0, said)?;
             return Ok(None);
         };
-        let of_study = elastic.basis == SpringBasis::Stated;
-        let what = "the springs are the study's if, and only if, it states some";
-        Refutation::unless(CLAIM, what, 0.0, 1.0, of_study == stated.is_some())?;
-        elastic.is_of(study, stated.as_deref())?;
+        let what = "the study states the springs of the clause";
+        Refutation::unless(CLAIM, what, 0.0, 1.0, stated.is_some())?;
+        elastic.is_of(study, &stated.unwrap_or_default())?;
         let mut links = study.clone();
         links.robot = links.robot.links_alone();
         let range = elastic.links.derive_range(&links)?;
-        let whose = if of_study { "springs, rotors" } else { "rotors" };
-        Ok(Some(format!("{whose} and encoder are the study's; range of the links: {range}")))
+        Ok(Some(format!(
+            "springs, rotors and encoder are the study's; range of the links: {range}"
+        )))
     }
 }
 
 impl ElasticJoints {
-    fn is_of(&self, study: &Study, stated: Option<&[ElasticJoint]>) -> Result<(), Refutation> {
+    fn is_of(&self, study: &Study, stated: &[ElasticJoint]) -> Result<(), Refutation> {
         let same = self.encoder == EncoderSide::of(study);
         Refutation::unless(CLAIM, "the encoder's side is the study's", 0.0, 1.0, same)?;
-        let (own, right) = (self.joints.len(), study.robot.joints.len());
+        let (own, right) = (self.joints.len(), stated.len());
         Refutation::unless(CLAIM, "one entry per joint", own as f64, right as f64, own == right)?;
-        for (i, (own, joint)) in self.joints.iter().zip(&study.robot.joints).enumerate() {
-            let rotor = (joint.armature_at(Rotor::Least), joint.armature_at(Rotor::Most));
-            let mut pairs = vec![("rotor", own.rotor_kg_m2, rotor)];
-            if let Some(right) = stated.and_then(|all| all.get(i)) {
-                let ends = |of: &ElasticJoint| (of.stiffness_nm_rad.0, of.stiffest());
-                pairs.push(("stiffness", ends(own), ends(right)));
-                pairs.push(("damping", own.damping_nm_s_rad, right.damping_nm_s_rad));
-            }
-            for (what, own, right) in pairs {
+        for ((own, right), joint) in self.joints.iter().zip(stated).zip(&study.robot.joints) {
+            let ends = |of: &ElasticJoint| {
+                let stiffness = (of.stiffness_nm_rad.0, of.stiffest());
+                [of.rotor_kg_m2, stiffness, of.damping_nm_s_rad]
+            };
+            let names = ["rotor", "stiffness", "damping"];
+            for ((what, own), right) in names.iter().zip(ends(own)).zip(ends(right)) {
                 let holds = own.0 <= right.0 && right.1 <= own.1;
                 let what = format!("{what} holds the study's interval");
                 Refutation::unless(CLAIM, &what, own.0, right.0, holds)

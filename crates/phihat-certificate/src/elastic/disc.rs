@@ -53,11 +53,24 @@ impl Disc {
         })
     }
 
-    /// `p(self)` by Horner, coefficients ascending, each known to a few units in its last place.
-    pub(super) fn horner(self, p: &[f64]) -> Self {
-        p.iter().rev().fold(Self::real(0.0), |sum, c| {
-            sum * self + Self::new(Complex::new(*c, 0.0), LOST * c.abs())
-        })
+    /// `p(self)` by the derivatives in its centre, coefficients ascending, each known to a few units in its last place:
+    /// `|p(c + d) − p(c)| ≤ Σ |p⁽ᵏ⁾(c)/k!| |d|^k`.
+    pub(super) fn polynomial(self, p: &[f64]) -> Self {
+        let mut shifted: Vec<Complex> = p.iter().map(|c| Complex::new(*c, 0.0)).collect();
+        let n = shifted.len();
+        for k in 0..n {
+            for i in (k..n.saturating_sub(1)).rev() {
+                shifted[i] = shifted[i] + shifted[i + 1] * self.centre;
+            }
+        }
+        // Roundings of all shifts: so many per term of the sums of sizes.
+        let size = self.centre.size() + self.radius;
+        let sizes = p.iter().rev().fold(0.0, |sum, c| sum * size + c.abs());
+        let lost = LOST * (n * n) as f64 * sizes;
+        let spread =
+            shifted.iter().skip(1).rev().fold(0.0, |sum, c| (sum + c.size()) * self.radius);
+        let centre = shifted.first().copied().unwrap_or(Complex::new(0.0, 0.0));
+        Self::new(centre, (spread + lost) * (1.0 + LOST))
     }
 }
 

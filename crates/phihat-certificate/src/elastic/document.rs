@@ -40,16 +40,6 @@ impl EncoderSide {
     }
 }
 
-/// Source of the intervals of stiffness.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SpringBasis {
-    /// The study states them.
-    Stated,
-    /// The study does not: they begin at the softest springs that were found to be borne.
-    Softest,
-}
-
 /// Rotor, spring and damper of one joint, each by an interval that holds it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -60,9 +50,6 @@ pub struct ElasticJoint {
     pub stiffness_nm_rad: (f64, Option<f64>),
     /// Damping `c` of the spring \[N·m·s/rad, N·s/m\].
     pub damping_nm_s_rad: (f64, f64),
-    /// Stiffness that the description states, or that is assumed of such a joint, where the study states none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub usual_nm_rad: Option<(f64, f64)>,
 }
 
 impl ElasticJoint {
@@ -74,7 +61,6 @@ impl ElasticJoint {
             rotor_kg_m2: (joint.armature_at(Rotor::Least), joint.armature_at(Rotor::Most)),
             stiffness_nm_rad: (spring.stiffness.0, Some(spring.stiffness.1)),
             damping_nm_s_rad: spring.damping,
-            usual_nm_rad: None,
         };
         Some(joints.map(joint).collect())
     }
@@ -117,8 +103,6 @@ impl ElasticJoint {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElasticJoints {
-    /// Source of the intervals of stiffness.
-    pub basis: SpringBasis,
     /// Side of the springs on which positions are read.
     pub encoder: EncoderSide,
     /// Share by which the torques of all joints may be wrong together; the modulus margin where one joint is alone.

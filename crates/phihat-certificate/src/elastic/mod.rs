@@ -6,6 +6,5 @@ mod derive;
 mod disc;
 mod document;
 mod port;
-mod words;
 
-pub use document::{ElasticJoint, ElasticJoints, EncoderSide, SpringBasis};
+pub use document::{ElasticJoint, ElasticJoints, EncoderSide};

@@ -153,8 +153,8 @@ impl Port {
         let per = |theta: f64| theta / self.period;
         Band {
             omega: (per(from) * (1.0 - LOST), per(to) * (1.0 + LOST)),
-            open: w.horner(&self.open),
-            back: w.horner(&self.back) * self.wrong,
+            open: w.polynomial(&self.open),
+            back: w.polynomial(&self.back) * self.wrong,
         }
     }
 

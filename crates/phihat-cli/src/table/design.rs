@@ -1,8 +1,8 @@
 //! Gains, what is claimed about them, and why there are none.
 
 use phihat_design::{
-    Certificate, ErrorBound, FilterSection, Gains, JointCertificate, LeftOut, NotCounted, Settle,
-    SettleFrom, SpringBasis,
+    Certificate, ElasticJoints, ErrorBound, FilterSection, Gains, JointCertificate, LeftOut,
+    NotCounted, Settle, SettleFrom,
 };
 use phihat_report::section_poles;
 
@@ -91,19 +91,7 @@ pub(crate) fn certificate(certificate: &Certificate, gains: &Gains) -> String {
             proved.cells, proved.low, proved.high
         ));
     }
-    if let Some(elastic) =
-        certificate.elastic.as_ref().filter(|own| own.basis == SpringBasis::Stated)
-    {
-        lines.push(format!(
-            "joints that bend as stated, encoders at the {}: every frozen posture is stable, links alone μ = {:.3} … {:.3}, \
-             modulus margin {:.2}",
-            elastic.encoder.word(),
-            elastic.low,
-            elastic.high,
-            elastic.modulus
-        ));
-    }
-    lines.extend(certificate.rigid_joints());
+    lines.extend(certificate.elastic.as_deref().map(elastic_joints));
     lines.push(moving(certificate));
     if let Some(phi) = certificate.joints.first().and_then(|joint| joint.phi.as_ref()) {
         lines.push(format!("φ: {}", phi.source));
@@ -126,6 +114,18 @@ pub(crate) fn certificate(certificate: &Certificate, gains: &Gains) -> String {
     lines.push(proved(certificate));
     lines.extend(certificate.settle.map(settle));
     lines.join("\n")
+}
+
+/// The clause of elastic joints.
+fn elastic_joints(elastic: &ElasticJoints) -> String {
+    format!(
+        "joints that bend as stated, encoders at the {}: every frozen posture is stable, links alone μ = {:.3} … {:.3}, \
+         modulus margin {:.2}",
+        elastic.encoder.word(),
+        elastic.low,
+        elastic.high,
+        elastic.modulus
+    )
 }
 
 /// Largest rate of change of the arm's inertia, with the rates that are needed.

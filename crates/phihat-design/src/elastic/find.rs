@@ -2,8 +2,8 @@
 
 use core::f64::consts::TAU;
 
-use phihat_certificate::{ElasticJoint, ElasticJoints, EncoderSide, SpringBasis};
-use phihat_model::{Joint, JointSpring, Rotor};
+use phihat_certificate::{ElasticJoint, ElasticJoints, EncoderSide};
+use phihat_model::Rotor;
 use phihat_study::{InertiaSource, Study};
 
 use super::grid::{Gap, Grid, Looped};
@@ -16,10 +16,6 @@ use crate::{Arm, Gains};
 /// Steps of the frequencies that are tried: at stated springs, and where the springs themselves are sought.
 const FINE: f64 = 0.004;
 const COARSE: f64 = 0.015;
-
-/// Room over the softest springs of a grid, for what lies between its points; once more where the check asks for it.
-const ABOVE: f64 = 1.05;
-const TRIES: usize = 6;
 
 /// Moduli that are tried, from the largest.
 const MODULI: [f64; 8] = [0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.05, 0.02];
@@ -46,10 +42,6 @@ pub trait FindElastic: Sized {
     /// [`ElasticRefusal`], with what this law needs and what else would do.
     fn find(study: &Study, gains: &Gains, links: &Arm)
     -> Result<Option<Self>, Box<ElasticRefusal>>;
-
-    /// The clause from the softest springs on, up to rigid joints, at 1 % of critical damping at the softest; `None`:
-    /// none was found, a rotor is not known, or the arm's inertia is not that of a description.
-    fn softest(study: &Study, gains: &Gains, links: &Arm) -> Option<Self>;
 }
 
 impl FindElastic for ElasticJoints {
@@ -70,50 +62,17 @@ impl FindElastic for ElasticJoints {
         };
         Err(Box::new(refused(&clause, (study, gains), links, why)))
     }
-
-    fn softest(study: &Study, gains: &Gains, links: &Arm) -> Option<Self> {
-        let mut own = clause((study, gains), links, Vec::new()).ok()?;
-        own.basis = SpringBasis::Softest;
-        let models = models(study, gains);
-        let ends = |place: Rotor| -> Vec<f64> {
-            study.robot.joints.iter().map(|joint| joint.armature_at(place)).collect()
-        };
-        let (least, most) = (ends(Rotor::Least), ends(Rotor::Most));
-        if least.iter().any(|rotor| *rotor <= 0.0) {
-            return None;
-        }
-        let mut stiffness = softest(&own, (gains, &models), &least)?;
-        for _ in 0..TRIES {
-            for k in &mut stiffness {
-                *k = rounded_up(*k * ABOVE);
-            }
-            let joint = |i: usize| {
-                let damping = JointSpring::damping_assumed(stiffness[i], least[i]);
-                ElasticJoint {
-                    rotor_kg_m2: (least[i], most[i]),
-                    stiffness_nm_rad: (stiffness[i], None),
-                    damping_nm_s_rad: (damping, damping),
-                    usual_nm_rad: usual(&study.robot.joints[i]),
-                }
-            };
-            own.joints = (0..least.len()).map(joint).collect();
-            if own.verify(&looped(gains, &models)).is_ok() {
-                return Some(own);
-            }
-        }
-        None
-    }
 }
 
-/// Stiffness of a joint's description, or the one that is assumed of such a joint.
-fn usual(joint: &Joint) -> Option<(f64, f64)> {
-    joint.spring.or_else(|| JointSpring::assumed(joint)).map(|spring| spring.stiffness)
-}
-
-/// Two digits, upwards.
-fn rounded_up(k: f64) -> f64 {
-    let unit = 10.0_f64.powf(k.log10().floor() - 1.0);
-    (k / unit).ceil() * unit
+/// Stiffness of each joint \[N·m/rad\] from which on, up to rigid joints and all together, the gains of a study are stable
+/// on a grid of frequencies, with 1 % of critical damping of their springs: SEARCHED, and no claim. `None`: not even
+/// rigid by this theorem, a rotor is not known, or the arm's inertia is not that of a description.
+pub fn softest_springs(study: &Study, gains: &Gains, links: &Arm) -> Option<Vec<f64>> {
+    let own = clause((study, gains), links, Vec::new()).ok()?;
+    let rotor: Vec<f64> =
+        study.robot.joints.iter().map(|joint| joint.armature_at(Rotor::Least)).collect();
+    let known = rotor.iter().all(|rotor| *rotor > 0.0);
+    known.then(|| softest(&own, (gains, &models(study, gains)), &rotor)).flatten()
 }
 
 /// The clause of a study's arm with these joints, not shown yet, or what is not known.
@@ -130,7 +89,6 @@ fn clause(
     let range = links.against(nominal).map_err(|why| format!("the links' inertia ({why})"))?;
     let margin = study.design.window_margin.max(1.0);
     Ok(ElasticJoints {
-        basis: SpringBasis::Stated,
         encoder: EncoderSide::of(study),
         modulus: 0.0,
         low: range.low / margin,

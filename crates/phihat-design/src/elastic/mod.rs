@@ -11,6 +11,6 @@ mod refusal;
 mod slower;
 mod softest;
 
-pub use find::{FindElastic, links_of};
+pub use find::{FindElastic, links_of, softest_springs};
 pub use refusal::{ElasticRefusal, Needs, Refused};
 pub use slower::slower;
