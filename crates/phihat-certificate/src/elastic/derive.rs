@@ -1,6 +1,5 @@
 //! Second derivation, from the study, of the data that the clause of elastic joints rests on.
 
-use phihat_model::Rotor;
 use phihat_study::Study;
 
 use super::document::{ElasticJoint, ElasticJoints, EncoderSide};
