@@ -10,10 +10,13 @@ use crate::check::complex::Complex;
 const BOXES: u32 = 64;
 
 /// Boxes after which a proof is given up.
-const MOST: u64 = 8_000_000;
+const MOST: u64 = 4_000_000;
 
 /// Cells narrower than this share of their frequency prove nothing more.
 const NARROWEST: f64 = 1e-9;
+
+/// Lowest end of a cell \[rad/sample\].
+const LOWEST: f64 = 1e-9;
 
 /// Rounds in which the deepest springs are added to those that choose a circle.
 const ROUNDS: u32 = 3;
@@ -46,7 +49,7 @@ pub(super) fn covered(ports: &[Port], range: (f64, f64)) -> Result<(), Open> {
             !clear
         });
         let Some(joint) = open else { continue };
-        if to - from < NARROWEST * to || tried > MOST {
+        if to - from < NARROWEST * to || to < LOWEST || tried > MOST {
             return Err(Open { theta: middle, fails: false, joints: (joint, joint) });
         }
         cells.extend([(middle, to), (from, middle)]);

@@ -133,7 +133,7 @@ impl Port {
         };
         let springs = Springs::of(joint, inertia);
         let (back, open) = (rounded(&law.back), rounded(&law.open));
-        // 1/(1 + δ) with |δ| ≤ m is within m/(1 − m) of 1.
+        // 1/(1 + δ) with |δ| ≤ m is within m/(1 − m) of 1, and so is 1 + δ.
         let wrong = modulus / (1.0 - modulus) * (1.0 + LOST);
         let wrong = Disc::new(Complex::new(1.0, 0.0), wrong);
         Self { back, open, period, side, wrong, springs }
@@ -154,7 +154,7 @@ impl Port {
         Band {
             omega: (per(from) * (1.0 - LOST), per(to) * (1.0 + LOST)),
             open: w.polynomial(&self.open),
-            back: w.polynomial(&self.back) * self.wrong,
+            back: w.polynomial(&self.back),
         }
     }
 
@@ -169,8 +169,13 @@ impl Port {
 
     /// Returns true if `L″` is outside the circle over a band, for all springs of a box.
     fn outside(&self, band: &Band, springs: &Springs, circle: &Circle) -> bool {
-        self.off_disc(band, springs, circle)
-            || self.off_chord(band, springs, circle).unwrap_or(false)
+        // A wrong torque is in N, or by its inverse in Δ: where one of them is small, so is its effect.
+        let torque = Band { back: band.back * self.wrong, ..*band };
+        let rest = Band { open: band.open * self.wrong, ..*band };
+        [torque, rest].iter().any(|band| {
+            self.off_disc(band, springs, circle)
+                || self.off_chord(band, springs, circle).unwrap_or(false)
+        })
     }
 
     /// By one disc for all `G` of the box.
