@@ -8,7 +8,7 @@ use phihat_certificate::{
     ArmBasis, ArmInertia, Certificate, ElasticJoint, ElasticJoints, EncoderSide, Gains,
     JointRecord, LoopModel, NotCounted, PositionObserver,
 };
-use phihat_design::elastic::{links_of, slower, softest_springs};
+use phihat_design::elastic::{links_of, softest_springs};
 use phihat_design::prelude::*;
 use phihat_design::{Arm, requested_gains};
 use phihat_model::{JointSpring, Workspace};
@@ -329,30 +329,6 @@ fn a_claim_that_is_stretched_is_refuted() {
     forged(&|c| c.joints.truncate(6));
 }
 
-#[test]
-fn torques_that_are_wrong_within_the_modulus_are_borne() {
-    let (study, laws, model) = (panda(""), panda_laws(), model(PERIOD, None));
-    let joints = springs(&study, (8.0, 8.0), 0.02);
-    let mut own = clause(&links(&study, &laws), joints.clone(), Link);
-    let largest = [0.3, 0.2, 0.1, 0.05, 0.02, 0.01].into_iter().find(|modulus| {
-        own.modulus = *modulus;
-        holds(&own, &laws, &model)
-    });
-    let modulus = largest.unwrap();
-    assert!(modulus > 0.005, "{modulus}");
-    // A real error is one of them: torques of 1/(1 ± modulus), which are inertias of (1 ± modulus) in the law.
-    let matrix = ready(&study);
-    for gain in [1.0 - modulus, 1.0 + modulus] {
-        let wrong: Vec<JointRecord> = laws
-            .iter()
-            .map(|law| JointRecord { inertia_kg_m2: law.inertia_kg_m2 / gain, ..law.clone() })
-            .collect();
-        let arm = inside(&matrix, &joints, || 0.0);
-        let radius = arm.spectral_radius(&wrong, (Link, None, PERIOD));
-        assert!(radius < 1.0, "{modulus} {gain}: {radius}");
-    }
-}
-
 fn stated(low: f64, high: f64, damping: f64) -> String {
     format!(
         "[robot.transmission]\nstiffness_min_nm_rad = {low}\nstiffness_max_nm_rad = {high}\ndamping_min_nm_s_rad = {damping}"
@@ -360,7 +336,7 @@ fn stated(low: f64, high: f64, damping: f64) -> String {
 }
 
 #[test]
-fn a_refusal_says_which_joint_and_a_slower_law_bears_the_springs() {
+fn a_refusal_says_which_joint_resonates_and_what_it_needs() {
     let study = panda(&stated(1e4, 2e4, 5.0));
     let gains = Gains::of(&study, panda_laws(), "of panda_rate");
     let links = Arm::of(&links_of(&study)).unwrap();
@@ -373,22 +349,11 @@ fn a_refusal_says_which_joint_and_a_slower_law_bears_the_springs() {
     assert!(words.contains(&need.joint) && need.stiffer_than.unwrap() > 2e4, "{words}");
     let (low, high) = need.resonance_hz;
     assert!(1.0 < low && low < high && high < 500.0, "{words}");
-    // A slower law that is certified is one, by an oracle of its own.
-    let (slow, own) = [4.0, 6.0, 8.0, 10.0]
-        .into_iter()
-        .find_map(|factor| {
-            let slow = slower(&gains, factor)?;
-            let clause = ElasticJoints::find(&study, &slow, &links).ok()??;
-            println!("{factor} times slower, modulus {}", clause.modulus);
-            Some((slow, clause))
-        })
-        .unwrap();
-    let matrix = ready(&study);
-    for share in [0.0, 0.5, 1.0] {
-        let radius = inside(&matrix, &own.joints, || share)
-            .spectral_radius(&slow.joints, (Link, None, PERIOD));
-        assert!(radius < 1.0, "{share}: {radius}");
-    }
+    // What it blames grows, by an oracle of its own.
+    let joints = ElasticJoint::of(&study).unwrap();
+    let radius = inside(&ready(&study), &joints, || 0.5)
+        .spectral_radius(&gains.joints, (Link, None, PERIOD));
+    assert!(radius > 1.0, "{radius}");
 }
 
 #[test]
