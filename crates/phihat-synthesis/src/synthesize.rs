@@ -237,7 +237,8 @@ fn nearest_of(clauses: &mut Vec<Clause>, others: Vec<Clause>) {
     }
 }
 
-/// Adds to the certificate of the chosen gains what no search needs: the clause of elastic joints, coupled gains, stability while the arm moves,
+/// Adds to the certificate of the chosen gains what no search needs: the clause of elastic joints, coupled gains,
+/// stability while the arm moves,
 /// and the tubes behind coarser encoders.
 fn complete_certificate(study: &Study, arm: &Arm, gains: &mut Gains) -> Result<(), SynthesisError> {
     with_springs(study, arm, gains)?;

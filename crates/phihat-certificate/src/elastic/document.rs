@@ -86,7 +86,7 @@ impl ElasticJoint {
 /// reads, and `G = ω²/(k + jωc)`, the links are connected at each joint to one scalar
 ///
 /// ```text
-/// motor:  1/L″ = 1/(B + L) − G           link:  1/L″ = (1 − GB)/(B + L)                                      (EL1)
+/// motor:  1/L″ = 1/(B + L) − G           link:  1/L″ = (1 − GB)/(B + L) as (EL1)
 /// ```
 ///
 /// and `det(M_l + diag L″) = 0` has no root on the frequency axis if at every frequency one circle through `−low` and

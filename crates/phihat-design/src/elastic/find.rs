@@ -64,7 +64,7 @@ impl FindElastic for ElasticJoints {
     }
 }
 
-/// Stiffness of each joint \[N·m/rad\] from which on, up to rigid joints and all together, the gains of a study are stable
+/// Stiffness of each joint \[N·m/rad\] from which on, up to rigid joints and all together, gains of a study are stable
 /// on a grid of frequencies, with 1 % of critical damping of their springs: SEARCHED, and no claim. `None`: not even
 /// rigid by this theorem, a rotor is not known, or the arm's inertia is not that of a description.
 pub fn softest_springs(study: &Study, gains: &Gains, links: &Arm) -> Option<Vec<f64>> {
@@ -119,20 +119,20 @@ fn softest(
     Unsprung { grid, side: clause.encoder, range: (clause.low, clause.high), rotor }.softest()
 }
 
-/// Why the clause does not hold: a gap of the search, or a failure of the check.
-enum Why {
+/// Reason why the clause does not hold: a gap of the search, or a failure of the check.
+enum Unshown {
     Gap(Gap),
     Check(Refutation),
 }
 
-fn shown(clause: &ElasticJoints, study: &Study, gains: &Gains) -> Result<(), Why> {
+fn shown(clause: &ElasticJoints, study: &Study, gains: &Gains) -> Result<(), Unshown> {
     let models = models(study, gains);
     let loops = looped(gains, &models);
     let request = (clause.encoder, (clause.low, clause.high));
     if let Some(gap) = Grid::new(&loops, FINE).gap(&clause.joints, request) {
-        return Err(Why::Gap(gap));
+        return Err(Unshown::Gap(gap));
     }
-    clause.verify(&loops).map_err(Why::Check)
+    clause.verify(&loops).map_err(Unshown::Check)
 }
 
 /// Needs of the law, and what else would do.
@@ -140,11 +140,11 @@ fn refused(
     clause: &ElasticJoints,
     (study, gains): (&Study, &Gains),
     links: &Arm,
-    why: Why,
+    why: Unshown,
 ) -> ElasticRefusal {
     let gap = match why {
-        Why::Gap(gap) => gap,
-        Why::Check(why) => return ElasticRefusal::of(why),
+        Unshown::Gap(gap) => gap,
+        Unshown::Check(why) => return ElasticRefusal::of(why),
     };
     let (first, second) = gap.joints;
     let mut blamed = vec![first];

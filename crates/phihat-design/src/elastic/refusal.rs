@@ -1,4 +1,4 @@
-//! What a user has to know where a law does not bear the joints of an arm.
+//! Needs of a law that does not bear the joints of an arm.
 
 use core::fmt;
 

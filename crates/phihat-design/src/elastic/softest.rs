@@ -26,8 +26,8 @@ pub(super) struct Unsprung<'a> {
 }
 
 impl Unsprung<'_> {
-    /// Stiffness of each joint \[N·m/rad\] from which on, with any stiffness above it on every joint and 1 % of critical
-    /// damping, the grid has no gap; `None`: it has one even where joints are rigid.
+    /// Stiffness of each joint \[N·m/rad\] from which on, with any stiffness above it on every joint and 1 % of
+    /// critical damping, the grid has no gap; `None`: it has one even where joints are rigid.
     ///
     /// # Method
     ///
