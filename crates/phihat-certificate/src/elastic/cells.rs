@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 use super::disc::Disc;
-use super::port::{Band, Circle, Port};
+use super::port::{Circle, Port, SpringBand};
 use crate::check::complex::Complex;
 
 /// Boxes of springs per joint and cell; where more are needed, the cell is halved.
@@ -23,7 +23,7 @@ const ROUNDS: u32 = 3;
 
 /// Frequency \[rad/sample\] at which the clause is not proved, and whether it is known to fail there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Open {
+pub(super) struct OpenCell {
     pub(super) theta: f64,
     pub(super) fails: bool,
     /// Joints that no circle serves together.
@@ -31,13 +31,13 @@ pub(super) struct Open {
 }
 
 /// Covers all frequencies by cells, each with one circle through `−low` and `−high`.
-pub(super) fn covered(ports: &[Port], range: (f64, f64)) -> Result<(), Open> {
+pub(super) fn covered(ports: &[Port], range: (f64, f64)) -> Result<(), OpenCell> {
     let mut cells = vec![(0.0, PI)];
     let mut tried = 0_u64;
     while let Some((from, to)) = cells.pop() {
         let middle = 0.5 * (from + to);
-        let bands: Vec<Band> = ports.iter().map(|port| port.band(from, to)).collect();
-        let kappa = circle(ports, &bands, range).map_err(|joints| Open {
+        let bands: Vec<SpringBand> = ports.iter().map(|port| port.band(from, to)).collect();
+        let kappa = circle(ports, &bands, range).map_err(|joints| OpenCell {
             theta: middle,
             fails: true,
             joints,
@@ -50,7 +50,7 @@ pub(super) fn covered(ports: &[Port], range: (f64, f64)) -> Result<(), Open> {
         });
         let Some(joint) = open else { continue };
         if to - from < NARROWEST * to || to < LOWEST || tried > MOST {
-            return Err(Open { theta: middle, fails: false, joints: (joint, joint) });
+            return Err(OpenCell { theta: middle, fails: false, joints: (joint, joint) });
         }
         cells.extend([(middle, to), (from, middle)]);
     }
@@ -59,7 +59,7 @@ pub(super) fn covered(ports: &[Port], range: (f64, f64)) -> Result<(), Open> {
 
 /// `κ` in the middle of those that serve all joints in the middle of a band, by springs at the ends of their
 /// intervals and those deepest inside; else the two joints that ask for the opposite.
-fn circle(ports: &[Port], bands: &[Band], range: (f64, f64)) -> Result<f64, (usize, usize)> {
+fn circle(ports: &[Port], bands: &[SpringBand], range: (f64, f64)) -> Result<f64, (usize, usize)> {
     let scale = (range.0 * range.1).sqrt();
     let mut allowed = Allowed::new(scale);
     for (i, (port, band)) in ports.iter().zip(bands).enumerate() {
@@ -93,7 +93,7 @@ impl Allowed {
     }
 
     /// Intersects with the interval of a joint at one compliance, whatever damping and rotor.
-    fn add(&mut self, (i, port, band): (usize, &Port, &Band), s: f64, range: (f64, f64)) {
+    fn add(&mut self, (i, port, band): (usize, &Port, &SpringBand), s: f64, range: (f64, f64)) {
         let (rotor, damping) = (port.springs.rotor, port.springs.damping);
         for [c, b] in [damping.0, damping.1].into_iter().flat_map(|c| [[c, rotor.0], [c, rotor.1]])
         {

@@ -2,7 +2,7 @@
 
 use core::f64::consts::{FRAC_PI_4, PI, TAU};
 
-use super::cells::{Open, covered, turned};
+use super::cells::{OpenCell, covered, turned};
 use super::document::{ElasticJoint, ElasticJoints};
 use super::port::Port;
 use crate::check::agree::agrees;
@@ -66,7 +66,7 @@ impl ElasticJoints {
         Ok(ports)
     }
 
-    fn uncovered(&self, open: &Open, loops: &[(&JointRecord, &LoopModel)]) -> Refutation {
+    fn uncovered(&self, open: &OpenCell, loops: &[(&JointRecord, &LoopModel)]) -> Refutation {
         let period = loops.first().map_or(1.0, |(_, model)| model.period_s);
         let name = |i: usize| loops.get(i).map_or("", |(record, _)| record.name.as_str());
         let (one, other) = (name(open.joints.0), name(open.joints.1));

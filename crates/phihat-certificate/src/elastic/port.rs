@@ -90,7 +90,7 @@ pub(super) struct Port {
 
 /// Frequencies of a cell \[rad/sample\], and the joint's loop over them.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Band {
+pub(super) struct SpringBand {
     /// `ω` over the cell \[rad/s\].
     omega: (f64, f64),
     open: Disc,
@@ -116,7 +116,7 @@ impl Circle {
 
 /// `f + κg > 0` says on which side of the circle a point is.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sides {
+pub(super) struct CircleSides {
     pub(super) f: f64,
     pub(super) g: f64,
 }
@@ -145,13 +145,13 @@ impl Port {
     }
 
     /// The loop over the frequencies from `from` to `to` \[rad/sample\].
-    pub(super) fn band(&self, from: f64, to: f64) -> Band {
+    pub(super) fn band(&self, from: f64, to: f64) -> SpringBand {
         let (centre, half) = (0.5 * (from + to), 0.5 * (to - from));
         // No point of an arc is farther from its middle than the arc is long.
         let reach = if half > 0.0 { half * (1.0 + 1e-12) + 1e-300 } else { 0.0 };
         let w = Disc::new(on_circle(centre), reach);
         let per = |theta: f64| theta / self.period;
-        Band {
+        SpringBand {
             omega: (per(from) * (1.0 - LOST), per(to) * (1.0 + LOST)),
             open: w.polynomial(&self.open),
             back: w.polynomial(&self.back),
@@ -168,10 +168,10 @@ impl Port {
     }
 
     /// Returns true if `L″` is outside the circle over a band, for all springs of a box.
-    fn outside(&self, band: &Band, springs: &Springs, circle: &Circle) -> bool {
+    fn outside(&self, band: &SpringBand, springs: &Springs, circle: &Circle) -> bool {
         // A wrong torque is in N, or by its inverse in Δ: where one of them is small, so is its effect.
-        let torque = Band { back: band.back * self.wrong, ..*band };
-        let rest = Band { open: band.open * self.wrong, ..*band };
+        let torque = SpringBand { back: band.back * self.wrong, ..*band };
+        let rest = SpringBand { open: band.open * self.wrong, ..*band };
         [torque, rest].iter().any(|band| {
             self.off_disc(band, springs, circle)
                 || self.off_chord(band, springs, circle).unwrap_or(false)
@@ -179,7 +179,7 @@ impl Port {
     }
 
     /// By one disc for all `G` of the box.
-    fn off_disc(&self, band: &Band, springs: &Springs, circle: &Circle) -> bool {
+    fn off_disc(&self, band: &SpringBand, springs: &Springs, circle: &Circle) -> bool {
         let Some(g) = Self::compliance(springs, band.omega) else { return false };
         let at = Disc::new(circle.at, 0.0);
         let rotor = Disc::between(springs.rotor);
@@ -196,7 +196,7 @@ impl Port {
 
     /// By the arc of all `G` of the box: `|P − G| > r|N″|/|V|`, `P = (D + (p − jq)N″)/V`, where `D″ = D − GV`. Over a
     /// range of compliance `G` stays within `ω³c(Δs)²/4` of its chord. `None`: `V` may be 0.
-    fn off_chord(&self, band: &Band, springs: &Springs, circle: &Circle) -> Option<bool> {
+    fn off_chord(&self, band: &SpringBand, springs: &Springs, circle: &Circle) -> Option<bool> {
         let rotor = Disc::between(springs.rotor);
         let top = rotor * band.open + band.back;
         let moved = match self.side {
@@ -218,7 +218,7 @@ impl Port {
     }
 
     /// Returns true if `L″` is outside the circle over a band for all springs: boxes are halved, `most` at most.
-    pub(super) fn clear(&self, band: &Band, circle: &Circle, most: u32) -> (bool, u32) {
+    pub(super) fn clear(&self, band: &SpringBand, circle: &Circle, most: u32) -> (bool, u32) {
         let mut boxes = vec![self.springs];
         let mut tried = 0;
         while let Some(springs) = boxes.pop() {
@@ -236,7 +236,7 @@ impl Port {
     }
 
     /// Share of each interval of a box in the width of `1/L″`: of rotor, compliance, damping.
-    fn weights(&self, band: &Band, springs: &Springs) -> [f64; 3] {
+    fn weights(&self, band: &SpringBand, springs: &Springs) -> [f64; 3] {
         let square = band.omega.1 * band.omega.1;
         let Springs { rotor, compliance: s, damping: c } = *springs;
         let ratio = band.open.centre.over(band.open.centre.times(middle(rotor)) + band.back.centre);
@@ -249,15 +249,20 @@ impl Port {
     }
 
     /// `f`, `g` of the circles through `−a` and `−b` in the middle of a band, for one compliance, damping and rotor.
-    pub(super) fn sides(&self, band: &Band, point: [f64; 3], (a, b): (f64, f64)) -> Sides {
+    pub(super) fn sides(
+        &self,
+        band: &SpringBand,
+        point: [f64; 3],
+        (a, b): (f64, f64),
+    ) -> CircleSides {
         let (top, bottom) = self.ratio(band, point);
         let cross = bottom * top.conjugate();
         let square = |z: Complex| z.re * z.re + z.im * z.im;
-        Sides { f: square(top) + (a + b) * cross.re + a * b * square(bottom), g: -cross.im }
+        CircleSides { f: square(top) + (a + b) * cross.re + a * b * square(bottom), g: -cross.im }
     }
 
     /// Numerator and denominator of `L″` in the middle of a band.
-    fn ratio(&self, band: &Band, [s, c, rotor]: [f64; 3]) -> (Complex, Complex) {
+    fn ratio(&self, band: &SpringBand, [s, c, rotor]: [f64; 3]) -> (Complex, Complex) {
         let omega = middle(band.omega);
         let g = bend(omega, s, c);
         let (open, back) = (band.open.centre, band.back.centre);
@@ -270,7 +275,7 @@ impl Port {
     }
 
     /// Compliance whose `L″` is deepest inside a circle at the middle of a band, for one rotor, without damping.
-    pub(super) fn deepest(&self, band: &Band, circle: &Circle, rotor: f64) -> f64 {
+    pub(super) fn deepest(&self, band: &SpringBand, circle: &Circle, rotor: f64) -> f64 {
         let (open, back) = (band.open.centre, band.back.centre);
         let top = open.times(rotor) + back;
         let moved = match self.side {
@@ -284,7 +289,7 @@ impl Port {
     }
 
     /// `Δ(B + μ − μGB) + N(1 − μG)`, at the link `… + N`: the joint alone on a link of inertia `μ`, over a band.
-    pub(super) fn alone(&self, band: &Band, springs: &Springs, mu: f64) -> Option<Disc> {
+    pub(super) fn alone(&self, band: &SpringBand, springs: &Springs, mu: f64) -> Option<Disc> {
         let g = Self::compliance(springs, band.omega)?;
         let rotor = middle(springs.rotor);
         let on_open = Disc::real(rotor + mu) + g.times(-mu * rotor);

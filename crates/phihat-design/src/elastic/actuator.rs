@@ -62,12 +62,12 @@ impl Actuator {
 /// Interval of `κ` whose circles through `−a` and `−b` have every `L″` so far outside, and the joints that set its
 /// ends.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Room {
+pub(super) struct CircleRoom {
     pub(super) low: (f64, usize),
     pub(super) high: (f64, usize),
 }
 
-impl Room {
+impl CircleRoom {
     pub(super) const ALL: Self = Self { low: (f64::NEG_INFINITY, 0), high: (f64::INFINITY, 0) };
 
     /// Takes in one `1/L″`: `1 + (a + b) Re + ab |1/L″|² − κ Im > 0`.

@@ -6,8 +6,8 @@ use phihat_certificate::{ElasticJoint, ElasticJoints, EncoderSide};
 use phihat_model::Rotor;
 use phihat_study::{InertiaSource, Study};
 
-use super::grid::{Gap, Grid, Looped};
-use super::refusal::{ElasticRefusal, Needs, Refused};
+use super::grid::{Gap, LawInLoop, SpringGrid};
+use super::refusal::{ElasticRefusal, SpringNeeds, SpringRefusal};
 use super::softest::Unsprung;
 use crate::claims::Refutation;
 use crate::sampled::LoopModel;
@@ -51,8 +51,7 @@ impl FindElastic for ElasticJoints {
         links: &Arm,
     ) -> Result<Option<Self>, Box<ElasticRefusal>> {
         let Some(joints) = ElasticJoint::of(study) else { return Ok(None) };
-        let clause = clause((study, gains), links, joints)
-            .map_err(|what| Box::new(ElasticRefusal::unknown(&what)))?;
+        let clause = clause((study, gains), links, joints).map_err(Box::new)?;
         let Err(why) = shown(&clause, study, gains) else {
             let larger = |modulus: &f64| {
                 let tried = Self { modulus: *modulus, ..clause.clone() };
@@ -80,13 +79,15 @@ fn clause(
     (study, gains): (&Study, &Gains),
     links: &Arm,
     joints: Vec<ElasticJoint>,
-) -> Result<ElasticJoints, String> {
+) -> Result<ElasticJoints, ElasticRefusal> {
     if study.design.inertia != InertiaSource::Robot {
         let what = "the links' inertia is that of the robot's description (design.inertia)";
-        return Err(what.to_owned());
+        return Err(ElasticRefusal::unknown(what));
     }
     let nominal: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
-    let range = links.against(nominal).map_err(|why| format!("the links' inertia ({why})"))?;
+    let range = links
+        .against(nominal)
+        .map_err(|why| ElasticRefusal::unknown(&format!("the links' inertia is known ({why})")))?;
     let margin = study.design.window_margin.max(1.0);
     Ok(ElasticJoints {
         encoder: EncoderSide::of(study),
@@ -105,7 +106,7 @@ fn models(study: &Study, gains: &Gains) -> Vec<LoopModel> {
         .collect()
 }
 
-fn looped<'a>(gains: &'a Gains, models: &'a [LoopModel]) -> Vec<Looped<'a>> {
+fn looped<'a>(gains: &'a Gains, models: &'a [LoopModel]) -> Vec<LawInLoop<'a>> {
     gains.joints.iter().zip(models).collect()
 }
 
@@ -115,7 +116,7 @@ fn softest(
     (gains, models): (&Gains, &[LoopModel]),
     rotor: &[f64],
 ) -> Option<Vec<f64>> {
-    let grid = &Grid::new(&looped(gains, models), COARSE);
+    let grid = &SpringGrid::new(&looped(gains, models), COARSE);
     Unsprung { grid, side: clause.encoder, range: (clause.low, clause.high), rotor }.softest()
 }
 
@@ -129,13 +130,13 @@ fn shown(clause: &ElasticJoints, study: &Study, gains: &Gains) -> Result<(), Uns
     let models = models(study, gains);
     let loops = looped(gains, &models);
     let request = (clause.encoder, (clause.low, clause.high));
-    if let Some(gap) = Grid::new(&loops, FINE).gap(&clause.joints, request) {
+    if let Some(gap) = SpringGrid::new(&loops, FINE).gap(&clause.joints, request) {
         return Err(Unshown::Gap(gap));
     }
     clause.verify(&loops).map_err(Unshown::Check)
 }
 
-/// Needs of the law, and what else would do.
+/// SpringNeeds of the law, and what else would do.
 fn refused(
     clause: &ElasticJoints,
     (study, gains): (&Study, &Gains),
@@ -161,7 +162,7 @@ fn refused(
             (stiffness * (1.0 / rotor + 1.0 / link)).sqrt() / TAU
         };
         let (low, high) = (own.stiffness_nm_rad.0, own.stiffest());
-        Needs {
+        SpringNeeds {
             joint: gains.joints[*joint].name.clone(),
             stiffness_nm_rad: (low, high),
             resonance_hz: (hz(low, own.rotor_kg_m2.1, heavy), hz(high, own.rotor_kg_m2.0, light)),
@@ -179,7 +180,7 @@ fn refused(
         right: 1.0,
     };
     let other = ElasticJoints { encoder: clause.encoder.other(), ..clause.clone() };
-    let refused = Refused {
+    let refused = SpringRefusal {
         encoder: clause.encoder,
         band_hz: gap.hz,
         needs: blamed.iter().map(needs).collect(),

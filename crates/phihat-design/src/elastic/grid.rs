@@ -5,7 +5,7 @@ use core::f64::consts::{PI, TAU};
 use nalgebra::Complex;
 use phihat_certificate::{ElasticJoint, EncoderSide};
 
-use super::actuator::{Actuator, Room};
+use super::actuator::{Actuator, CircleRoom};
 use crate::JointRecord;
 use crate::sampled::{LoopModel, OpenLoop};
 
@@ -13,11 +13,11 @@ use crate::sampled::{LoopModel, OpenLoop};
 const LOWEST: f64 = 1e-4;
 
 /// A law in its loop.
-pub(super) type Looped<'a> = (&'a JointRecord, &'a LoopModel);
+pub(super) type LawInLoop<'a> = (&'a JointRecord, &'a LoopModel);
 
 /// `L_i` of every joint on the grid.
 #[derive(Debug, Clone)]
-pub(super) struct Grid {
+pub(super) struct SpringGrid {
     /// Frequencies \[rad/s\], ascending to half the sample rate.
     pub(super) omega: Vec<f64>,
     /// One list per frequency, one entry per joint.
@@ -35,9 +35,9 @@ pub(super) struct Gap {
     pub(super) joints: (usize, usize),
 }
 
-impl Grid {
+impl SpringGrid {
     /// A grid with steps of this share of the frequency.
-    pub(super) fn new(loops: &[Looped<'_>], share: f64) -> Self {
+    pub(super) fn new(loops: &[LawInLoop<'_>], share: f64) -> Self {
         let period = loops.first().map_or(1.0, |(_, model)| model.period_s);
         let open: Vec<OpenLoop> =
             loops.iter().map(|(record, model)| OpenLoop::new(record, model)).collect();
@@ -67,7 +67,7 @@ impl Grid {
             .collect();
         let mut gap: Option<Gap> = None;
         for (omega, laws) in self.omega.iter().zip(&self.laws) {
-            let mut room = Room::ALL;
+            let mut room = CircleRoom::ALL;
             for (i, (law, points)) in laws.iter().zip(&points).enumerate() {
                 for point in points {
                     room.add(i, point.admittance(*law, *omega, side), range);

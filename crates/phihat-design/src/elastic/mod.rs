@@ -12,5 +12,5 @@ mod slower;
 mod softest;
 
 pub use find::{FindElastic, links_of, softest_springs};
-pub use refusal::{ElasticRefusal, Needs, Refused};
+pub use refusal::{ElasticRefusal, SpringNeeds, SpringRefusal};
 pub use slower::slower;

@@ -1,4 +1,4 @@
-//! Needs of a law that does not bear the joints of an arm.
+//! SpringNeeds of a law that does not bear the joints of an arm.
 
 use core::fmt;
 
@@ -12,25 +12,25 @@ pub struct ElasticRefusal {
     /// The inequality that fails.
     pub why: Refutation,
     /// Result of the search; `None`: the search has no gap and the check fails, or the arm is not known.
-    pub refused: Option<Refused>,
+    pub refused: Option<SpringRefusal>,
 }
 
-/// Needs of a law, and whether the other side of the springs would do.
+/// SpringNeeds of a law, and whether the other side of the springs would do.
 #[derive(Debug, Clone)]
-pub struct Refused {
+pub struct SpringRefusal {
     /// Side of the springs on which positions are read.
     pub encoder: EncoderSide,
     /// First band of frequency that no circle serves \[Hz\].
     pub band_hz: (f64, f64),
     /// The joints to blame: one, or two that need the opposite.
-    pub needs: Vec<Needs>,
+    pub needs: Vec<SpringNeeds>,
     /// True if the same law holds with positions read on the other side.
     pub other_side: bool,
 }
 
 /// Stiffness of one joint, and the law's need.
 #[derive(Debug, Clone)]
-pub struct Needs {
+pub struct SpringNeeds {
     /// Joint name.
     pub joint: String,
     /// Stiffness that is stated \[N·m/rad\].
@@ -61,7 +61,7 @@ impl fmt::Display for ElasticRefusal {
         let Some(refused) = &self.refused else {
             return write!(f, "not proved with the springs of the joints: {}", self.why);
         };
-        let Refused { encoder, band_hz: (from, to), needs, other_side } = refused;
+        let SpringRefusal { encoder, band_hz: (from, to), needs, other_side } = refused;
         write!(
             f,
             "not proved stable with the springs of the joints and encoders at the {}: fails between {from:.1} and {to:.1} Hz",

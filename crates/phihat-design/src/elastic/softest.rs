@@ -6,8 +6,8 @@ use phihat_certificate::EncoderSide;
 use phihat_certificate::extremes::smaller;
 use phihat_model::JointSpring;
 
-use super::actuator::{Actuator, Room};
-use super::grid::Grid;
+use super::actuator::{Actuator, CircleRoom};
+use super::grid::SpringGrid;
 
 /// Frequencies of a rotor on its spring that are tried, from the stiffest \[Hz\] down, by steps of this share.
 const STIFFEST_HZ: f64 = 1e3;
@@ -17,7 +17,7 @@ const STEP: f64 = 0.02;
 /// An arm whose springs are sought.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Unsprung<'a> {
-    pub(super) grid: &'a Grid,
+    pub(super) grid: &'a SpringGrid,
     pub(super) side: EncoderSide,
     /// Range of the links' inertia.
     pub(super) range: (f64, f64),
@@ -35,7 +35,7 @@ impl Unsprung<'_> {
     /// rotors on their springs. With these ratios all get softer together; then each goes on while the others stay.
     pub(super) fn softest(&self) -> Option<Vec<f64>> {
         let n = self.rotor.len();
-        let mut rigid = vec![vec![Room::ALL; n]; self.grid.omega.len()];
+        let mut rigid = vec![vec![CircleRoom::ALL; n]; self.grid.omega.len()];
         if !(0..n).all(|joint| self.take(&mut rigid, joint, f64::INFINITY)) {
             return None;
         }
@@ -61,7 +61,7 @@ impl Unsprung<'_> {
     }
 
     /// Lowest frequency \[Hz\] of a joint's rotor on its spring from another one down; takes all of them in.
-    fn softer(&self, rooms: &mut Vec<Vec<Room>>, joint: usize, from_hz: f64) -> f64 {
+    fn softer(&self, rooms: &mut Vec<Vec<CircleRoom>>, joint: usize, from_hz: f64) -> f64 {
         let mut hz = from_hz;
         loop {
             let next = hz / (1.0 + STEP);
@@ -79,7 +79,7 @@ impl Unsprung<'_> {
     }
 
     /// Takes one stiffness of a joint into its rooms; returns false where that leaves no room at some frequency.
-    fn take(&self, rooms: &mut [Vec<Room>], joint: usize, hz: f64) -> bool {
+    fn take(&self, rooms: &mut [Vec<CircleRoom>], joint: usize, hz: f64) -> bool {
         let (inertia, rotor) = (self.grid.inertia[joint], self.rotor[joint]);
         let stiffness = self.stiffness(joint, hz);
         let rigid = stiffness.is_infinite();
@@ -93,7 +93,7 @@ impl Unsprung<'_> {
         for (rooms, (omega, laws)) in each {
             let admittance = point.admittance(laws[joint], *omega, self.side);
             rooms[joint].add(joint, admittance, self.range);
-            if rooms.iter().fold(Room::ALL, Room::and).is_empty() {
+            if rooms.iter().fold(CircleRoom::ALL, CircleRoom::and).is_empty() {
                 return false;
             }
         }
