@@ -1,8 +1,11 @@
 //! Claims of a certificate about a run, as bounds for every joint and time.
 
+use phihat_certificate::extremes::{Extremes as _, larger};
+use phihat_certificate::tube::UNREAD;
 use phihat_certificate::{LeftOut, NotCounted, Tube, TubeJoint};
 use phihat_design::Gains;
 use phihat_design::claims::Refutation;
+use phihat_session::tube_reference;
 use phihat_study::Study;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -104,6 +107,20 @@ pub fn claimed(gains: &Gains, study: &Study) -> Result<AttackClaim, NoClaim> {
     });
     let joints = joints.collect::<Result<_, NoClaim>>()?;
     Ok(AttackClaim { joints, settle_s: study.spec.settle, limits_silent: false })
+}
+
+/// Bounds of the tube by the certificate's own derivation, and the largest ratio of its error bound of a joint to the
+/// claimed one; `None` where it does not close.
+pub(crate) fn derived_again(gains: &Gains, study: &Study) -> Option<(AttackClaim, f64)> {
+    let certificate = gains.certificate.as_ref()?;
+    let claimed = certificate.tube.as_ref()?;
+    let reference = tube_reference(gains, study)?;
+    let own = certificate.tube_again(gains, (study, &reference), &|_| ())?.ok()?;
+    let pairs = own.joints.iter().zip(&claimed.joints);
+    let ratio = |(own, claimed): (&TubeJoint, &TubeJoint)| {
+        own.error_bound_rad / larger(claimed.error_bound_rad, UNREAD)
+    };
+    Some((documented(&own, study), pairs.map(ratio).largest()))
 }
 
 /// Bounds of a tube in a certificate.

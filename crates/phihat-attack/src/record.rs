@@ -19,6 +19,15 @@ pub enum TrialEnded {
     Certified,
 }
 
+/// Runs against the tube by the second derivation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SecondDerivation {
+    /// Runs.
+    pub runs: usize,
+    /// Largest ratio of its error bound of a joint to that of the first.
+    pub wider: f64,
+}
+
 /// Recorded result of a trial.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AttackRecord {
@@ -46,6 +55,9 @@ pub struct AttackRecord {
     pub at_rest: Option<f64>,
     /// Result of `verify --study`, where requested.
     pub derived: Option<String>,
+    /// The same runs against the tube by the second derivation; `None`: not asked, or it does not close.
+    #[serde(default)]
+    pub second_derivation: Option<SecondDerivation>,
     /// Time of design and verification, and of the runs \[s\].
     pub seconds: (f64, f64),
 }

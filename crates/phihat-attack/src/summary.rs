@@ -51,6 +51,10 @@ pub struct AttackSummary {
     pub reached: Option<RatioSpread>,
     /// Results of `verify --study` for tubes of laws from positions, with their counts.
     pub derived: BTreeMap<String, usize>,
+    /// Second derivation's error bound of a joint over the first one's, the largest of each study where it closes.
+    pub second_over_first: Option<RatioSpread>,
+    /// Runs held against the second derivation.
+    pub second_runs: usize,
     /// Runs by other simulators, and what of studies they do not know.
     pub second: (usize, BTreeMap<String, usize>),
     /// Time of designs and of runs \[s\], summed over threads.
@@ -75,6 +79,8 @@ impl AttackSummary {
             ratio_step: None,
             reached: None,
             derived: BTreeMap::new(),
+            second_over_first: None,
+            second_runs: 0,
             second: (0, BTreeMap::new()),
             seconds: (0.0, 0.0),
             panics,
@@ -89,12 +95,6 @@ impl AttackSummary {
             }
             for why in &record.redrawn {
                 *summary.redrawn.entry(short(why)).or_default() += 1;
-            }
-            if let Some(second) = &record.second {
-                summary.second.0 += second.runs;
-                if let Some(why) = &second.skipped {
-                    *summary.second.1.entry(why.clone()).or_default() += 1;
-                }
             }
             summary.runs.0 += record.runs.0;
             summary.runs.1 += record.runs.1;
@@ -119,9 +119,28 @@ impl AttackSummary {
             }
         }
         summary.positions(records);
+        summary.second_derivations(records);
+        summary.other_simulators(records);
         summary.ratio_large = spread(&large);
         summary.ratio_small = spread(&small);
         summary
+    }
+
+    /// Adds the figures of second derivations.
+    fn second_derivations(&mut self, records: &[AttackRecord]) {
+        let again = || records.iter().filter_map(|record| record.second_derivation);
+        self.second_runs = again().map(|again| again.runs).sum();
+        self.second_over_first = spread(&again().map(|again| again.wider).collect::<Vec<_>>());
+    }
+
+    /// Adds the runs by other simulators.
+    fn other_simulators(&mut self, records: &[AttackRecord]) {
+        for second in records.iter().filter_map(|record| record.second.as_ref()) {
+            self.second.0 += second.runs;
+            if let Some(why) = &second.skipped {
+                *self.second.1.entry(why.clone()).or_default() += 1;
+            }
+        }
     }
 
     /// Adds the figures of laws from positions alone.
@@ -184,6 +203,7 @@ impl fmt::Display for AttackSummary {
         for (name, spread) in [
             ("bound over measured, larger errors", self.ratio_large),
             ("bound over measured, errors below 15 %", self.ratio_small),
+            ("error bound by the second derivation over that by the first", self.second_over_first),
             ("laws from positions: bound over measured error", self.ratio_positions),
             ("laws from positions: bound over measured torque step", self.ratio_step),
             ("laws from positions: reached over claimed coupled gains", self.reached),
@@ -196,6 +216,7 @@ impl fmt::Display for AttackSummary {
                 )?;
             }
         }
+        writeln!(f, "runs held against the second derivation of their tube: {}", self.second_runs)?;
         list(f, "tubes of laws from positions, by verify --study", &self.derived)?;
         writeln!(f, "of what was drawn: certified, broken")?;
         for (tag, (certified, broken)) in &self.by_tag {

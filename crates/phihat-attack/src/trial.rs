@@ -8,14 +8,14 @@ use phihat_design::claims::Refutation;
 use phihat_design::{Clause, Gains};
 use phihat_session::Dice;
 
-use crate::claim::AttackClaim;
+use crate::claim::{AttackClaim, derived_again};
 use crate::derived::derived;
 use crate::draft::Draft;
 use crate::drawn::drawn;
 use crate::frozen::at_rest;
 use crate::held::{JointFound, Violation, held};
 use crate::judged::{DesignVerdict, judged_by};
-use crate::record::{AttackRecord, TrialEnded};
+use crate::record::{AttackRecord, SecondDerivation, TrialEnded};
 use crate::run::run;
 use crate::second::opinion;
 use crate::typed::Claims;
@@ -70,6 +70,7 @@ impl Trial<'_> {
             second: None,
             at_rest: None,
             derived: None,
+            second_derivation: None,
             seconds: (0.0, 0.0),
         };
         for _ in 0..DRAWS {
@@ -164,6 +165,11 @@ impl Trial<'_> {
         record: &mut AttackRecord,
     ) {
         let mut keep = Vec::new();
+        let again =
+            one_of(self.derive_every, record.index).then(|| draft.study(&draft.nominal, folder));
+        let again = again.and_then(Result::ok).and_then(|study| derived_again(gains, &study));
+        record.second_derivation =
+            again.as_ref().map(|(_, wider)| SecondDerivation { runs: 0, wider: *wider });
         for (name, world) in worlds(&draft.nominal, &draft.scope, dice, self.runs) {
             let study = match draft.study(&world, folder) {
                 Ok(study) => study,
@@ -184,6 +190,11 @@ impl Trial<'_> {
             record.runs.1 += usize::from(found.outside);
             if !found.outside {
                 worst(&mut record.found, &found.joints);
+            }
+            if let (Some((claim, _)), Some(count)) = (&again, &mut record.second_derivation) {
+                let name = format!("{name}, second derivation");
+                record.violations.extend(held(claim, &outcome, &name).violations);
+                count.runs += 1;
             }
             let place = record.runs.0 - 1;
             let second = place == SECOND && self.asked(record.index);

@@ -15,6 +15,7 @@
 #![forbid(unsafe_code)]
 
 mod arm;
+mod assumptions;
 mod attenuation;
 mod bounds;
 mod certificate;
@@ -70,10 +71,11 @@ mod window;
 mod witness;
 
 pub use arm::{ArmBasis, ArmInertia};
+pub use assumptions::Assumption;
 pub use attenuation::{Attenuation, Interval};
 pub use bounds::Bounds;
 pub use certificate::{Certificate, ErrorBound, JointCertificate};
-pub use class::{ClassAgain, ClassBound, ClassPace, ClassWitness, JointOfClass};
+pub use class::{ClassAgain, ClassBound, ClassPace, ClassPair, ClassWitness, JointOfClass};
 pub use coarser::CoarserEncoder;
 pub use continuous::ContinuousLaw;
 pub use coupled::{CoupledGains, FrozenPayload, FrozenPosture};

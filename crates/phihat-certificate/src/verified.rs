@@ -4,8 +4,8 @@ use phihat::{Form, TorqueSource, VelocitySource};
 use serde::Serialize;
 
 use crate::{
-    ArmBasis, Certificate, CheckedBound, ClassAgain, ElasticJoints, Gains, JointCertificate,
-    LoopModel, NotCounted, PhiBasis, Refutation, TubeAgain, Verdict,
+    ArmBasis, Assumption, Certificate, CheckedBound, ClassAgain, ElasticJoints, Gains,
+    JointCertificate, LoopModel, NotCounted, PhiBasis, Refutation, TubeAgain, Verdict,
 };
 
 /// One line of a checked certificate.
@@ -43,6 +43,8 @@ pub struct Verified {
     pub tube: Option<TubeAgain>,
     /// Result of a second derivation of the bound for a class of motions from a study.
     pub class: Option<ClassAgain>,
+    /// Assumptions under which all of it holds.
+    pub assumptions: Vec<Assumption>,
     /// Effects in the study that the claims leave out, as the file says.
     pub not_counted: Vec<NotCounted>,
     /// Clauses of the specification that the file does not prove, and the reason where it bounds no error.
@@ -101,6 +103,7 @@ impl Certificate {
             derived: Vec::new(),
             tube: None,
             class: None,
+            assumptions: self.assumptions(),
             not_counted: self.not_counted.clone(),
             not_proved: Vec::new(),
             bounded: self.without_bound().is_none(),
@@ -114,7 +117,9 @@ impl Certificate {
         let (tube, class) = (verified.tube.as_ref(), verified.class.as_ref());
         verified.error_bounds = self.checked_bounds(gains, tube, class);
         verified.not_proved = self.not_proved();
-        verified.not_proved.extend(tube.into_iter().flat_map(|tube| tube.first_only.clone()));
+        let first_only = tube.map(|tube| &tube.first_only);
+        let all = first_only.into_iter().chain(class.map(|class| &class.first_only));
+        verified.not_proved.extend(all.flatten().cloned());
         let standing = verified.error_bounds.iter().map(|bound| bound.verdict).min();
         verified.verdict = if verified.bounded && verified.not_proved.is_empty() {
             standing.unwrap_or(Verdict::NotProved)

@@ -95,7 +95,7 @@ impl DriveVerb {
             return Ok(self.refused(&prepared));
         }
         if !self.json {
-            println!("{}\n{}", lines(&prepared.checks), prepared.proof.sentence);
+            println!("{}\n{}", lines(&prepared.checks), prepared.bound.sentence);
             if let Some(rigid) = prepared.rigid_joints() {
                 println!("{rigid}");
             }

@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use clap::Args;
 use phihat_certificate::tube::JointBeside;
 use phihat_certificate::{
-    CheckedBound, ClassAgain, JointOfClass, TubeAgain, Verdict, Verified, VerifiedStatement,
+    CheckedBound, ClassAgain, ClassPair, JointOfClass, TubeAgain, Verdict, Verified,
+    VerifiedStatement,
 };
 use phihat_report::kit::unit_of;
 use phihat_session::{Checked, Verification, VerifyStage, WORLDS, verify};
@@ -48,7 +49,7 @@ pub(crate) struct Verify {
     /// Derive again from this study what the file alone has to be trusted for.
     #[arg(long, value_name = "STUDY", conflicts_with = "run")]
     study: Option<PathBuf>,
-    /// Seed of the worlds that are drawn and run, beside the SHA-256 of the gains: a number of your own, which
+    /// Seed of the worlds and postures that are drawn, beside the SHA-256 of the gains: a number of your own, which
     /// whoever made the file cannot know.
     #[arg(long, value_name = "N", default_value_t = 0, requires = "study")]
     seed: u64,
@@ -161,6 +162,8 @@ fn blocks(verified: &Verified, found: &Verification) -> String {
         blocks
             .push(block("THE CLASS OF MOTIONS, BY A SECOND DERIVATION", class_lines(class, found)));
     }
+    let assumed = verified.assumptions.iter().map(|one| format!("  {}: {}", one.number, one.text));
+    blocks.push(block("ASSUMED", assumed.collect()));
     let left = table::not_counted(&verified.not_counted);
     let left = left.into_iter().chain(found.rigid_joints.clone());
     let left = left.map(|one| format!("  {one}")).collect();
@@ -205,18 +208,27 @@ fn reason(verified: &Verified) -> &'static str {
 /// Results of the second derivation of the bound for a class.
 fn class_lines(class: &ClassAgain, found: &Verification) -> Vec<String> {
     let joint = |own: &JointOfClass| {
-        let unit = unit_of("mrad", found.sliding.contains(&own.name));
-        let ends = [own.claimed_rad, own.derived_rad].map(|e| 1e3 * e);
-        format!("  {}: |e| ≤ {:.4} {unit} claimed, {:.4} derived", own.name, ends[0], ends[1])
+        let slides = found.sliding.contains(&own.name);
+        let pair = |what: &str, pair: ClassPair, scale: f64, unit: &str| {
+            let [claimed, derived] = [pair.claimed, pair.derived].map(|x| scale * x);
+            format!("{what} ≤ {claimed:.4} {} claimed, {derived:.4} derived", unit_of(unit, slides))
+        };
+        [
+            pair("|e|", own.error_bound_rad, 1e3, "mrad"),
+            pair("|ė|", own.velocity_error_bound_rad_s, 1e3, "mrad/s"),
+            pair("|Δτ|", own.torque_step_nm, 1.0, "N·m"),
+            pair("|τ|", own.torque_nm, 1.0, "N·m"),
+        ]
+        .map(|line| format!("  {}: {line}", own.name))
     };
-    let mut lines: Vec<String> = class.joints.iter().map(joint).collect();
-    lines.push(format!(
-        "  kicks played at {} postures, torque rates at {} points of the class, drawn from this file; claimed over \
-         derived is {:.3} at least; without second-order terms, so from below",
-        class.postures,
-        class.points,
-        class.least_ratio()
-    ));
+    let mut lines: Vec<String> = class.joints.iter().flat_map(joint).collect();
+    if let Some(why) = &class.on_trust {
+        lines
+            .push(format!("  the bound is on trust: it could not be derived a second time, {why}"));
+    } else {
+        lines.push(format!("  derived over claimed |e| is {:.3} at most", class.largest_ratio()));
+    }
+    lines.push(format!("  {}", class.assumption()));
     lines
 }
 

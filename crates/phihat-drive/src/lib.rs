@@ -20,6 +20,7 @@
 //! passes through a ring to the thread that writes it.
 #![forbid(unsafe_code)]
 
+mod bound;
 mod cycles;
 mod described;
 mod error;
@@ -35,7 +36,6 @@ mod order;
 mod other_end;
 mod preflight;
 mod prepared;
-mod proof;
 #[cfg(feature = "ros2")]
 mod ros2;
 mod sim;
@@ -51,6 +51,7 @@ use elsewhere as system;
 #[cfg(target_os = "linux")]
 use linux as system;
 
+pub use bound::DriveBound;
 pub use cycles::{Desk, End, Park, Parked, Plan, Tally, cycles};
 pub use error::DriveError;
 pub use evidence::Evidence;
@@ -64,7 +65,6 @@ pub use on::{On, OnError};
 pub use order::{Order, OrderError};
 pub use preflight::{Check, CheckName, State};
 pub use prepared::{DriveOptions, Driven, Prepared, prepare, prepare_on};
-pub use proof::Proof;
 #[cfg(feature = "ros2")]
 pub use ros2::{RosCounts, RosError, RosNode, RosOptions};
 pub use sim::SimLink;

@@ -13,6 +13,7 @@ use phihat_sim::{Abort, ControlSide, Ended, Motion, StopReason};
 use phihat_study::Study;
 use serde_json::{Value, json};
 
+use crate::bound::{DriveBound, Subject};
 use crate::cycles::{Desk, End, Park, Parked, Plan, Tally, cycles};
 use crate::error::DriveError;
 use crate::evidence::Evidence;
@@ -24,7 +25,7 @@ use crate::on::On;
 use crate::order::Order;
 use crate::other_end::OtherEnd;
 use crate::preflight::{self, Check, CheckName, State};
-use crate::proof::{Proof, Subject};
+
 use crate::sim::SimLink;
 use crate::system;
 use crate::tape::ring;
@@ -57,8 +58,8 @@ pub struct Prepared {
     pub folder: PathBuf,
     /// Results of the checks.
     pub checks: Vec<Check>,
-    /// Bound on the error of the drive, or why there is none.
-    pub proof: Proof,
+    /// Bound on the error of the drive with its standing, or why there is none.
+    pub bound: DriveBound,
     /// The requested first motion.
     pub first: Option<FirstStudy>,
     options: DriveOptions,
@@ -149,10 +150,10 @@ fn prepare_whole(
     let mut end = OtherEnd::of(own, &options.on, session.study())?;
     let checks = About { session: &session, first: None, options }.checked(&mut end, again)?;
     // The study before a motion from a file took the place of its own.
-    let sha256 = phihat_session::read(&options.run.study)?.sha256;
-    let proof = proof(&session, (&sha256, false), &checks);
+    let own = phihat_session::read(&options.run.study)?;
+    let bound = bound(&session, Some(&own), &checks)?;
     let (first, options) = (None, options.clone());
-    Ok(Prepared { session, folder, checks, proof, first, options, end, tap: None, targets: None })
+    Ok(Prepared { session, folder, checks, bound, first, options, end, tap: None, targets: None })
 }
 
 #[inline(never)]
@@ -170,15 +171,19 @@ fn prepare_first(
     none_unfinished(&folder)?;
     let about = About { session: &session, first: Some(&first), options };
     let checks = about.checked(&mut end, || Ok(first.study.clone()))?;
-    let proof = proof(&session, ("", true), &checks);
+    let bound = bound(&session, None, &checks)?;
     let (first, options) = (Some(first), options.clone());
-    Ok(Prepared { session, folder, checks, proof, first, options, end, tap: None, targets: None })
+    Ok(Prepared { session, folder, checks, bound, first, options, end, tap: None, targets: None })
 }
 
-/// The bound of a drive by the gains of a session.
-fn proof(session: &Session, (sha256, first): (&str, bool), checks: &[Check]) -> Proof {
+/// The bound of a drive by the gains of a session; `own` is the study before a motion from a file took its place.
+fn bound(
+    session: &Session,
+    own: Option<&Study>,
+    checks: &[Check],
+) -> Result<DriveBound, SessionError> {
     let (study, gains) = (session.study(), session.gains());
-    Proof::of(Subject { study, sha256, gains, first }, checks)
+    DriveBound::of(Subject { study, own, gains }, checks)
 }
 
 /// Position of an arm: as the robot reports it, else the start of the study's motion.
@@ -298,24 +303,24 @@ impl Prepared {
         if self.is_refused() {
             return Err(DriveError::Refused(self.checks));
         }
-        let Self { session, checks, proof, options, end, mut tap, targets, .. } = self;
+        let Self { session, checks, bound, options, end, mut tap, targets, .. } = self;
         let study = session.study().clone();
         let names = study.robot.joint_names();
         let OtherEnd { words: at, robot, facts } = end;
-        let command = (command(&options, &at), begun((&at, &facts), (&checks, &proof)));
+        let command = (command(&options, &at), begun((&at, &facts), (&checks, &bound)));
         let mut kept = None;
         let done = session.driven(leave, command, watch, |(control, world), watch, take| {
             let samples = world.samples();
             let (tap, targets) = (tap.take(), targets.as_deref());
             let (at, checks, options, names) = (&at[..], &checks[..], &options, &names[..]);
-            let proof = &proof;
+            let bound = &bound;
             let supervisor = study.supervisor.as_ref();
             let braked = supervisor.is_some_and(|asked| asked.brake_closing.is_some());
             let park = park(&study);
             let mut way = DriveInputs {
                 at,
                 checks,
-                proof,
+                bound,
                 options,
                 stop,
                 names,
@@ -351,13 +356,13 @@ fn park(study: &Study) -> Option<Park<'_>> {
 #[inline(never)]
 fn begun(
     (at, link): (&str, &Facts),
-    (checks, proof): (&[Check], &Proof),
+    (checks, bound): (&[Check], &DriveBound),
 ) -> serde_json::Map<String, Value> {
     let all = [
         ("on", json!(at)),
         ("link", json!(link)),
         ("checks", json!(checks)),
-        ("proof", json!(proof)),
+        ("bound", json!(bound)),
     ];
     all.map(|(name, value)| (name.to_owned(), value)).into_iter().collect()
 }
@@ -383,7 +388,7 @@ fn command(options: &DriveOptions, at: &str) -> String {
 struct DriveInputs<'a> {
     at: &'a str,
     checks: &'a [Check],
-    proof: &'a Proof,
+    bound: &'a DriveBound,
     options: &'a DriveOptions,
     stop: &'a AtomicBool,
     names: &'a [String],
@@ -480,7 +485,7 @@ impl DriveInputs<'_> {
             "on": self.at,
             "link": link,
             "checks": self.checks,
-            "proof": self.proof,
+            "bound": self.bound,
             "error_share_max": evidence.share.map(|(share, _)| share),
             "error_share_max_at_s": evidence.share.map(|(_, t)| t),
             "settings": given,
@@ -518,7 +523,7 @@ impl DriveInputs<'_> {
             ("driven".to_owned(), self.at.to_owned()),
             ("samples lost".to_owned(), format!("{} of {}", tally.lost, tally.cycles)),
         ];
-        facts.push(("bound".to_owned(), self.proof.sentence.clone()));
+        facts.push(("bound".to_owned(), self.bound.sentence.clone()));
         facts.extend(evidence.share.map(|(share, t)| {
             let words = format!("{share:.3} of its bound, measured, at t = {t:.3} s");
             ("largest error".to_owned(), words)

@@ -8,6 +8,7 @@
 
 mod support;
 
+mod bound;
 mod endings;
 mod facts;
 mod first_motion;
@@ -17,6 +18,5 @@ mod lying;
 mod lying_bytes;
 mod no_allocation;
 mod parking;
-mod proved;
 mod referred;
 mod same_trace;

@@ -208,7 +208,7 @@ pub(crate) fn class_verdict(record: &Record<'_>) -> Markup {
         }
         p {
             "Not proved: derived once, on maxima that a search found; " code { "phihat verify --study" }
-            " derives it again without second-order terms, so from below. For as long as the motion lasts, payload " (stated(mass.0)) " … " (stated(mass.1))
+            " derives it a second time. For as long as the motion lasts, payload " (stated(mass.0)) " … " (stated(mass.1))
             " kg on "
             (line(&run.class.payload.frame)) ", from a start at rest in balance. " (run.sentence()) "."
         }

@@ -19,7 +19,7 @@ pub(crate) fn class(record: &Record<'_>) -> Markup {
         p {
             "The class bound: every motion inside of the box and the limits below keeps it, whether it is known "
             "beforehand or not, with forces of any course in time as large as dry friction and pushes, as long as no "
-            "limit acts. It is not proved: derived once, on maxima that a search found, of " (class.postures)
+            "limit acts. Here it is derived once, on maxima that a search found, of " (class.postures)
             " postures, " (class.points) " points of torque rates (" (line(&class.source))
             "). An error adds to itself by a factor of " (number(class.spectral_radius))
             " (spectral radius; below 1 the class closes). " (run.sentence()) "."

@@ -71,6 +71,7 @@ pub use observer::RunFigures;
 pub use origin::{how_to_recover, is_unfinished, trace_at};
 pub use outside::OutsideRun;
 pub use page::write_report;
+pub use phihat_certificate::extremes::Extremes;
 pub use record::Done;
 pub use referred::referred;
 pub use rigid::rigid_joints;
@@ -79,6 +80,9 @@ pub use served::{Serve, ServeOptions, ServeWatch};
 pub use served_record::ServedMotion;
 pub use session::{RunOptions, Session};
 pub use unfinished::{LOST_MAX_S, Recovered, none_unfinished, recover};
-pub use verify::{Checked, Verification, VerifyStage, verify};
+pub use verify::{
+    BoundStanding, Checked, Verification, VerifyStage, class_standing, tube_reference,
+    tube_standing, verify,
+};
 pub use watch::{Watch, threads};
 pub use words::stopped;

@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use phihat_certificate::extremes::Extremes as _;
 use phihat_certificate::tube::TubeReference;
-use phihat_certificate::{Certificate, Refutation, TubeAgain, Verified};
+use phihat_certificate::{Certificate, Refutation, TubeAgain, Verdict, Verified};
 use phihat_design::Gains;
 use phihat_sim::{Metrics, Motion, fed_along};
 use phihat_study::Study;
+use serde::Serialize;
 
 use crate::design;
 use crate::drawn_worlds::{DrawnRuns, runs};
@@ -174,11 +176,14 @@ fn again(
     (study, seed): (&Study, u64),
     stage: &(dyn Fn(VerifyStage) + Sync),
 ) -> Result<Again, SessionError> {
+    // What is drawn comes from the file and from the reader: nobody who wrote the file knows it.
+    let text = gains.to_json().map_err(SessionError::other)?;
+    let seed = seed_of(&text, seed);
     let checked = certificate.derive(gains, study).and_then(|derived| {
         verified.derived = derived;
         let share = |share| stage(VerifyStage::Tube(share));
         verified.tube = derived_tube((gains, certificate), study, &share)?;
-        verified.class = certificate.derive_class(gains, study)?;
+        verified.class = certificate.derive_class(gains, study, seed)?;
         Ok(certificate.concluded(verified, gains))
     });
     let verified = match checked {
@@ -186,10 +191,74 @@ fn again(
         Err(why) => return Ok(Err(why)),
     };
     let Some(tube) = &certificate.tube else { return Ok(Ok((verified, None))) };
-    let text = gains.to_json().map_err(SessionError::other)?;
-    let seed = seed_of(&text, seed);
     let found = runs(study, (gains, tube), seed, &|done| stage(VerifyStage::Worlds(done)))?;
     Ok(found.map(|kept| (verified, Some(kept))))
+}
+
+/// Largest bound on the error of a joint, with its standing.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BoundStanding {
+    /// The bound \[rad\], the wider one where two derivations give it.
+    pub error_bound_rad: f64,
+    /// Standing of the bound.
+    pub verdict: Verdict,
+    /// Both in words: `DERIVED TWICE ≤ 0.264 mrad`.
+    pub words: String,
+}
+
+impl BoundStanding {
+    fn of(bounds: &[(&str, f64)], verdict: Verdict, gains: &Gains) -> Option<Self> {
+        let error_bound_rad = bounds.iter().map(|(_, bound)| *bound).largest();
+        let (joint, _) = bounds.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let unit = if gains.slides(joint) { "mm" } else { "mrad" };
+        let words = verdict.of_bound(&format!("{:.3} {unit}", 1e3 * error_bound_rad));
+        Some(Self { error_bound_rad, verdict, words })
+    }
+}
+
+/// Largest bound of gains for a class of motions, after their check as [`verify`] does it with the study and without a
+/// number of the reader's; `None`: they bound no error of a class. Takes seconds.
+///
+/// # Errors
+///
+/// [`SessionError`]: the gains are of another form than the study.
+pub fn class_standing(
+    gains: &Gains,
+    study: &Study,
+) -> Result<Result<Option<BoundStanding>, Refutation>, SessionError> {
+    let Some(certificate) = gains.certificate.as_ref().filter(|own| own.class.is_some()) else {
+        return Ok(Ok(None));
+    };
+    let mut study = study.clone();
+    gains.complete(&mut study).map_err(SessionError::other)?;
+    let checked = match certificate.verified(gains) {
+        Ok(verified) => again(verified, (gains, certificate), (&study, 0), &|_| {})?,
+        Err(why) => Err(why),
+    };
+    Ok(checked.map(|(verified, _)| {
+        let bounds: Vec<(&str, f64)> =
+            verified.error_bounds.iter().map(|own| (&*own.joint, own.error_bound_rad)).collect();
+        let verdict = verified.error_bounds.iter().map(|own| own.verdict).min();
+        BoundStanding::of(&bounds, verdict.unwrap_or(Verdict::NotProved), gains)
+    }))
+}
+
+/// The motion of a study for the second derivation of a tube, with the torque that is fed forward along it; `None`: the
+/// study has no motion of its own.
+pub fn tube_reference(gains: &Gains, study: &Study) -> Option<TubeReference> {
+    let motion = Motion::of(study).ok()?;
+    let n = study.robot.joints.len();
+    let reference = TubeReference::of(study, |t| (0..n).map(|i| motion.told(i, t)).collect());
+    let inertia: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
+    let fed = fed_along(study, &motion, &inertia, reference.q.len()).ok()?;
+    Some(reference.feeding(&fed))
+}
+
+/// Largest bound of gains for the motion of their tube, as the file claims it.
+pub fn tube_standing(gains: &Gains) -> Option<BoundStanding> {
+    let tube = gains.certificate.as_ref()?.tube.as_ref()?;
+    let joints = tube.joints.iter().map(|joint| (&*joint.name, joint.error_bound_rad));
+    BoundStanding::of(&joints.collect::<Vec<_>>(), Verdict::NotProved, gains)
 }
 
 fn derived_tube(
@@ -197,13 +266,6 @@ fn derived_tube(
     study: &Study,
     share: &(dyn Fn(f64) + Sync),
 ) -> Result<Option<TubeAgain>, Refutation> {
-    let Ok(motion) = Motion::of(study) else {
-        return Ok(None);
-    };
-    let n = study.robot.joints.len();
-    let reference = TubeReference::of(study, |t| (0..n).map(|i| motion.told(i, t)).collect());
-    let inertia: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
-    let Ok(fed) = fed_along(study, &motion, &inertia, reference.q.len()) else { return Ok(None) };
-    let reference = reference.feeding(&fed);
+    let Some(reference) = tube_reference(gains, study) else { return Ok(None) };
     certificate.derive_tube(gains, (study, &reference), share)
 }

@@ -167,7 +167,7 @@ impl ByHand {
         let (both, square) = spread(&self.past);
         let excited = square > EXCITATION * EXCITATION / 16.0;
         self.row = if excited && both < 0.05 * T / INERTIA * square { self.row + 1 } else { 0 };
-        if self.row >= 8 {
+        if self.row >= 8 && speed >= self.peak {
             (self.let_go, *let_go) = (Some(1), true);
             return 0.0;
         }

@@ -25,6 +25,8 @@ pub(crate) struct LawMatrices {
     torque: Row,
     /// `x` of a law that has commanded 1 N·m for long, at rest on its reference.
     pub(crate) bearing: Vec<f64>,
+    /// `x` of a law that goes on from no torque, with a reading 1 rad off its reference.
+    pub(crate) begun: Vec<f64>,
 }
 
 /// A row of the matrices: its entries that are not zero, by their column, and what the inputs weigh.
@@ -82,15 +84,18 @@ impl LawMatrices {
                 .collect(),
             input: core::array::from_fn(|i| of(&inputs[i])),
         };
-        let mut state = JointState::new();
-        let bears =
-            gains.resume(&mut state, &Measurement { tau_applied: 1.0, ..still }, &nothing, 1.0);
-        let held = state.entries();
-        bears.then(|| Self {
+        let resumed = |measurement: &Measurement<f64>, tau: f64| {
+            let mut state = JointState::new();
+            gains.resume(&mut state, measurement, &nothing, tau).then(|| state.entries())
+        };
+        let held = resumed(&Measurement { tau_applied: 1.0, ..still }, 1.0)?;
+        let begun = resumed(&Measurement { q: 1.0, ..still }, 0.0)?;
+        Some(Self {
             entries: places.iter().map(|at| meaning[*at]).collect(),
             rows: places.iter().map(|at| row(&|answer| answer.next[*at])).collect(),
             torque: row(&|answer| answer.tau),
             bearing: places.iter().map(|at| held[*at]).collect(),
+            begun: places.iter().map(|at| begun[*at]).collect(),
             places: places.clone(),
         })
     }
@@ -106,6 +111,7 @@ impl LawMatrices {
             rows: Vec::new(),
             torque: Row { state: Vec::new(), input: [f64::NAN; INPUTS] },
             bearing: Vec::new(),
+            begun: Vec::new(),
         })
     }
 

@@ -27,7 +27,8 @@ use crate::{FrozenPayload, TubePayloadSet};
 ///
 /// # Not claimed
 ///
-/// The maxima over box and payloads are the largest of a search, not proved. What the certificate lists as not counted.
+/// The maxima over box and payloads are the largest of a search (assumption C8 of docs/theory/class.md), not proved.
+/// What the certificate lists as not counted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ClassBound {

@@ -80,7 +80,7 @@ impl Dynamics {
 }
 
 /// `∂g/∂q` of a model.
-fn weights(model: &Model, q: &[f64]) -> Matrix {
+pub(super) fn weights(model: &Model, q: &[f64]) -> Matrix {
     let n = q.len();
     let (mut room, rest) = (Workspace::new(model), vec![0.0; n]);
     let mut weight = |c: usize, by: f64| {

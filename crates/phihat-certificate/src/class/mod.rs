@@ -1,10 +1,26 @@
 //! Error bound for every motion of a class: the document, and its second derivation.
+//!
+//! docs/theory/class.md has the theorem; `derive` is the way in of the second derivation:
+//!
+//! 1. `setting`: class, forces, readings, payloads and start, read from a study.
+//! 2. `places`: numbers of a seed, and postures drawn by them.
+//! 3. `dynamics`, `bends`: the arm's matrices at a posture, and maxima of their derivatives.
+//! 4. `maxima`: torques and their rates over the class.
+//! 5. `sums`, `forget`: kicks played at a posture, and what comes after the last sample.
+//! 6. `solve`: the least solution of (CM5).
 
+mod bends;
 mod check;
 mod derive;
 mod document;
 mod dynamics;
+mod forget;
+mod maxima;
+mod places;
+mod setting;
+mod shared;
+mod solve;
 mod sums;
 
-pub use derive::{ClassAgain, JointOfClass};
+pub use derive::{ClassAgain, ClassPair, JointOfClass};
 pub use document::{ClassBound, ClassPace, ClassWitness};

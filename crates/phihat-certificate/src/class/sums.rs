@@ -1,177 +1,103 @@
-//! Sums over kicks that are played at one posture.
+//! Sums over kicks, misreadings and starts that are played at one posture, with what comes after the last sample.
 
 use super::dynamics::Dynamics;
+use super::forget::{RecentSizes, TailDecay};
 use crate::coupled::played::{OUTPUTS, PlayedRuns};
 use crate::extremes::{Extremes as _, larger};
+use crate::refutation::refuse;
 use crate::{JointRecord, LoopModel, Matrix, Refutation};
 
-/// Longest run \[samples\], and how often it is looked at.
+/// Longest run \[samples\].
 const LONGEST: usize = 1 << 16;
-const BLOCK: usize = 64;
 
 /// Size of a state, over the largest it had, at which a run has come to rest.
-const RESTED: f64 = 1e-9;
+const RESTED: f64 = 1e-10;
 
-/// Outputs: `e`, `ė`, change of the commanded torque.
+/// Largest share of the answer to an impulse, summed, that a torque which goes on may leave by rounding.
+const FADED: f64 = 1e-6;
+
+/// Outputs: `e`, `ė`, change of the commanded torque, `ë` without the force itself.
 pub(super) const E: usize = 0;
 pub(super) const V: usize = 1;
 pub(super) const STEP: usize = 2;
-pub(super) const KINDS: usize = 3;
+pub(super) const FREE: usize = 3;
+pub(super) const KINDS: usize = 4;
 
-/// One matrix for each output.
-pub(super) type OutputMatrices = [Matrix; KINDS];
+/// Sums by size: `∫|g|`, `∫ age |g|`, `T Σ|γ|`, `Σ age T|γ|`, `Σ ½ age² T|γ|`, `Σ age |δ|`, `Σ ½ age² |δ|`, `∫|G|`,
+/// `Σ|n|`.
+pub(super) const TORQUE: usize = 0;
+pub(super) const AGED: usize = 1;
+pub(super) const SLOPE: usize = 2;
+pub(super) const SLOPE_AGED: usize = 3;
+pub(super) const SLOPE_BENT: usize = 4;
+pub(super) const JUMP_AGED: usize = 5;
+pub(super) const JUMP_BENT: usize = 6;
+pub(super) const RAMP: usize = 7;
+pub(super) const READING: usize = 8;
+/// The largest: `|G|`, `|g|`, answer to a start beyond what later readings add, `age |γ|`.
+pub(super) const LASTING: usize = 9;
+pub(super) const IMPULSE: usize = 10;
+pub(super) const BEGUN: usize = 11;
+pub(super) const EDGE: usize = 12;
+const SIZES: usize = 13;
 
-/// The sums at a posture; what comes after the run is left out, so none is too large.
+/// A square matrix, row by row.
+pub(super) type SquareBlock = Vec<f64>;
+
+/// The sums at a posture; rows: the joint that answers; columns: the joint that is pushed, misread or displaced.
 pub(super) struct PlayedSums {
-    pub(super) torque: OutputMatrices,
-    pub(super) ramp: OutputMatrices,
-    pub(super) reading: OutputMatrices,
-    /// Largest answer to a torque that goes on from the start, and to an impulse there.
-    pub(super) lasting: OutputMatrices,
-    pub(super) impulse: OutputMatrices,
-    /// `Σ ∫|g ∂g/∂q|`.
-    pub(super) gravity: OutputMatrices,
+    pub(super) n: usize,
+    pub(super) sizes: [[SquareBlock; SIZES]; KINDS],
+    /// `∫|g K_g|`.
+    pub(super) gravity: [SquareBlock; KINDS],
     /// Twice integrated of `e`, once integrated of the others, per unit of each joint's speed.
-    pub(super) moving: [Vec<Matrix>; KINDS],
+    pub(super) moving: [Vec<SquareBlock>; KINDS],
 }
 
-/// Answers of one sample: `[output][joint that answers][joint pushed or misread]`.
-#[derive(Clone)]
-struct Answers {
-    /// After an impulse at the sample, after one a sample before it, after a misreading.
-    end: OutputMatrices,
-    start: OutputMatrices,
-    read: OutputMatrices,
+/// The posture's matrices side by side: row `l` of `[c][j]`.
+struct WeightBlocks {
+    /// `∂_c M`, `2 ∂_c M − D_c`, `∂_c M − D_c`.
+    slopes: SquareBlock,
+    twice: SquareBlock,
+    once: SquareBlock,
+    gravity: SquareBlock,
+    inverse: SquareBlock,
 }
 
-fn zero(n: usize) -> Matrix {
-    vec![vec![0.0; n]; n]
-}
-
-fn each(n: usize) -> OutputMatrices {
-    core::array::from_fn(|_| zero(n))
-}
-
-/// `|row · m|`, entry by entry, times a weight, added.
-fn add_sizes(into: &mut [f64], weight: f64, row: &[f64], m: &Matrix) {
-    for (j, into) in into.iter_mut().enumerate() {
-        let sum: f64 = row.iter().zip(m).map(|(x, m)| x * m[j]).sum();
-        *into += weight * sum.abs();
-    }
-}
-
-impl PlayedSums {
-    /// Plays an impulse on every joint, one a sample earlier, and a misreading of every encoder.
-    pub(super) fn at(
-        loops: &[(&JointRecord, &LoopModel)],
-        (dynamics, inverse): (&Dynamics, &Matrix),
-        period: f64,
-    ) -> Result<Self, Refutation> {
-        let n = loops.len();
-        let mut played = PlayedRuns::new(loops, inverse, 3 * n);
-        for j in 0..n {
-            played.kick(j, j, 0.0);
-            played.kick(n + j, j, period);
-            played.misread(2 * n + j, j);
-        }
-        let mut own = Self {
-            torque: each(n),
-            ramp: each(n),
-            reading: each(n),
-            lasting: each(n),
-            impulse: each(n),
-            gravity: each(n),
-            moving: core::array::from_fn(|_| vec![zero(n); n]),
+impl WeightBlocks {
+    fn of(dynamics: &Dynamics, inverse: &Matrix) -> Self {
+        let side = |of: &dyn Fn(usize) -> Matrix| -> SquareBlock {
+            let all: Vec<Matrix> = (0..dynamics.n).map(of).collect();
+            let row = |l: usize| all.iter().flat_map(move |m| m[l].iter().copied());
+            (0..dynamics.n).flat_map(row).collect()
         };
-        let turned: [Vec<Matrix>; 2] = [
-            (0..n).map(|c| dynamics.less(c, 2.0)).collect(),
-            (0..n).map(|c| dynamics.less(c, 1.0)).collect(),
-        ];
-        let mut whole = each(n);
-        let mut before = vec![vec![0.0; 3 * n]; n];
-        let mut last: Option<Answers> = None;
-        let mut most = 0.0_f64;
-        for sample in 0..LONGEST {
-            let mut now = Answers { end: each(n), start: each(n), read: each(n) };
-            played.step(|i, run, outputs: &[f64; OUTPUTS]| {
-                let change = outputs[3] - core::mem::replace(&mut before[i][run], outputs[3]);
-                let own = [outputs[0], outputs[1], change];
-                let (set, j) = (run / n, run % n);
-                for (o, value) in own.into_iter().enumerate() {
-                    match set {
-                        0 => now.end[o][i][j] = value,
-                        1 => now.start[o][i][j] = value,
-                        _ => now.read[o][i][j] = value,
-                    }
-                }
-            });
-            own.take(sample, (&now, last.as_ref()), (dynamics, &turned), period, &mut whole);
-            last = Some(now);
-            if sample % BLOCK == BLOCK - 1 {
-                let size = (0..3 * n).map(|run| played.size(run)).largest();
-                most = most.max(size);
-                if size < RESTED * most {
-                    return Ok(own);
-                }
-                if !size.is_finite() || size > 1e12 {
-                    break;
-                }
-            }
+        Self {
+            slopes: side(&|c| dynamics.slopes[c].clone()),
+            twice: side(&|c| dynamics.less(c, 2.0)),
+            once: side(&|c| dynamics.less(c, 1.0)),
+            gravity: dynamics.gravity.iter().flatten().copied().collect(),
+            inverse: inverse.iter().flatten().copied().collect(),
         }
-        Err(Refutation {
-            claim: "class of motions".to_owned(),
-            inequality: "the loop forgets a kick at a posture of the class".to_owned(),
-            left: 1.0,
-            right: 0.0,
-        })
     }
+}
 
-    /// One sample: nodes of the kernels, and the interval that follows them in age.
-    fn take(
-        &mut self,
-        sample: usize,
-        (now, last): (&Answers, Option<&Answers>),
-        (dynamics, turned): (&Dynamics, &[Vec<Matrix>; 2]),
-        t: f64,
-        whole: &mut OutputMatrices,
-    ) {
-        let n = dynamics.n;
-        let age = sample as f64 * t;
-        for o in 0..KINDS {
-            for i in 0..n {
-                let (end, start) = (&now.end[o][i], &now.start[o][i]);
-                for j in 0..n {
-                    self.reading[o][i][j] += now.read[o][i][j].abs();
-                    // The kernel is straight from `end` to `start`, which is its next node.
-                    self.torque[o][i][j] += t * straight(end[j], start[j]);
-                    let next = whole[o][i][j] + 0.5 * t * (end[j] + start[j]);
-                    self.ramp[o][i][j] += t * straight(whole[o][i][j], next);
-                    whole[o][i][j] = next;
-                    self.lasting[o][i][j] = larger(self.lasting[o][i][j], next.abs());
-                    self.impulse[o][i][j] = larger(self.impulse[o][i][j], end[j].abs());
-                }
-                let middle: Vec<f64> = end.iter().zip(start).map(|(a, b)| 0.5 * (a + b)).collect();
-                let slope: Vec<f64> = end.iter().zip(start).map(|(a, b)| (b - a) / t).collect();
-                add_sizes(&mut self.gravity[o][i], t, &middle, &dynamics.gravity);
-                let jump: Vec<f64> = match (o, last) {
-                    (E, Some(last)) => {
-                        let before = last.end[o][i].iter().zip(&last.start[o][i]);
-                        slope.iter().zip(before).map(|(s, (a, b))| s - (b - a) / t).collect()
-                    }
-                    _ => vec![0.0; n],
-                };
-                for c in 0..n {
-                    let into = &mut self.moving[o][c][i];
-                    if o == E {
-                        add_sizes(into, age, &jump, &dynamics.slopes[c]);
-                        add_sizes(into, t, &slope, &turned[0][c]);
-                    } else {
-                        add_sizes(into, (age + 0.5 * t) * t, &slope, &dynamics.slopes[c]);
-                        add_sizes(into, t, &middle, &turned[1][c]);
-                    }
-                }
-            }
-        }
+/// `row · block`.
+fn product(row: &[f64], block: &[f64], out: &mut [f64]) {
+    out.fill(0.0);
+    for (factor, line) in row.iter().zip(block.chunks_exact(out.len())) {
+        out.iter_mut().zip(line).for_each(|(out, entry)| *out += factor * entry);
+    }
+}
+
+/// `out += weight |row|`.
+fn add_sizes(out: &mut [f64], weight: f64, row: &[f64]) {
+    out.iter_mut().zip(row).for_each(|(out, x)| *out += weight * x.abs());
+}
+
+/// `out += weight ∫_0^1 |a + (b − a) x| dx`.
+fn add_straight(out: &mut [f64], weight: f64, (a, b): (&[f64], &[f64])) {
+    for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
+        *out += weight * straight(*a, *b);
     }
 }
 
@@ -181,4 +107,360 @@ fn straight(a: f64, b: f64) -> f64 {
         return 0.5 * (a + b).abs();
     }
     0.5 * (a * a + b * b) / (a - b).abs()
+}
+
+/// Answers of one sample: `[output]`, square: after a kick, a misreading, a displaced arm, a law that began off.
+struct Answers {
+    kick: [SquareBlock; KINDS],
+    read: [SquareBlock; KINDS],
+    arm: [SquareBlock; KINDS],
+    law: [SquareBlock; KINDS],
+}
+
+impl Answers {
+    fn new(n: usize) -> Self {
+        let each = || core::array::from_fn(|_| vec![0.0; n * n]);
+        Self { kick: each(), read: each(), arm: each(), law: each() }
+    }
+}
+
+/// Kernels at the sample before.
+struct Before {
+    node: [SquareBlock; KINDS],
+    slope: [SquareBlock; KINDS],
+    whole: [SquareBlock; KINDS],
+    /// `g K_g` and `g (∂_c M − D_c)`, row by row.
+    gravity: [SquareBlock; KINDS],
+    once: [Vec<SquareBlock>; KINDS],
+}
+
+impl Before {
+    fn new(n: usize) -> Self {
+        let each = || core::array::from_fn(|_| vec![0.0; n * n]);
+        Self {
+            node: each(),
+            slope: each(),
+            whole: each(),
+            gravity: each(),
+            once: core::array::from_fn(|_| vec![vec![0.0; n * n]; n]),
+        }
+    }
+}
+
+impl PlayedSums {
+    /// Plays an impulse on every joint, a misreading of every encoder, a displaced joint, and a law that began with
+    /// its reading off.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`]: the loop does not forget, or its law has no integrator.
+    pub(super) fn at(
+        loops: &[(&JointRecord, &LoopModel)],
+        (dynamics, inverse): (&Dynamics, &Matrix),
+        period: f64,
+    ) -> Result<Self, Refutation> {
+        let n = loops.len();
+        let decay = TailDecay::of(loops, inverse)?;
+        let mut played = PlayedRuns::new(loops, inverse, 4 * n);
+        for j in 0..n {
+            played.kick(j, j, 0.0);
+            played.misread(n + j, j);
+            played.displace(2 * n + j, j);
+            played.begin(3 * n + j, j);
+        }
+        let blocks = WeightBlocks::of(dynamics, inverse);
+        let mut own = Self {
+            n,
+            sizes: core::array::from_fn(|_| core::array::from_fn(|_| vec![0.0; n * n])),
+            gravity: core::array::from_fn(|_| vec![0.0; n * n]),
+            moving: core::array::from_fn(|_| vec![vec![0.0; n * n]; n]),
+        };
+        let (mut now, mut before) = (Answers::new(n), Before::new(n));
+        let mut commands = vec![vec![0.0; 4 * n]; n];
+        let mut recent = RecentSizes::new(4 * n, decay.block);
+        let (mut most, mut rested) = (0.0, false);
+        for sample in 0..LONGEST {
+            if rested {
+                recent.take(&played);
+            }
+            played.step(|i, run, outputs: &[f64; OUTPUTS]| {
+                let change = outputs[3] - core::mem::replace(&mut commands[i][run], outputs[3]);
+                let values = [outputs[0], outputs[1], change, outputs[2]];
+                let (set, at) = (run / n, i * n + run % n);
+                let into = match set {
+                    0 => &mut now.kick,
+                    1 => &mut now.read,
+                    2 => &mut now.arm,
+                    _ => &mut now.law,
+                };
+                for (into, value) in into.iter_mut().zip(values) {
+                    into[at] = value;
+                }
+            });
+            own.take(sample, (&now, &mut before), &blocks, period);
+            if (sample + 1) % decay.block == 0 {
+                if rested {
+                    own.finish((&decay, &recent, sample + 1), (&before, &blocks), period)?;
+                    return Ok(own);
+                }
+                // One more block, whose sizes bound what comes after it.
+                let size = (0..4 * n).map(|run| played.size(run)).largest();
+                most = larger(most, size);
+                rested = size < RESTED * most;
+            }
+        }
+        Err(refuse("class of motions", "a kick is forgotten after 2^16 samples", 1.0, 0.0))
+    }
+
+    /// One sample: a node of the kernels, which are straight between nodes, and the interval that it ends.
+    fn take(
+        &mut self,
+        sample: usize,
+        (now, before): (&Answers, &mut Before),
+        blocks: &WeightBlocks,
+        t: f64,
+    ) {
+        let (n, nn) = (self.n, self.n * self.n);
+        let mut slope = vec![0.0; nn];
+        for o in 0..KINDS {
+            let sizes = &mut self.sizes[o];
+            for at in 0..nn {
+                sizes[READING][at] += now.read[o][at].abs();
+                let begun = now.arm[o][at].abs() + now.law[o][at].abs() + sizes[READING][at];
+                sizes[BEGUN][at] = larger(sizes[BEGUN][at], begun);
+                sizes[IMPULSE][at] = larger(sizes[IMPULSE][at], now.kick[o][at].abs());
+            }
+            if sample > 0 {
+                for ((slope, b), a) in slope.iter_mut().zip(&now.kick[o]).zip(&before.node[o]) {
+                    *slope = (b - a) / t;
+                }
+                self.interval((o, sample - 1), (&now.kick[o], &slope), before, (blocks, t));
+            }
+            if o != FREE {
+                self.products(o, sample, (&now.kick[o], &slope), before, (blocks, t));
+            }
+            before.slope[o].copy_from_slice(&slope);
+            before.node[o].copy_from_slice(&now.kick[o]);
+            debug_assert_eq!(now.kick[o].len(), n * n);
+        }
+    }
+
+    /// Sums by size over the interval that is `m` samples old at its young end.
+    fn interval(
+        &mut self,
+        (o, m): (usize, usize),
+        (node, slope): (&[f64], &[f64]),
+        before: &mut Before,
+        (blocks, t): (&WeightBlocks, f64),
+    ) {
+        let sizes = &mut self.sizes[o];
+        let age = m as f64 * t;
+        // Between two samples every age is up to a sample more, and each interval shares two slopes.
+        let bent = if o == E { age + 0.5 * t } else { age + t };
+        for at in 0..node.len() {
+            let (a, b, size) = (before.node[o][at], node[at], slope[at].abs());
+            let torque = t * straight(a, b);
+            sizes[TORQUE][at] += torque;
+            sizes[AGED][at] += (age + 1.5 * t) * torque;
+            sizes[SLOPE][at] += t * size;
+            sizes[SLOPE_AGED][at] += (age + t) * t * size;
+            sizes[SLOPE_BENT][at] += 0.5 * (age + t) * (age + t) * t * size;
+            let jump = if m == 0 && o == E { 0.0 } else { slope[at] - before.slope[o][at] };
+            sizes[JUMP_AGED][at] += (age + t) * jump.abs();
+            sizes[JUMP_BENT][at] += 0.5 * bent * bent * jump.abs();
+            sizes[EDGE][at] = larger(sizes[EDGE][at], (age + 2.0 * t) * size);
+            // A torque that goes on: off its chord by T²/12 times the slope in the mean, by T²/8 times it at most.
+            let free = if o == FREE { blocks.inverse[at] } else { 0.0 };
+            let last = before.whole[o][at] + free;
+            let next = last + 0.5 * t * (a + b);
+            before.whole[o][at] = next - free;
+            sizes[RAMP][at] += t * straight(last, next) + t * t * t / 12.0 * size;
+            let lasting = larger(last.abs(), next.abs()) + t * t / 8.0 * size;
+            sizes[LASTING][at] = larger(sizes[LASTING][at], lasting);
+        }
+    }
+
+    /// Sums of products with the posture's matrices, of `e`, `ė` and the change of torque.
+    fn products(
+        &mut self,
+        o: usize,
+        sample: usize,
+        (node, slope): (&[f64], &[f64]),
+        before: &mut Before,
+        (blocks, t): (&WeightBlocks, f64),
+    ) {
+        let n = self.n;
+        let (mut gravity, mut all) = (vec![0.0; n], vec![0.0; n * n]);
+        let mut jump = vec![0.0; n];
+        for i in 0..n {
+            let row = i * n..(i + 1) * n;
+            let (node, slope) = (&node[row.clone()], &slope[row.clone()]);
+            product(node, &blocks.gravity, &mut gravity);
+            let last = &mut before.gravity[o][row.clone()];
+            if sample > 0 {
+                add_straight(&mut self.gravity[o][row.clone()], t, (last, &gravity));
+            }
+            last.copy_from_slice(&gravity);
+            let mut into = |weight: f64, all: &[f64]| {
+                for (moving, all) in self.moving[o].iter_mut().zip(all.chunks_exact(n)) {
+                    add_sizes(&mut moving[row.clone()], weight, all);
+                }
+            };
+            let m = sample.saturating_sub(1) as f64;
+            if o == E {
+                if sample > 1 {
+                    let last = &before.slope[o][row.clone()];
+                    jump.iter_mut().zip(slope.iter().zip(last)).for_each(|(j, (a, b))| *j = a - b);
+                    product(&jump, &blocks.slopes, &mut all);
+                    into(m * t, &all);
+                }
+                if sample > 0 {
+                    product(slope, &blocks.twice, &mut all);
+                    into(t, &all);
+                }
+                continue;
+            }
+            if sample > 0 {
+                product(slope, &blocks.slopes, &mut all);
+                into((m + 0.5) * t * t, &all);
+            }
+            product(node, &blocks.once, &mut all);
+            let last = &mut before.once[o][i];
+            if sample > 0 {
+                for (c, moving) in self.moving[o].iter_mut().enumerate() {
+                    let c = c * n..(c + 1) * n;
+                    let pair = (&last[c.clone()], &all[c]);
+                    add_straight(&mut moving[row.clone()], t, pair);
+                }
+            }
+            last.copy_from_slice(&all);
+        }
+    }
+
+    /// Adds what comes after the last sample, and what lies between the samples: there `e` is off its chord by at most
+    /// `T²/8` times `ë`.
+    fn finish(
+        &mut self,
+        (decay, recent, samples): (&TailDecay, &RecentSizes, usize),
+        (before, blocks): (&Before, &WeightBlocks),
+        t: f64,
+    ) -> Result<(), Refutation> {
+        let n = self.n;
+        // Sums that are added to products by size alone: `Σ age|δ|`, `T Σ|γ|`, `Σ age T|γ|`, `∫|g|`.
+        let mut late: [[SquareBlock; 4]; KINDS] =
+            core::array::from_fn(|_| core::array::from_fn(|_| vec![0.0; n * n]));
+        let runs: Vec<f64> = (0..4 * n).map(|run| recent.sum(run)).collect();
+        for o in 0..KINDS {
+            // A change per sample sees two samples; ë is the third output that is played.
+            let (output, twice) = [(0, 1.0), (1, 1.0), (3, 2.0), (2, 1.0)][o];
+            for i in 0..n {
+                let rest = decay.rest((i, output), samples).map(|rest| twice * rest);
+                for j in 0..n {
+                    let at = i * n + j;
+                    let kick = rest.map(|rest| rest * runs[j]);
+                    let torque = t * kick[0];
+                    self.after(o, at, kick, t);
+                    let left =
+                        before.whole[o][at] + if o == FREE { blocks.inverse[at] } else { 0.0 };
+                    let scale = larger(self.sizes[o][TORQUE][at], self.sizes[o][TORQUE][i * n + i]);
+                    let fades = left.abs() <= torque + FADED * scale;
+                    Refutation::unless(
+                        "class of motions",
+                        "a torque that goes on leaves no error (integrator)",
+                        left.abs(),
+                        torque,
+                        fades,
+                    )?;
+                    for (late, value) in late[o].iter_mut().zip([
+                        4.0 * kick[1],
+                        2.0 * kick[0],
+                        2.0 * t * kick[1],
+                        torque,
+                    ]) {
+                        late[at] = value;
+                    }
+                    let sizes = &mut self.sizes[o];
+                    sizes[READING][at] += rest[0] * runs[n + j];
+                    let later = rest[0] * (runs[2 * n + j] + runs[3 * n + j]);
+                    let beyond = larger(sizes[BEGUN][at] - sizes[READING][at], 0.0);
+                    sizes[BEGUN][at] = larger(beyond, later);
+                }
+            }
+        }
+        late[FREE] = [JUMP_AGED, SLOPE, SLOPE_AGED, TORQUE].map(|k| self.sizes[FREE][k].clone());
+        let [own @ .., free] = &mut self.sizes;
+        let eighth = t * t / 8.0;
+        for (own, free) in own[E].iter_mut().zip(free.iter()) {
+            own.iter_mut().zip(free).for_each(|(own, free)| *own += eighth * free);
+        }
+        for (k, size) in [JUMP_AGED, SLOPE, SLOPE_AGED, TORQUE].into_iter().enumerate() {
+            let pairs = late[E][k].iter_mut().zip(&free[size]);
+            pairs.for_each(|(late, free)| *late += eighth * free);
+        }
+        self.by_size(&late, blocks);
+        Ok(())
+    }
+
+    /// Adds what comes after the last sample to the sums by size: `Σ|g_k| (k + 2)^p` is at most `kick[p]`.
+    fn after(&mut self, o: usize, at: usize, kick: [f64; 3], t: f64) {
+        let [zero, one, two] = kick;
+        let rest = [
+            (TORQUE, t * zero),
+            (AGED, t * t * one),
+            // |γ| ≤ (|g_m| + |g_{m+1}|)/T, and |δ| is at most two of these.
+            (SLOPE, 2.0 * zero),
+            (SLOPE_AGED, 2.0 * t * one),
+            (SLOPE_BENT, t * t * two),
+            (JUMP_AGED, 4.0 * one),
+            (JUMP_BENT, 2.0 * t * two),
+            // |G_k| ≤ T Σ_{m ≥ k} |g_m|.
+            (RAMP, t * t * one),
+        ];
+        let sizes = &mut self.sizes[o];
+        for (k, value) in rest {
+            sizes[k][at] += value;
+        }
+        for (k, value) in [(LASTING, t * zero), (IMPULSE, zero), (EDGE, 2.0 * one)] {
+            sizes[k][at] = larger(sizes[k][at], value);
+        }
+    }
+
+    /// Adds products by size of what was summed up by size alone.
+    fn by_size(&mut self, late: &[[SquareBlock; 4]; KINDS], blocks: &WeightBlocks) {
+        let n = self.n;
+        for (o, [jump_aged, slope, slope_aged, torque]) in late.iter().enumerate() {
+            let [first, second] = if o == E {
+                [(jump_aged, &blocks.slopes), (slope, &blocks.twice)]
+            } else {
+                [(slope_aged, &blocks.slopes), (torque, &blocks.once)]
+            };
+            for i in 0..n {
+                for l in 0..n {
+                    let line = l * n * n..(l + 1) * n * n;
+                    for (late, block) in [first, second] {
+                        let lines = block[line.clone()].chunks_exact(n);
+                        for (moving, line) in self.moving[o].iter_mut().zip(lines) {
+                            add_sizes(&mut moving[i * n..(i + 1) * n], late[i * n + l], line);
+                        }
+                    }
+                    let line = &blocks.gravity[l * n..(l + 1) * n];
+                    add_sizes(&mut self.gravity[o][i * n..(i + 1) * n], torque[i * n + l], line);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::straight;
+
+    #[test]
+    fn a_line_s_size_is_its_area() {
+        // A triangle on either side of the zero at 3/4.
+        assert!(
+            (straight(3.0, -1.0) - 1.25).abs() < 1e-15
+                && (straight(-1.0, -3.0) - 2.0).abs() < 1e-15
+        );
+    }
 }

@@ -5,6 +5,7 @@ use core::f64::consts::TAU;
 use phihat::{StateEntry, TorqueSource, VelocitySource};
 
 use crate::check::law::LawMatrices;
+use crate::extremes::larger;
 use crate::{JointRecord, LoopModel};
 
 /// Outputs of a joint at a sample: `e`, `ė`, `M^{-1}` times the acting torques, commanded torque, acting torque.
@@ -31,6 +32,8 @@ struct PlayedJoint<'a> {
     lost: f64,
     /// Mean over the interval of a unit gap between torque and demand, and `∫_0^T (T − t)` of it.
     gap: [f64; 2],
+    /// Unit of each place of the state.
+    units: Vec<f64>,
 }
 
 impl<'a> PlayedJoint<'a> {
@@ -39,16 +42,19 @@ impl<'a> PlayedJoint<'a> {
         let x = model.drive_bandwidth_hz.map(|hz| TAU * hz * t);
         let lost = x.map_or(1.0, |x| -(-x).exp_m1());
         let gap = x.map_or([0.0; 2], |x| [lost / x, t * t * (1.0 - lost / x) / x]);
-        Self {
+        let mut own = Self {
             model,
             inertia: record.inertia_kg_m2,
             kp: record.kp_per_s2,
+            units: Vec::new(),
             law: LawMatrices::unit(record, model),
             late: (model.delay_samples + model.sample_delay_samples) as usize,
             filter: model.velocity_filter_hz.map_or(1.0, |hz| -(-TAU * hz * t).exp_m1()),
             lost,
             gap,
-        }
+        };
+        own.units = (0..own.length()).map(|place| own.unit(place)).collect();
+        own
     }
 
     fn length(&self) -> usize {
@@ -142,11 +148,11 @@ impl<'a> PlayedRuns<'a> {
     }
 
     /// Starts run `k` from place `k` of the arm's state, one of its units each.
-    pub(super) fn start_everywhere(&mut self) {
+    pub(crate) fn start_everywhere(&mut self) {
         let mut run = 0;
         for (law, states) in self.laws.iter().zip(&mut self.states) {
             for place in 0..law.length() {
-                states[run][place] = law.unit(place);
+                states[run][place] = law.units[place];
                 run += 1;
             }
         }
@@ -160,6 +166,26 @@ impl<'a> PlayedRuns<'a> {
         }
     }
 
+    /// Moves a joint of a run by 1 rad.
+    pub(crate) fn displace(&mut self, run: usize, joint: usize) {
+        self.states[joint][run][Q] += 1.0;
+    }
+
+    /// Lets the law of a joint of a run have started at the sample before, with a reading 1 rad off its reference.
+    pub(crate) fn begin(&mut self, run: usize, joint: usize) {
+        let begun = &self.laws[joint].law.begun;
+        self.states[joint][run][LAW..LAW + begun.len()].copy_from_slice(begun);
+    }
+
+    /// A run's state, in its units.
+    pub(crate) fn state(&self, run: usize) -> Vec<f64> {
+        let joints = self.laws.iter().zip(&self.states);
+        let own = |(law, states): (&PlayedJoint<'_>, &Vec<Vec<f64>>)| -> Vec<f64> {
+            states[run].iter().zip(&law.units).map(|(value, unit)| value / unit).collect()
+        };
+        joints.flat_map(own).collect()
+    }
+
     /// Lets a joint's encoder of a run be read 1 rad too far at the next sample.
     pub(crate) fn misread(&mut self, run: usize, joint: usize) {
         self.readings[joint][run] = 1.0;
@@ -169,8 +195,8 @@ impl<'a> PlayedRuns<'a> {
     pub(crate) fn size(&self, run: usize) -> f64 {
         let mut most = 0.0_f64;
         for (law, states) in self.laws.iter().zip(&self.states) {
-            for (place, value) in states[run].iter().enumerate() {
-                most = most.max(value.abs() / law.unit(place));
+            for (value, unit) in states[run].iter().zip(&law.units) {
+                most = larger(most, value.abs() / unit);
             }
         }
         most
@@ -182,7 +208,7 @@ impl<'a> PlayedRuns<'a> {
         for (law, states) in self.laws.iter().zip(&self.states) {
             for place in 0..law.length() {
                 let sum: f64 = states.iter().map(|x| x[place].abs()).sum();
-                most = most.max(sum / law.unit(place));
+                most = larger(most, sum / law.units[place]);
             }
         }
         most

@@ -6,7 +6,8 @@ use phihat_study::{Interface, SupervisorRequest};
 use super::list::{LeftOut, List};
 
 impl List {
-    pub(super) fn interface(&mut self, interface: &Interface) {
+    /// A bound for a class of motions counts gravity that the robot adds, and a start of a supervisor's law.
+    pub(super) fn interface(&mut self, interface: &Interface, class: bool) {
         let Interface { profile, kept } = interface;
         let Profile {
             name,
@@ -26,7 +27,7 @@ impl List {
             // Forbids the loop model.
             torque_filter: _,
         } = profile;
-        if *adds_gravity {
+        if *adds_gravity && !class {
             self.add("profile.adds_gravity", format!("true ({name})"), LeftOut::AllButTube);
         }
         if *adds_friction > 0.0 {
@@ -39,15 +40,14 @@ impl List {
             let text = format!("false ({name})");
             self.add("profile.controller_keeps", text, LeftOut::BoundsAndStability);
         }
-        if let Some(most) = first_torque_max.filter(|_| *kept) {
+        if let Some(most) = first_torque_max.filter(|_| *kept && !class) {
             // The first command is left out to keep it.
             self.add("profile.first_torque_max_nm", most, LeftOut::AllButTube);
         }
     }
 
-    /// Nothing of a supervisor is in the loop model: what adds nothing until it acts, and what acts always. The
-    /// bound for
-    /// a class of motions counts its modes, its references and its start.
+    /// Nothing of a supervisor is in the loop model: what adds nothing until it acts, and what acts always. The bound
+    /// for a class of motions counts its modes, its references and its start.
     pub(super) fn supervisor(&mut self, request: &SupervisorRequest, class: bool) {
         let SupervisorRequest {
             velocity_max,

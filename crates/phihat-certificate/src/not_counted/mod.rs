@@ -52,11 +52,12 @@ impl NotCounted {
         control_counts(control);
         list.rotors(robot);
         list.springs(springs);
-        list.sensor(sensor);
+        let class = matches!(reference, ReferenceRequest::Any { .. });
+        list.sensor(sensor, class);
         list.world(world);
-        list.interface(interface);
+        list.interface(interface, class);
         if let Some(request) = supervisor {
-            list.supervisor(request, matches!(reference, ReferenceRequest::Any { .. }));
+            list.supervisor(request, class);
         }
         for fault in faults {
             list.fault(fault);
@@ -127,7 +128,7 @@ impl List {
         self.add(key, value, LeftOut::Assumed);
     }
 
-    fn sensor(&mut self, sensor: &Sensor) {
+    fn sensor(&mut self, sensor: &Sensor, class: bool) {
         let Sensor {
             // In the bounds.
             encoder_bits: _,
@@ -148,8 +149,8 @@ impl List {
             wrap,
         } = sensor;
         self.values("sensor.position_noise_rad", position_noise, 0.0);
-        if position_bias.iter().any(|bias| bias.is_nan() || bias.abs() > 0.0) {
-            // A tube counts it as a misreading, like the encoder's.
+        if !class && position_bias.iter().any(|bias| bias.is_nan() || bias.abs() > 0.0) {
+            // A tube counts it as a misreading, like the encoder's, and so does the bound for a class.
             self.add("sensor.position_bias_rad", text(position_bias), LeftOut::AllButTube);
         }
         self.values("sensor.velocity_noise_rad_s", velocity_noise, 0.0);

@@ -43,6 +43,17 @@ impl Boxes {
         }
     }
 
+    /// The sum of both.
+    pub(super) fn plus(&self, more: &Self) -> Self {
+        let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect();
+        Self {
+            u: sum(&self.u, &more.u),
+            x: sum(&self.x, &more.x),
+            mu: sum(&self.mu, &more.mu),
+            wrench: sum(&self.wrench, &more.wrench),
+        }
+    }
+
     /// Factors of the largest weight and of the largest change of weight, for `δ`.
     fn bends(&self, frame: &Frame, period: f64) -> (f64, f64) {
         let n = self.u.len();
@@ -103,19 +114,16 @@ impl Weights {
         }
     }
 
-    /// Adds what boxes of this sample can do to every row.
-    pub(super) fn add(&self, boxes: &Boxes, frame: &Frame, period: f64, sums: &mut [f64]) {
-        let rows = sums.len();
-        let pairs = [
-            (&self.u, &boxes.u),
-            (&self.x, &boxes.x),
-            (&self.mu, &boxes.mu),
-            (&self.wrench, &boxes.wrench),
-        ];
+    /// Adds the effect of torques of at most `u` in this sample to every row.
+    pub(super) fn add_torques(&self, u: &[f64], sums: &mut [f64]) {
+        add_sizes(&self.u, u, sums);
+    }
+
+    /// Adds the effect of the boxes of this sample to every row, but for that of their torques along straight weights.
+    pub(super) fn add_rest(&self, boxes: &Boxes, frame: &Frame, period: f64, sums: &mut [f64]) {
+        let pairs = [(&self.x, &boxes.x), (&self.mu, &boxes.mu), (&self.wrench, &boxes.wrench)];
         for (weights, sizes) in pairs {
-            for (row, size) in weights.chunks_exact(rows).zip(sizes) {
-                sums.iter_mut().zip(row).for_each(|(sum, w)| *sum += w * size);
-            }
+            add_sizes(weights, sizes, sums);
         }
         let (by_size, by_step) = boxes.bends(frame, period);
         for ((sum, most), step) in sums.iter_mut().zip(&self.most).zip(&self.step) {
@@ -301,6 +309,13 @@ impl AdjointRows<'_> {
             self.weigh_hand((end, end_hand), (start, start_hand), frame, out);
         }
         out.x.iter_mut().for_each(|x| *x = x.abs());
+    }
+}
+
+/// Adds rows of weights, each times a size.
+fn add_sizes(weights: &[f64], sizes: &[f64], sums: &mut [f64]) {
+    for (row, size) in weights.chunks_exact(sums.len()).zip(sizes) {
+        sums.iter_mut().zip(row).for_each(|(sum, w)| *sum += w * size);
     }
 }
 

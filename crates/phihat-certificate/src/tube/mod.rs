@@ -43,7 +43,8 @@ mod sweep;
 mod tests;
 mod window;
 
-pub use beside::{CONFIRMED, JointBeside, TIGHTER, beside};
+pub use beside::{CONFIRMED, JointBeside, TIGHTER, UNREAD, beside};
 pub use document::derive;
 pub use inputs::{TubeInputs, TubeReference};
 pub use scope::ScopeRefusal as TubeRefusal;
+pub(crate) use scope::counted;

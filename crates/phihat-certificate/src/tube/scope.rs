@@ -306,7 +306,7 @@ impl PayloadSlice {
 }
 
 /// Refuses a study with effects that are outside of the derivation.
-pub(super) fn counted(study: &Study) -> Result<(), ScopeRefusal> {
+pub(crate) fn counted(study: &Study) -> Result<(), ScopeRefusal> {
     let world = &study.world;
     let sensor = &study.sensor;
     let profile = &study.interface.profile;

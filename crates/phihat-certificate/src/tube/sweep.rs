@@ -7,14 +7,18 @@ use super::round::{Past, Round, RoundGuess};
 use super::scope::ScopeRefusal;
 use super::setting::TubeSetting;
 use super::shapes::Shapes;
-use crate::extremes::Extremes as _;
+use crate::extremes::{Extremes as _, larger};
 
 /// Longest window of later outputs that share one set of rows \[s\].
-const WINDOW: f64 = 5e-3;
-/// Distance of the instants whose whole state is bounded \[s\].
-const ANCHORS: f64 = 0.1;
-/// Least time that rows go back \[s\]; beyond, the whole state's bound takes their place.
-const MEMORY: f64 = 0.3;
+const WINDOW: f64 = 25e-3;
+/// Factor by which a window is shorter where the bounds of a longer one are too wide.
+const SHORTER: usize = 5;
+/// Share of its largest value below which a response to torque counts as forgotten.
+const FORGOTTEN: f64 = 0.0003;
+/// Longest time that rows go back \[s\]; beyond, the whole state's bound takes their place.
+const MEMORY_MAX: f64 = 4.0;
+/// First anchor \[samples\]: from here on the laws are the same at every sample.
+const FIRST_ANCHOR: usize = 2;
 /// Beyond this half width \[rad\] nothing is proved any more.
 const WIDEST: f64 = 0.5;
 /// Rounds of one window before it is given up.
@@ -31,21 +35,46 @@ pub(super) struct Swept {
     pub(super) torque_step: Vec<Vec<f64>>,
 }
 
-/// Whole-state bounds at an instant.
+/// Torques and torque steps \[N·m\], by sample and joint.
+type SampleTorques = (Vec<Vec<f64>>, Vec<Vec<f64>>);
+
+/// Bounds on the whole state over as many instants as a window has.
 struct Anchor {
+    /// First of them.
     at: usize,
-    /// At the instant itself, and over the window of instants from it on.
-    exact: Vec<f64>,
-    shared: Vec<f64>,
+    bounds: Vec<f64>,
+}
+
+/// Sums of the outputs of a window, which share one set of rows.
+#[derive(Clone)]
+struct SharedSums {
+    /// Sums that are the same for all of them, by row.
+    common: Vec<f64>,
+    /// Sums of torques, for the output so many samples after the first, by row: friction of a joint that reverses is
+    /// large for a few samples, and counts in those alone.
+    torques: Vec<Vec<f64>>,
+}
+
+impl SharedSums {
+    fn none(rows: usize, outputs: usize) -> Self {
+        Self { common: vec![0.0; rows], torques: vec![vec![0.0; rows]; outputs] }
+    }
+
+    /// Largest sum of any of the outputs, by row.
+    fn largest(&self) -> Vec<f64> {
+        let torques = |row: usize| self.torques.iter().map(|sums| sums[row]).largest();
+        self.common.iter().enumerate().map(|(row, common)| common + torques(row)).collect()
+    }
 }
 
 /// Bounds that grow, window by window.
 pub(super) struct CheckedSweep<'a> {
     setting: TubeSetting<'a>,
-    /// Longest shared window, samples between anchors, shortest memory: all in samples.
+    /// Longest shared window, samples between anchors, shortest memory, samples before any window is shared.
     shared: usize,
     spacing: usize,
     memory: usize,
+    alone: usize,
     /// By sample.
     window_of: Vec<usize>,
     past: Vec<Past>,
@@ -58,10 +87,12 @@ pub(super) struct CheckedSweep<'a> {
 impl<'a> CheckedSweep<'a> {
     pub(super) fn new(setting: TubeSetting<'a>) -> Self {
         let whole = |x: f64| count((x / setting.period).round().max(1.0));
+        let memory = memory(&setting, whole(MEMORY_MAX));
         Self {
-            shared: whole(WINDOW),
-            spacing: whole(ANCHORS),
-            memory: whole(MEMORY),
+            shared: whole(WINDOW).min(memory),
+            spacing: (memory / 3).max(1),
+            memory,
+            alone: memory / 2,
             setting,
             window_of: Vec::new(),
             past: Vec::new(),
@@ -85,17 +116,23 @@ impl<'a> CheckedSweep<'a> {
         let mut shapes = Shapes::new(n, self.setting.loops, self.setting.arm.slice.is_some());
         let mut first = 0;
         let mut guess = None;
+        let mut most = self.shared;
         while first < samples {
-            let ready = first + 1 >= self.memory + self.spacing
-                && self.anchors.iter().any(|a| a.at + self.memory <= first + 1);
-            let len = if ready { self.shared.min(samples - first) } else { 1 };
-            let t = first as f64 * self.setting.period;
-            let round = self.window((first, len), &shapes, guess.take(), &mut swept)?;
-            guess = Some(round.1);
-            shapes = round.0;
+            let ready = first >= self.alone && !self.anchors.is_empty();
+            let len = if ready { most.min(samples - first) } else { 1 };
+            match self.window((first, len), &shapes, guess.clone(), &mut swept) {
+                // A shorter window has tighter bounds.
+                Err(ScopeRefusal::LimitCanAct { .. } | ScopeRefusal::Open { .. }) if len > 1 => {
+                    most = (len / SHORTER).max(1);
+                    continue;
+                }
+                Err(refusal) => return Err(refusal),
+                Ok((after, bounds)) => (shapes, guess) = (after, Some(bounds)),
+            }
             first += len;
-            self.bound_anchor(first);
-            progress(t / (samples as f64 * self.setting.period));
+            most = self.shared.min(SHORTER * most);
+            self.bound_anchors(first);
+            progress(first as f64 / samples as f64);
         }
         Ok(swept)
     }
@@ -176,13 +213,16 @@ impl<'a> CheckedSweep<'a> {
         back: &mut Back,
         own_frame: Option<&Frame>,
         (from, own, shared): (usize, usize, bool),
-    ) -> (Vec<f64>, Vec<(Weights, usize)>) {
+    ) -> (SharedSums, Vec<(Weights, usize)>) {
         let rows = self.setting.rows();
-        let mut sums = vec![0.0; back.rows];
         let mut near = Vec::new();
-        let anchor = self.anchors.iter().rev().find(|a| a.at + self.memory <= from);
+        // Rows of later outputs must end where the laws are those of every sample; others may end at the start.
+        let old_enough =
+            |a: &&Anchor| a.at + self.memory <= from || (shared && a.at == FIRST_ANCHOR);
+        let anchor = self.anchors.iter().rev().find(old_enough);
         let stop = anchor.map_or(0, |a| a.at);
         let reach = if shared { self.shared } else { 1 };
+        let mut sums = SharedSums::none(back.rows, reach);
         for sample in (stop..from).rev() {
             let at = self.window_of[sample];
             let frame = match self.past.get(at) {
@@ -197,20 +237,28 @@ impl<'a> CheckedSweep<'a> {
                 near.push((weights.clone(), at));
             } else {
                 let boxes = if shared { &self.dilated[sample] } else { &self.raw[sample] };
-                weights.add(boxes, frame, self.setting.period, &mut sums);
+                weights.add_rest(boxes, frame, self.setting.period, &mut sums.common);
+                for (shift, sums) in sums.torques.iter_mut().enumerate() {
+                    weights.add_torques(&self.known(sample + shift, shift).u, sums);
+                }
             }
         }
         if let Some(anchor) = anchor {
-            let bounds = if shared { &anchor.shared } else { &anchor.exact };
-            for (lambda, bound) in back.lambda.chunks_exact(back.rows).zip(bounds) {
-                sums.iter_mut().zip(lambda).for_each(|(sum, l)| *sum += l.abs() * bound);
+            for (lambda, bound) in back.lambda.chunks_exact(back.rows).zip(&anchor.bounds) {
+                let sums = sums.common.iter_mut().zip(lambda);
+                sums.for_each(|(sum, l)| *sum += l.abs() * bound);
             }
         }
-        sums.iter_mut().zip(&back.noise).for_each(|(sum, noise)| *sum += noise);
+        sums.common.iter_mut().zip(&back.noise).for_each(|(sum, noise)| *sum += noise);
         (sums, near)
     }
 
-    fn history(&self, frame: &Frame) -> (Vec<f64>, Vec<(Weights, usize)>) {
+    /// Boxes of a finished sample, for rows that are those of an output so many samples earlier.
+    fn known(&self, sample: usize, shift: usize) -> &Boxes {
+        if shift == 0 { &self.raw[sample] } else { &self.shifted[sample] }
+    }
+
+    fn history(&self, frame: &Frame) -> (SharedSums, Vec<(Weights, usize)>) {
         let mut back = self.setting.start_rows(frame);
         let shared = frame.len > 1;
         self.go_back(&mut back, Some(frame), (frame.first + 1, frame.first, shared))
@@ -222,7 +270,7 @@ impl<'a> CheckedSweep<'a> {
         frame: &Frame,
         distance: &Distance,
         guess: &RoundGuess,
-        (shapes, history, near): (&Shapes, &[f64], &[(Weights, usize)]),
+        (shapes, history, near): (&Shapes, &SharedSums, &[(Weights, usize)]),
     ) -> Round {
         let n = self.setting.n;
         let sizes: Vec<f64> = (0..n)
@@ -273,11 +321,12 @@ impl<'a> CheckedSweep<'a> {
     fn radii(
         &self,
         frame: &Frame,
-        (history, near): (&[f64], &[(Weights, usize)]),
+        (history, near): (&SharedSums, &[(Weights, usize)]),
         boxes: &[Boxes],
         guess: &RoundGuess,
     ) -> Vec<f64> {
-        let mut sums = history.to_vec();
+        let mut sums = history.clone();
+        sums.torques.truncate(frame.len);
         let shared = frame.len > 1;
         let shift = if shared {
             let own = &boxes[0];
@@ -285,23 +334,23 @@ impl<'a> CheckedSweep<'a> {
         } else {
             Boxes::none(self.setting.n, self.setting.hand)
         };
+        let moved: Vec<Boxes> = boxes.iter().map(|own| own.plus(&shift)).collect();
         for (weights, at) in near {
             let own = self.past.get(*at).map_or(frame, |past| &past.frame);
             let mut cover = Boxes::none(self.setting.n, self.setting.hand);
-            let reach = if shared { self.shared } else { 1 };
-            for sample in weights.sample..(weights.sample + reach).min(frame.first + frame.len) {
-                if sample < frame.first {
-                    let known = if shared { &self.shifted[sample] } else { &self.raw[sample] };
-                    cover.cover(known);
-                } else {
-                    let mut here = boxes[sample - frame.first].clone();
-                    add(&mut here, &shift);
-                    cover.cover(&here);
-                }
+            for (later, sums) in sums.torques.iter_mut().enumerate() {
+                let sample = weights.sample + later;
+                let here = match sample.checked_sub(frame.first) {
+                    None => self.known(sample, later),
+                    Some(own) if later == 0 => &boxes[own],
+                    Some(own) => &moved[own],
+                };
+                weights.add_torques(&here.u, sums);
+                cover.cover(here);
             }
-            weights.add(&cover, own, self.setting.period, &mut sums);
+            weights.add_rest(&cover, own, self.setting.period, &mut sums.common);
         }
-        sums
+        sums.largest()
     }
 
     fn finish(
@@ -312,13 +361,12 @@ impl<'a> CheckedSweep<'a> {
         swept: &mut Swept,
     ) -> Result<(), ScopeRefusal> {
         let n = self.setting.n;
+        let (torques, steps) = self.torques(&frame, round)?;
         let own = &round.boxes[0];
         let shift = self.shift_boxes(&frame, (&guess.rest.0, &guess.rest.1), own);
         for own in &round.boxes {
-            let mut more = own.clone();
-            add(&mut more, &shift);
+            self.shifted.push(own.plus(&shift));
             self.raw.push(own.clone());
-            self.shifted.push(more);
         }
         // Samples whose whole reach is known now.
         while self.dilated.len() + self.shared <= self.shifted.len() {
@@ -336,32 +384,43 @@ impl<'a> CheckedSweep<'a> {
             let (low, high) = &round.spread.velocity[at];
             let v: Vec<f64> = (0..n).map(|i| round.radii[n + i] + round.direct[i]).collect();
             swept.velocity.push(widened(low, high, &v));
-            let k = frame.first + at - 1;
+        }
+        swept.torque.extend(torques);
+        swept.torque_step.extend(steps);
+        let rest = (round.radii[..n].to_vec(), round.radii[n..2 * n].to_vec());
+        self.past.push(Past { frame, rest });
+        Ok(())
+    }
+
+    /// Largest torques and torque steps of each sample of a window, by joint.
+    fn torques(&self, frame: &Frame, round: &Round) -> Result<SampleTorques, ScopeRefusal> {
+        let n = self.setting.n;
+        let (mut torques, mut steps) = (Vec::new(), Vec::new());
+        for at in 0..frame.len {
+            let k = frame.first + at;
             let nominal = &self.setting.run.command[k];
             let before = if k > 0 {
                 self.setting.run.command[k - 1].clone()
             } else {
                 self.setting.inputs.held()
             };
-            let mut torques = Vec::new();
-            let mut steps = Vec::new();
-            for i in 0..n {
-                let ((tl, th), (sl, sh)) =
-                    (&round.spread.torque[at - 1], &round.spread.step[at - 1]);
+            let of = |i: usize| {
+                let ((tl, th), (sl, sh)) = (&round.spread.torque[at], &round.spread.step[at]);
                 let (t, s) = (round.radii[2 * n + i], round.radii[3 * n + i]);
                 let torque = (nominal[i] + tl[i] - t).abs().max((nominal[i] + th[i] + t).abs());
                 let change = nominal[i] - before[i];
                 let step = (change + sl[i] - s).abs().max((change + sh[i] + s).abs());
-                self.check_limits(k, i, (torque, step))?;
-                torques.push(torque);
-                steps.push(step);
+                (torque, step)
+            };
+            let both: Vec<(f64, f64)> = (0..n).map(of).collect();
+            for (i, both) in both.iter().enumerate() {
+                self.check_limits(k, i, *both)?;
             }
-            swept.torque.push(torques);
-            swept.torque_step.push(steps);
+            let (torque, step) = both.into_iter().unzip();
+            torques.push(torque);
+            steps.push(step);
         }
-        let rest = (round.radii[..n].to_vec(), round.radii[n..2 * n].to_vec());
-        self.past.push(Past { frame, rest });
-        Ok(())
+        Ok((torques, steps))
     }
 
     fn check_limits(
@@ -380,44 +439,59 @@ impl<'a> CheckedSweep<'a> {
         Ok(())
     }
 
-    /// Bounds the whole state at an anchor, once all samples that its window needs are done.
-    fn bound_anchor(&mut self, done: usize) {
-        let next = self.anchors.last().map_or(self.spacing, |a| a.at + self.spacing);
-        // Instants next … next+shared−1 use samples before them.
-        if done + 1 < next + self.shared {
-            return;
+    /// Bounds the whole state at each anchor whose samples are all done.
+    fn bound_anchors(&mut self, done: usize) {
+        loop {
+            let next = self.anchors.last().map_or(FIRST_ANCHOR, |a| a.at + self.spacing);
+            // Instants next … next + shared − 1 use the samples before them.
+            if done + 1 < next + self.shared {
+                return;
+            }
+            let states = self.setting.rows().states();
+            let state_at = |from: usize, shared: bool| {
+                let mut back = Back::new(self.setting.n, self.setting.hand, states, states);
+                for i in 0..states {
+                    back.lambda[i * back.rows + i] = 1.0;
+                }
+                let own = if shared { next + self.shared - 1 } else { from };
+                self.go_back(&mut back, None, (from, own, shared)).0.largest()
+            };
+            let bounds = if next == FIRST_ANCHOR {
+                let each = (next..next + self.shared).map(|at| state_at(at, false));
+                let cover = |a: Vec<f64>, b: Vec<f64>| {
+                    a.iter().zip(b).map(|(a, b)| larger(*a, b)).collect()
+                };
+                each.reduce(cover).unwrap_or_default()
+            } else {
+                state_at(next, true)
+            };
+            self.anchors.push(Anchor { at: next, bounds });
         }
-        let states = self.setting.rows().states();
-        let identity = || {
-            let mut back = Back::new(self.setting.n, self.setting.hand, states, states);
-            for i in 0..states {
-                back.lambda[i * back.rows + i] = 1.0;
-            }
-            back
-        };
-        let known = |from: usize| self.anchors.iter().any(|a| a.at + self.memory <= from);
-        let exact = self.go_back(&mut identity(), None, (next, next, false)).0;
-        let shared = if known(next) {
-            let own = next + self.shared - 1;
-            self.go_back(&mut identity(), None, (next, own, true)).0
-        } else {
-            let mut most = exact.clone();
-            for later in 1..self.shared {
-                let at = next + later;
-                let here = self.go_back(&mut identity(), None, (at, at, false)).0;
-                most.iter_mut().zip(here).for_each(|(m, h)| *m = m.max(h));
-            }
-            most
-        };
-        self.anchors.push(Anchor { at: next, exact, shared });
     }
 }
 
-fn add(to: &mut Boxes, more: &Boxes) {
-    let Boxes { u, x, mu, wrench } = to;
-    for (a, b) in [(u, &more.u), (x, &more.x), (mu, &more.mu), (wrench, &more.wrench)] {
-        a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+/// Samples after which the response of positions to a torque is forgotten, at most `most`.
+fn memory(setting: &TubeSetting<'_>, most: usize) -> usize {
+    let last = setting.run.command.len().saturating_sub(1);
+    let at = (FIRST_ANCHOR.min(last), 1);
+    let Some((frame, _)) = setting.arm.window(setting.run, at, &vec![1e-6; setting.n]) else {
+        return most;
+    };
+    let (n, rows) = (setting.n, setting.rows());
+    let mut back = setting.start_rows(&frame);
+    let (mut largest, mut memory) = (0.0, 1);
+    for sample in 1..=most {
+        rows.step(&mut back, &frame, frame.first);
+        let of = |joint: usize| -> f64 {
+            (0..n).map(|i| back.lambda[(n + i) * back.rows + joint].abs()).sum()
+        };
+        let size = (0..n).map(of).largest();
+        largest = larger(largest, size);
+        if reaches(size, FORGOTTEN * largest) {
+            memory = sample;
+        }
     }
+    memory
 }
 
 fn widened(low: &[f64], high: &[f64], by: &[f64]) -> (Vec<f64>, Vec<f64>) {

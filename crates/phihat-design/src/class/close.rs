@@ -431,6 +431,8 @@ impl<'a> Problem<'a> {
             let friction = scene.dry[i] + scene.slope[i] * self.pace.v[i];
             let added = scene.period * self.moved_gravity(i, velocity);
             *most += self.rates.torque[i] + friction + 2.0 * self.held(i) + scene.start[i] + added;
+            // Where the part in the acceleration is a force, the law's answer to it stands in its place.
+            *most += self.rates.size[i];
         }
         most
     }

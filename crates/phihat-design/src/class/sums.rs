@@ -540,6 +540,14 @@ impl JointSums {
             self.lasting[E][j] += eighth * self.lasting[FREE][j];
             self.impulse[E][j] += eighth * self.impulse[FREE][j];
             self.start[E][j] += eighth * self.start[FREE][j];
+            self.aged[E][j] += eighth * self.aged[FREE][j];
+            self.slope[E][j] += eighth * self.slope[FREE][j];
+            self.turned[j] += eighth * (self.late_age[FREE][j] + t * self.slope[FREE][j]);
+            // A jump of a slope is at most the two slopes beside it.
+            self.bent[E][j] += eighth * 2.0 / t * self.bent[FREE][j];
+            self.start_moves[0][j] += eighth / t * self.late_age[FREE][j];
+            self.start_moves[1][j] += eighth * self.impulse[FREE][j];
+            self.gravity[E][j] += eighth * self.gravity[FREE][j];
         }
     }
 }

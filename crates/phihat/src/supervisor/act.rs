@@ -74,8 +74,11 @@ impl<R: Real> JointRules<R> {
                 // What holds the arm was known before what stops it now: `φ̂` may have learnt the latter.
                 let [_, earlier] = memory.before_now;
                 let known = if learnt { earlier } else { memory.steady };
-                memory.held = whole(known, memory.fed);
-                memory.stopping = Stopping { learns: !learnt, ..Stopping::default() };
+                let wound = whole(known, memory.fed);
+                // No torque beyond its limit held an arm: the literal form winds up against a push.
+                memory.held = wound.saturate(self.running().limits.torque());
+                let learns = !learnt || memory.held != wound;
+                memory.stopping = Stopping { learns, ..Stopping::default() };
             }
             Action::Release => memory.held = R::ZERO,
         }

@@ -104,6 +104,8 @@ impl<R: Real> JointRules<R> {
     /// and what brakes is halved for 16 samples of 32, since a torque that stays at its limit says nothing. A
     /// push that is stronger than the drive makes a joint faster as well, and then torque still pushes the
     /// way it should.
+    /// The drive is judged at a new largest speed only: where a push ends beside a step of the torque, less of
+    /// what brakes goes with more deceleration for some samples.
     pub(crate) fn probed(
         &self,
         memory: &mut JointMemory<R>,
@@ -126,14 +128,15 @@ impl<R: Real> JointRules<R> {
             stopping.peak = if faster { stopping.peak } else { R::ZERO };
             return demand;
         }
-        stopping.peak = if speed > stopping.peak { speed } else { stopping.peak };
+        let fastest = speed >= stopping.peak;
+        stopping.peak = if fastest { speed } else { stopping.peak };
         if stopping.faster == 0 {
             memory.actuation = Actuation::default();
         }
         stopping.faster = stopping.faster.saturating_add(1);
         let half = stopping.faster & PROBED_SAMPLES == 0;
         let watched = (R::from_f64(PROBED_EXCITATION), PROBED_SUSPICIOUS);
-        if self.actuates(memory, gains, m, watched).is_some() {
+        if self.actuates(memory, gains, m, watched).is_some() && fastest {
             memory.stopping.let_go = 1;
             news.events |= Events::LET_GO;
             return R::ZERO;

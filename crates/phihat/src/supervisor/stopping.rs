@@ -54,7 +54,7 @@ pub(crate) struct Stopping<R> {
     /// Number of times that the stop began anew for that reason.
     pub(crate) anew: u32,
     /// True if the holding torque may be estimated again at rest: nothing pushes the joint that would be
-    /// taken for gravity.
+    /// taken for gravity, or the estimate had wound up.
     pub(crate) learns: bool,
     /// Position of rest \[rad\], and number of samples near it.
     pub(crate) rest: (R, u32),

@@ -1,6 +1,6 @@
 //! Statement of a drive about its error before it moves, and how near it came. Wrong if a drive whose references are
-//! kept in a class says nothing or another bound, if one that is not proved does not say so, or if the share is not
-//! that of the record.
+//! kept in a class says nothing, another bound or another word than a check of its gains with their study, if one
+//! without a bound does not say so, or if the share is not that of the record.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 
 use crate::support::{PLAIN, folder};
 use phihat_design::{Gains, Outcome};
-use phihat_drive::{CheckName, DriveOptions, Driven, Proof, prepare};
+use phihat_drive::{CheckName, DriveBound, DriveOptions, Driven, prepare};
 use phihat_session::{Leave, RunOptions, designed};
 use phihat_sim::Trace;
 use phihat_study::Study;
@@ -75,15 +75,15 @@ fn options(folder: &Path, study: &str, gains: Option<&Gains>) -> DriveOptions {
     DriveOptions { run, ..DriveOptions::default() }
 }
 
-fn driven(options: &DriveOptions) -> (Proof, Driven, Trace) {
+fn driven(options: &DriveOptions) -> (DriveBound, Driven, Trace) {
     let out = options.run.out.clone().unwrap();
     let prepared = prepare(options).unwrap();
     assert!(!prepared.is_refused(), "{:?}", prepared.checks);
-    let (proof, study) = (prepared.proof.clone(), prepared.study().clone());
+    let (bound, study) = (prepared.bound.clone(), prepared.study().clone());
     let leave = Leave { folder: &out, page: None };
     let driven = prepared.drive(leave, &mut (), &AtomicBool::new(false)).unwrap();
     let trace = Trace::read(fs::File::open(out.join("trace.parquet")).unwrap(), &study).unwrap();
-    (proof, driven, trace)
+    (bound, driven, trace)
 }
 
 /// Largest measured error of the record as a share of bound and reading.
@@ -98,22 +98,25 @@ fn share(trace: &Trace) -> f64 {
 }
 
 #[test]
-fn what_is_driven_is_what_is_proved() {
-    let folder = folder("proved");
+fn what_is_driven_is_what_is_derived_twice() {
+    let folder = folder("bound");
     let options = options(&folder, ANY, Some(gains()));
-    let (proof, driven, trace) = driven(&options);
+    let (stated, driven, trace) = driven(&options);
     let class = gains().certificate.as_ref().unwrap().class.as_deref().unwrap();
     let bound = class.worst().unwrap().1;
-    assert_eq!(proof.error_bound_rad, Some(bound));
+    assert_eq!(stated.error_bound_rad, Some(bound));
+    // The word is the one of `phihat verify` with the study.
+    let verdict = stated.standing.as_ref().map(|own| own.verdict.words());
+    assert_eq!(verdict, Some("DERIVED TWICE"));
     let says = [
-        "proved ≤",
+        "DERIVED TWICE ≤",
         "any motion within ± 0.4 rad, 0.4 rad/s, 1 rad/s², 10 rad/s³",
         "holding and tracking",
     ];
-    assert!(says.iter().all(|part| proof.sentence.contains(part)), "{}", proof.sentence);
-    assert_eq!(driven.document["proof"]["error_bound_rad"], bound);
+    assert!(says.iter().all(|part| stated.sentence.contains(part)), "{}", stated.sentence);
+    assert_eq!(driven.document["bound"]["error_bound_rad"], bound);
     let told = driven.document["error_share_max"].as_f64().unwrap();
-    println!("{}; share {told}", proof.sentence);
+    println!("{}; share {told}", stated.sentence);
     assert!(
         (told - share(&trace)).abs() < 1e-6 && told > 0.05 && told < 1.0,
         "{told} {}",
@@ -132,8 +135,8 @@ fn what_is_driven_is_what_is_proved() {
     fs::write(&file, format!("t_s,joint1,joint2,joint3\n{text}")).unwrap();
     let options =
         DriveOptions { reference: Some(file), accept: vec![CheckName::Motion], ..options };
-    let (proof, driven, trace) = self::driven(&options);
-    assert_eq!(proof.error_bound_rad, Some(bound), "{}", proof.sentence);
+    let (stated, driven, trace) = self::driven(&options);
+    assert_eq!(stated.error_bound_rad, Some(bound), "{}", stated.sentence);
     let told = driven.document["error_share_max"].as_f64().unwrap();
     assert!(told < 1.0 && (told - share(&trace)).abs() < 1e-6, "{told}");
     for (i, joint) in trace.joints.iter().enumerate() {
@@ -146,11 +149,11 @@ fn what_is_driven_is_what_is_proved() {
 }
 
 #[test]
-fn a_drive_that_is_not_proved_says_the_first_clause_that_is_not() {
-    let folder = folder("not-proved");
+fn a_drive_without_a_bound_says_the_first_clause_that_is_in_its_way() {
+    let folder = folder("no-bound");
     let accepted = |mut options: DriveOptions, check| {
         options.accept.push(check);
-        prepare(&options).unwrap().proof
+        prepare(&options).unwrap().bound
     };
     let stated = accepted(options(&folder, PLAIN, None), CheckName::Certificate);
     assert_eq!(stated.sentence, "NOT PROVED: the gains carry no certificate");

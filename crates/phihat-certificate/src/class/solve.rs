@@ -1,0 +1,273 @@
+//! The least solution of (CM5) over the postures that were played: error, velocity error, torque step, torque.
+
+use super::bends::ClassBends;
+use super::maxima::Maxima;
+use super::setting::{CLAIM, ClassSetting, SAME};
+use super::sums::{
+    AGED, BEGUN, E, EDGE, FREE, IMPULSE, JUMP_BENT, KINDS, LASTING, PlayedSums, RAMP, READING,
+    SLOPE, SLOPE_AGED, SLOPE_BENT, STEP, SquareBlock, TORQUE, V,
+};
+use crate::Refutation;
+use crate::extremes::{Extremes as _, larger};
+use crate::refutation::refuse;
+
+/// Iterations of the fixed point.
+const ROUNDS: usize = 2000;
+
+/// Factor on every step of the iteration, so that its end satisfies (CM5) strictly.
+const STRICT: f64 = 1.001;
+
+/// Error beyond which the iteration is given up \[rad\].
+const LOST: f64 = 2.0;
+
+/// The sums at a posture with its matrices.
+pub(super) struct PlayedPosture {
+    pub(super) sums: PlayedSums,
+    /// `|M|` and `|M^{-1}|`.
+    pub(super) mass: SquareBlock,
+    pub(super) inverse: SquareBlock,
+}
+
+/// Bounds per joint.
+#[derive(Debug, Clone)]
+pub(super) struct Solution {
+    pub(super) error: Vec<f64>,
+    pub(super) velocity: Vec<f64>,
+    pub(super) step: Vec<f64>,
+    pub(super) torque: Vec<f64>,
+}
+
+/// All that bounds depend on.
+pub(super) struct BoundProblem<'a> {
+    pub(super) setting: &'a ClassSetting<'a>,
+    pub(super) maxima: &'a Maxima,
+    pub(super) bends: &'a ClassBends,
+    /// Torque by which the start may be out of balance \[N·m\], and for how long before the law acts \[s\].
+    pub(super) start: (Vec<f64>, f64),
+}
+
+/// Matrices of one posture on errors and on velocity errors, and its answer to what depends on neither.
+struct PostureMaps {
+    error: [SquareBlock; KINDS],
+    velocity: [SquareBlock; KINDS],
+    fixed: [Vec<f64>; KINDS],
+}
+
+/// Bounds on error and velocity error.
+type ErrorPair<'a> = (&'a [f64], &'a [f64]);
+
+/// `row i of m · x`.
+fn along(m: &[f64], i: usize, x: &[f64]) -> f64 {
+    let n = x.len();
+    m[i * n..(i + 1) * n].iter().zip(x).map(|(m, x)| m * x).sum()
+}
+
+/// `out += a b`.
+fn add_product(out: &mut [f64], (a, b): (&[f64], &[f64]), n: usize) {
+    for (out, row) in out.chunks_exact_mut(n).zip(a.chunks_exact(n)) {
+        for (factor, line) in row.iter().zip(b.chunks_exact(n)) {
+            out.iter_mut().zip(line).for_each(|(out, entry)| *out += factor * entry);
+        }
+    }
+}
+
+/// `Σ_c y_c (list_c x)_i`.
+fn bilinear(list: &[SquareBlock], i: usize, (y, x): (&[f64], &[f64])) -> f64 {
+    list.iter().zip(y).map(|(m, y)| y * along(m, i, x)).sum()
+}
+
+impl BoundProblem<'_> {
+    /// Bounds on error, velocity error, torque step and torque over some postures.
+    ///
+    /// # Errors
+    ///
+    /// [`Refutation`]: (CM5) has no solution.
+    pub(super) fn solve(&self, all: &[PlayedPosture]) -> Result<Solution, Refutation> {
+        let n = self.setting.n;
+        let maps: Vec<PostureMaps> = all.iter().map(|own| self.maps(own)).collect();
+        let open = || refuse(CLAIM, "the class closes at postures derived again", LOST, 1.0);
+        let (mut error, mut velocity) = (vec![0.0; n], vec![0.0; n]);
+        let mut still = false;
+        for _ in 0..ROUNDS {
+            let scaled =
+                |list: Vec<f64>| list.into_iter().map(|x| STRICT * x).collect::<Vec<f64>>();
+            let next = scaled(self.most((all, &maps), E, (&error, &velocity)));
+            let speed = scaled(self.most((all, &maps), V, (&error, &velocity)));
+            let moved = |a: &[f64], b: &[f64]| {
+                a.iter()
+                    .zip(b)
+                    .map(|(a, b)| (a - b).abs() / larger(*a, f64::MIN_POSITIVE))
+                    .largest()
+            };
+            let change = larger(moved(&next, &error), moved(&speed, &velocity));
+            (error, velocity) = (next, speed);
+            let lost = error.iter().copied().largest();
+            if lost.is_nan() || lost > LOST {
+                return Err(open());
+            }
+            if change < SAME {
+                still = true;
+                break;
+            }
+        }
+        let below =
+            |own: Vec<f64>, most: &[f64]| own.iter().zip(most).all(|(own, most)| own < most);
+        let strict = still
+            && below(self.most((all, &maps), E, (&error, &velocity)), &error)
+            && below(self.most((all, &maps), V, (&error, &velocity)), &velocity);
+        if !strict {
+            return Err(open());
+        }
+        let fed = self.maxima.fed.iter().map(|rate| self.setting.period * rate);
+        let steps = self.most((all, &maps), STEP, (&error, &velocity));
+        let step = steps.into_iter().zip(fed).map(|(own, fed)| own + fed).collect();
+        let torque = self.torques((all, &maps), (&error, &velocity));
+        Ok(Solution { error, velocity, step, torque })
+    }
+
+    /// Matrices and fixed answers of a posture.
+    fn maps(&self, own: &PlayedPosture) -> PostureMaps {
+        let (n, bends, sums) = (self.setting.n, self.bends, &own.sums);
+        let speed = &self.setting.class.speed;
+        let each = || -> [SquareBlock; KINDS] { core::array::from_fn(|_| vec![0.0; n * n]) };
+        let (mut error, mut velocity) = (each(), each());
+        for o in 0..KINDS {
+            let sizes = &sums.sizes[o];
+            let stiff = &mut error[o];
+            stiff.copy_from_slice(&sums.gravity[o]);
+            add_product(stiff, (&sizes[AGED], &bends.gravity_rate), n);
+            add_product(stiff, (&sizes[TORQUE], &bends.gradient), n);
+            let moves = if o == E { &mut error[o] } else { &mut velocity[o] };
+            for (moving, speed) in sums.moving[o].iter().zip(speed) {
+                moves.iter_mut().zip(moving).for_each(|(moves, own)| *moves += speed * own);
+            }
+            if o == E {
+                add_product(moves, (&sizes[JUMP_BENT], &bends.mass), n);
+                add_product(moves, (&sizes[SLOPE_AGED], &bends.twice), n);
+                add_product(moves, (&sizes[TORQUE], &bends.force), n);
+            } else {
+                add_product(moves, (&sizes[SLOPE_BENT], &bends.mass), n);
+                add_product(moves, (&sizes[AGED], &bends.once), n);
+            }
+        }
+        let fixed = core::array::from_fn(|o| (0..n).map(|i| self.fixed(own, o, i)).collect());
+        PostureMaps { error, velocity, fixed }
+    }
+
+    /// Answer of a joint to all that depends on no error: forces, rates, readings, start.
+    fn fixed(&self, own: &PlayedPosture, o: usize, i: usize) -> f64 {
+        let (setting, maxima, n) = (self.setting, self.maxima, self.setting.n);
+        let sizes = &own.sums.sizes[o];
+        let (start, before) = (&self.start.0, self.start.1);
+        let mut sum = 0.0;
+        for j in 0..n {
+            let at = i * n + j;
+            let (torque, ramp) = (sizes[TORQUE][at], sizes[RAMP][at]);
+            // The part in the acceleration is a force of any course, or has a rate: each answers each joint by itself.
+            let boxed = ramp * maxima.slow[j] + torque * maxima.size[j];
+            let smooth = ramp * (maxima.whole[j] + maxima.jerk[j]);
+            sum += if boxed < smooth { boxed } else { smooth };
+            sum += ramp * setting.slope[j] * setting.class.acceleration[j];
+            sum += torque * (setting.dry[j] + self.held(j) + self.added(j, &setting.class.speed));
+            sum += (sizes[READING][at] + sizes[BEGUN][at]) * setting.reading[j];
+            let start = start.get(j).copied().unwrap_or(0.0);
+            sum += (sizes[LASTING][at] + before * sizes[IMPULSE][at]) * start;
+            if o == E {
+                let moved = along(&self.bends.moved, j, &setting.reading);
+                let begun = along(&self.bends.started, j, &setting.reading);
+                sum += sizes[EDGE][at] * moved + sizes[IMPULSE][at] * begun;
+            }
+        }
+        sum
+    }
+
+    /// Deviation of what is fed forward, which is held over a sample and older than that through a supervisor.
+    fn held(&self, j: usize) -> f64 {
+        self.setting.late * self.setting.period * self.maxima.fed[j]
+    }
+
+    /// Change over a sample of the gravity that the robot adds, at these velocities.
+    fn added(&self, j: usize, velocity: &[f64]) -> f64 {
+        self.setting.period * along(&self.bends.added, j, velocity)
+    }
+
+    /// Force of any course that errors are of second order in, and `|N_e| V`.
+    fn second(&self, j: usize, (error, velocity): ErrorPair<'_>) -> (f64, f64) {
+        let bends = self.bends;
+        let torque = self.setting.slope[j] * velocity[j]
+            + self.added(j, velocity)
+            + 0.5 * bilinear(&bends.gravity, j, (error, error))
+            + bilinear(&bends.turned, j, (error, velocity))
+            + 0.5 * bilinear(&bends.coriolis, j, (velocity, velocity))
+            + bilinear(&bends.masses, j, (velocity, velocity))
+            + bilinear(&bends.bent, j, (error, velocity));
+        (torque, bilinear(&bends.masses, j, (error, velocity)))
+    }
+
+    /// The largest value of an output over the postures, joint by joint, from bounds on error and velocity error.
+    fn most(
+        &self,
+        (all, maps): (&[PlayedPosture], &[PostureMaps]),
+        o: usize,
+        at: ErrorPair<'_>,
+    ) -> Vec<f64> {
+        let n = self.setting.n;
+        let inputs: Vec<(f64, f64)> = (0..n).map(|j| self.second(j, at)).collect();
+        let mut most = vec![0.0; n];
+        for pair in all.iter().zip(maps) {
+            let own = output(pair, o, (&inputs, at));
+            most.iter_mut().zip(own).for_each(|(most, own)| *most = larger(*most, own));
+        }
+        most
+    }
+
+    /// The largest torque: of the motion and of smooth friction along it, and what the law adds to that.
+    fn torques(
+        &self,
+        (all, maps): (&[PlayedPosture], &[PostureMaps]),
+        at: ErrorPair<'_>,
+    ) -> Vec<f64> {
+        let (setting, maxima, n) = (self.setting, self.maxima, self.setting.n);
+        let inputs: Vec<(f64, f64)> = (0..n).map(|j| self.second(j, at)).collect();
+        let mut most = vec![0.0; n];
+        for pair in all.iter().zip(maps) {
+            let free = output(pair, FREE, (&inputs, at));
+            for (i, most) in most.iter_mut().enumerate() {
+                *most = larger(*most, along(&pair.0.mass, i, &free));
+            }
+        }
+        for (i, most) in most.iter_mut().enumerate() {
+            let start = self.start.0.get(i).copied().unwrap_or(0.0);
+            // Where the part in the acceleration is a force, the law's answer to it stands in its place.
+            *most += maxima.torque[i]
+                + setting.slope[i] * setting.class.speed[i]
+                + maxima.size[i]
+                + self.held(i)
+                + start;
+        }
+        most
+    }
+}
+
+/// An output at one posture, joint by joint.
+fn output(
+    (own, maps): (&PlayedPosture, &PostureMaps),
+    o: usize,
+    (inputs, (error, velocity)): (&[(f64, f64)], ErrorPair<'_>),
+) -> Vec<f64> {
+    let n = error.len();
+    let sizes = &own.sums.sizes[o];
+    let joint = |i: usize| {
+        let mut sum = maps.fixed[o][i] + along(&maps.error[o], i, error);
+        sum += along(&maps.velocity[o], i, velocity);
+        for (j, (torque, shift)) in inputs.iter().enumerate() {
+            let at = i * n + j;
+            sum += sizes[TORQUE][at] * torque + sizes[SLOPE][at] * shift;
+            if o == V {
+                sum += own.inverse[at] * shift;
+            }
+        }
+        sum
+    };
+    (0..n).map(joint).collect()
+}
