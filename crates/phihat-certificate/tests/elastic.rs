@@ -51,6 +51,9 @@ fn panda_laws() -> Vec<JointRecord> {
     (0..7).map(|index| law(index, 1.0)).collect()
 }
 
+/// Largest diagonal entries of the link inertia, by Pinocchio over 800 postures, rounded \[kg·m²\].
+const HEAVY: [f64; 7] = [4.377, 4.485, 1.919, 1.357, 0.091, 0.088, 0.007];
+
 /// Stiffness of the order of what is published for arms of the Panda's size \[N·m/rad\].
 const BASE: [f64; 7] = [14_250.0, 14_250.0, 14_250.0, 14_250.0, 7_000.0, 7_000.0, 7_000.0];
 
@@ -103,8 +106,8 @@ fn holds(clause: &ElasticJoints, laws: &[JointRecord], model: &LoopModel) -> boo
     clause.verify(&loops).is_ok()
 }
 
-fn links(study: &Study, laws: &[JointRecord]) -> ArmInertia {
-    Arm::of(&links_of(study)).unwrap().against(nominal(laws)).unwrap()
+fn links(study: &Study) -> ArmInertia {
+    Arm::of(&links_of(study)).unwrap().against(HEAVY.to_vec()).unwrap()
 }
 
 /// Link inertia of the arm at its pose "ready".
@@ -118,11 +121,11 @@ fn ready(study: &Study) -> Square {
 #[test]
 fn the_shipped_gains_bear_a_soft_and_a_very_stiff_panda_and_none_between() {
     let (study, laws, model) = (panda(""), panda_laws(), model(PERIOD, None));
-    let links = links(&study, &laws);
+    let links = links(&study);
     println!("links {:.5} … {:.5}", links.low, links.high);
     // Independent figures: eigenvalues of the arm of 56 states over 82 postures (2 % damping).
     let motor = [(0.7, true), (1.0, true), (1.6, false), (5.0, false), (20.0, false), (40.0, true)];
-    let link = [(0.5, false), (1.0, false), (2.0, false), (5.0, true), (100.0, true)];
+    let link = [(0.5, false), (1.0, false), (2.5, false), (3.2, true), (5.0, true), (100.0, true)];
     let matrix = ready(&study);
     for (side, scales) in [(Motor, &motor[..]), (Link, &link)] {
         for (scale, wanted) in scales {
@@ -140,12 +143,14 @@ fn the_shipped_gains_bear_a_soft_and_a_very_stiff_panda_and_none_between() {
 #[test]
 fn an_interval_of_stiffness_is_borne_whole_or_not_at_all() {
     let (study, laws, model) = (panda(""), panda_laws(), model(PERIOD, None));
-    let links = links(&study, &laws);
+    let links = links(&study);
     let of = |span, side| holds(&clause(&links, springs(&study, span, 0.02), side), &laws, &model);
     assert!(of((0.7, 0.75), Motor));
     // Both ends hold by themselves.
     assert!(!of((0.9, 40.0), Motor));
-    assert!(of((6.0, 7.0), Link));
+    assert!(of((3.5, 7.0), Link));
+    // Some mixtures of soft and rigid joints are unstable, by eigenvalues.
+    assert!(!of((4.0, 400.0), Link));
 }
 
 /// Xorshift, in [0, 1).
@@ -305,7 +310,7 @@ fn no_drawn_arm_with_elastic_joints_is_certified_and_unstable() {
 #[test]
 fn a_claim_that_is_stretched_is_refuted() {
     let (study, laws, model) = (panda(""), panda_laws(), model(PERIOD, None));
-    let links = links(&study, &laws);
+    let links = links(&study);
     let good = clause(&links, springs(&study, (6.0, 6.5), 0.02), Link);
     assert!(holds(&good, &laws, &model));
     let forged = |change: &dyn Fn(&mut ElasticJoints)| {

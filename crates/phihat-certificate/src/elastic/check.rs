@@ -5,7 +5,6 @@ use core::f64::consts::{FRAC_PI_4, PI, TAU};
 use super::cells::{OpenCell, covered, turned};
 use super::document::{ElasticJoint, ElasticJoints};
 use super::port::Port;
-use crate::check::agree::agrees;
 use crate::check::linear;
 use crate::check::plausible::{self, at_most};
 use crate::refutation::refuse;
@@ -13,7 +12,7 @@ use crate::{ArmBasis, JointRecord, LoopModel, Refutation};
 
 const CLAIM: &str = "elastic joints";
 
-/// Two ways to compute the same number of a document.
+/// Share by which the same number of a document may differ, computed in two ways.
 const SAME: f64 = 1e-9;
 
 impl ElasticJoints {
@@ -51,7 +50,12 @@ impl ElasticJoints {
         let all = self.joints.len() == loops.len() && !loops.is_empty();
         Refutation::unless(CLAIM, "one entry per joint", counts.0, counts.1, all)?;
         let mut ports = Vec::with_capacity(loops.len());
-        for (joint, (record, model)) in self.joints.iter().zip(loops) {
+        let units = &self.links.nominal_kg_m2;
+        let (own, right) = (units.len(), loops.len());
+        let same = own == right && units.iter().all(|unit| *unit > 0.0 && unit.is_finite());
+        let what = "one positive unit of the links' inertia per joint";
+        Refutation::unless(CLAIM, what, own as f64, right as f64, same)?;
+        for ((joint, unit), (record, model)) in self.joints.iter().zip(units).zip(loops) {
             let named = |why: Refutation| why.on(&record.name);
             plausible::gains(CLAIM, record).map_err(named)?;
             plausible::model(CLAIM, record, model).map_err(named)?;
@@ -60,8 +64,8 @@ impl ElasticJoints {
             let same = (own - first).abs() <= f64::EPSILON * first;
             Refutation::unless(CLAIM, "all joints are sampled together", own, first, same)?;
             let law = linear::joint(CLAIM, record, model).map_err(named)?;
-            let of = (joint, record.inertia_kg_m2);
-            ports.push(Port::new((&law, own), of, (self.encoder, modulus)));
+            let law = (&law, own, record.inertia_kg_m2);
+            ports.push(Port::new(law, (joint, *unit), (self.encoder, modulus)));
         }
         Ok(ports)
     }
@@ -93,16 +97,9 @@ impl ElasticJoints {
         Refutation::unless(CLAIM, what, found, wanted, whole)
     }
 
-    /// Checks that the claim is about the arm that the certificate is about: the same `M̄`, and the links' range with
-    /// the margin.
-    pub(crate) fn covers(&self, nominal: &[f64], margin: f64) -> Result<(), Refutation> {
+    /// Checks that the claim is about the links of the arm that the certificate is about: their range with the margin.
+    pub(crate) fn covers(&self, margin: f64) -> Result<(), Refutation> {
         self.links.plausible()?;
-        let same = self.links.nominal_kg_m2.len() == nominal.len();
-        let counts = (self.links.nominal_kg_m2.len() as f64, nominal.len() as f64);
-        Refutation::unless(CLAIM, "the links have the arm's joints", counts.0, counts.1, same)?;
-        for sides in self.links.nominal_kg_m2.iter().zip(nominal) {
-            agrees(CLAIM, "the links are measured in the gains' M̄", (*sides.0, *sides.1), SAME)?;
-        }
         let known = self.links.basis == ArmBasis::Postures;
         Refutation::unless(CLAIM, "the links are known by postures", 0.0, 1.0, known)?;
         let (low, high) = (self.links.low / margin, self.links.high * margin);

@@ -76,9 +76,9 @@ impl ElasticJoint {
 /// # Claim
 ///
 /// `B θ̈ + c(θ̇ − q̇) + k(θ − q) = τ`, `M_l q̈ = c(θ̇ − q̇) + k(θ − q)` per joint, with constant rotor inertia `B`,
-/// stiffness `k` and damping `c` anywhere in each joint's own intervals, and any constant link inertia `M_l` whose
-/// spectrum, in units of the gains' `M̄`, lies in `[low, high]`: the sampled law, with its delay and drive, is stable,
-/// also where each joint's torque is multiplied by any `1/(1 + δ_i)`, `δ_i` stable with `|δ_i| ≤ modulus`.
+/// stiffness `k` and damping `c` anywhere in each joint's own intervals, and any constant link inertia `M_l` between
+/// `low·S` and `high·S`, `S` the diagonal matrix of `links.nominal_kg_m2`: the sampled law, with its delay and drive, is
+/// stable, also where each joint's torque is multiplied by any `1/(1 + δ_i)`, `δ_i` stable with `|δ_i| ≤ modulus`.
 ///
 /// # Proof
 ///
@@ -107,11 +107,11 @@ pub struct ElasticJoints {
     pub encoder: EncoderSide,
     /// Share by which the torques of all joints may be wrong together; the modulus margin where one joint is alone.
     pub modulus: f64,
-    /// Smallest eigenvalue of the links' inertia that the claim holds for.
+    /// Smallest eigenvalue of the links' inertia, in units of `S`, that the claim holds for.
     pub low: f64,
-    /// Largest eigenvalue of the links' inertia that the claim holds for.
+    /// Largest eigenvalue of the links' inertia, in units of `S`, that the claim holds for.
     pub high: f64,
-    /// Range of the inertia of the links alone, rotors left out.
+    /// Range of the inertia of the links alone, rotors left out, in units of a diagonal `S` that any is right for.
     pub links: ArmInertia,
     /// One entry per joint, in the robot's order.
     pub joints: Vec<ElasticJoint>,

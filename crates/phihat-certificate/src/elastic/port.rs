@@ -1,4 +1,6 @@
 //! Connection of an arm's links at one joint: rotor, spring, drive and law as one scalar.
+//!
+//! Everything is in units of the joint's link inertia `S`, in which the range of the links is measured.
 
 use phihat_kernel::{JointLoop, Polynomial};
 
@@ -7,7 +9,7 @@ use super::document::{ElasticJoint, EncoderSide};
 use crate::check::complex::Complex;
 use crate::check::response::on_circle;
 
-/// Rotor `B`, compliance `s = 1/k` and damping `c` in units of `M̄`, each by its ends.
+/// Rotor `B`, compliance `s = 1/k` and damping `c` in units of `S`, each by its ends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Springs {
     pub(super) rotor: (f64, f64),
@@ -24,12 +26,12 @@ fn middle((low, high): (f64, f64)) -> f64 {
 }
 
 impl Springs {
-    /// Those of a joint, per unit of its `M̄`.
-    fn of(joint: &ElasticJoint, inertia: f64) -> Self {
-        let per = |(low, high): (f64, f64)| (low / inertia, high / inertia);
+    /// Those of a joint, per unit of inertia.
+    fn of(joint: &ElasticJoint, unit: f64) -> Self {
+        let per = |(low, high): (f64, f64)| (low / unit, high / unit);
         Self {
             rotor: per(joint.rotor_kg_m2),
-            compliance: (inertia / joint.stiffest(), inertia / joint.stiffness_nm_rad.0),
+            compliance: (unit / joint.stiffest(), unit / joint.stiffness_nm_rad.0),
             damping: per(joint.damping_nm_s_rad),
         }
     }
@@ -78,7 +80,7 @@ fn from_segment(at: Complex, [from, to]: [Complex; 2]) -> f64 {
 /// One joint in its loop.
 #[derive(Debug)]
 pub(super) struct Port {
-    /// `N` and `Δ` in `w = z − 1`, rounded coefficient by coefficient.
+    /// `N` per unit of `S` and `Δ`, in `w = z − 1`, rounded coefficient by coefficient.
     back: Vec<f64>,
     open: Vec<f64>,
     period: f64,
@@ -122,17 +124,20 @@ pub(super) struct CircleSides {
 }
 
 impl Port {
-    /// A joint with its law in its loop, per unit of its `M̄`.
+    /// A joint with its law in its loop, and its `M̄`, per unit of inertia `S`.
     pub(super) fn new(
-        (law, period): (&JointLoop, f64),
-        (joint, inertia): (&ElasticJoint, f64),
+        (law, period, inertia): (&JointLoop, f64, f64),
+        (joint, unit): (&ElasticJoint, f64),
         (side, modulus): (EncoderSide, f64),
     ) -> Self {
-        let rounded = |p: &Polynomial| {
+        let rounded = |p: &Polynomial| -> Vec<f64> {
             p.about_one().coefficients().iter().map(phihat_kernel::Number::near).collect()
         };
-        let springs = Springs::of(joint, inertia);
-        let (back, open) = (rounded(&law.back), rounded(&law.open));
+        let springs = Springs::of(joint, unit);
+        let (mut back, open) = (rounded(&law.back), rounded(&law.open));
+        for coefficient in &mut back {
+            *coefficient *= inertia / unit;
+        }
         // 1/(1 + δ) with |δ| ≤ m is within m/(1 − m) of 1, and so is 1 + δ.
         let wrong = modulus / (1.0 - modulus) * (1.0 + LOST);
         let wrong = Disc::new(Complex::new(1.0, 0.0), wrong);

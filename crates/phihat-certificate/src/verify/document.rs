@@ -90,7 +90,7 @@ impl Certificate {
             frozen.verify(&gains.joints.iter().zip(models).collect::<Vec<_>>())?;
         }
         if let Some(elastic) = &self.elastic {
-            elastic.covers(&self.arm.nominal_kg_m2, self.window_margin)?;
+            elastic.covers(self.window_margin)?;
             let models = self.joints.iter().map(|joint| &joint.model);
             elastic.verify(&gains.joints.iter().zip(models).collect::<Vec<_>>())?;
         }

@@ -10,7 +10,7 @@ const STEP: f64 = 1.02;
 /// Largest ratio of stiffnesses of an interval that are tried, but its end.
 const REACH: f64 = 1e3;
 
-/// Rotor inertia, compliance and damping of one joint, in units of its `M̄`.
+/// Rotor inertia, compliance and damping of one joint, per unit of its link inertia.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Actuator {
     pub(super) rotor: f64,
@@ -37,7 +37,7 @@ impl Actuator {
     }
 
     /// Points of a joint's intervals: stiffness by steps of 2 %, damping and rotor at both ends.
-    pub(super) fn points(joint: &ElasticJoint, inertia: f64) -> Vec<Self> {
+    pub(super) fn points(joint: &ElasticJoint, unit: f64) -> Vec<Self> {
         let (low, high) = (joint.stiffness_nm_rad.0, joint.stiffest());
         let most = smaller(high, REACH * low);
         let next = |k: &f64| Some(k * STEP).filter(|k| *k < most);
@@ -48,9 +48,9 @@ impl Actuator {
             let (c, b) = (joint.damping_nm_s_rad, joint.rotor_kg_m2);
             for (damping, rotor) in [(c.0, b.0), (c.0, b.1), (c.1, b.0), (c.1, b.1)] {
                 let point = Self {
-                    rotor: rotor / inertia,
-                    compliance: inertia / stiffness,
-                    damping: damping / inertia,
+                    rotor: rotor / unit,
+                    compliance: unit / stiffness,
+                    damping: damping / unit,
                 };
                 points.push(point);
             }

@@ -3,7 +3,7 @@
 use core::f64::consts::TAU;
 
 use phihat_certificate::{ElasticJoint, ElasticJoints, EncoderSide};
-use phihat_model::Rotor;
+use phihat_model::{Joint, JointSpring, Rotor};
 use phihat_study::{InertiaSource, Study};
 
 use super::grid::{Gap, LawInLoop, SpringGrid};
@@ -16,6 +16,9 @@ use crate::{Arm, Gains};
 /// Steps of the frequencies that are tried: at stated springs, and where the springs themselves are sought.
 const FINE: f64 = 0.004;
 const COARSE: f64 = 0.015;
+
+/// Frequency of the rotor of a sliding joint on a spring that nothing is known of \[rad/s\].
+const UNKNOWN: f64 = 20.0 * TAU;
 
 /// Moduli that are tried, from the largest.
 const MODULI: [f64; 8] = [0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.05, 0.02];
@@ -63,18 +66,19 @@ impl FindElastic for ElasticJoints {
     }
 }
 
-/// Stiffness of each joint \[N·m/rad\] from which on, up to rigid joints and all together, gains of a study are stable
-/// on a grid of frequencies, with 1 % of critical damping of their springs: SEARCHED, and no claim. `None`: not even
-/// rigid by this theorem, a rotor is not known, or the arm's inertia is not that of a description.
+/// Least stiffness of each joint \[N·m/rad\] with which gains of a study are stable on a grid of frequencies, all
+/// joints together, each anywhere up to [`SPREAD`] times its own, with 1 % of critical damping: SEARCHED, and no claim.
+/// `None`: not even rigid by this theorem, a rotor is not known, or the arm's inertia is not that of a description.
 pub fn softest_springs(study: &Study, gains: &Gains, links: &Arm) -> Option<Vec<f64>> {
     let own = clause((study, gains), links, Vec::new()).ok()?;
     let rotor: Vec<f64> =
         study.robot.joints.iter().map(|joint| joint.armature_at(Rotor::Least)).collect();
     let known = rotor.iter().all(|rotor| *rotor > 0.0);
-    known.then(|| softest(&own, (gains, &models(study, gains)), &rotor)).flatten()
+    known.then(|| softest(&own, (study, gains), &rotor)).flatten()
 }
 
-/// The clause of a study's arm with these joints, not shown yet, or what is not known.
+/// The clause of a study's arm with these joints, not shown yet, or what is not known. The links' range is measured in
+/// units of each joint's own largest link inertia: the ratio of its ends in one circle costs least so.
 fn clause(
     (study, gains): (&Study, &Gains),
     links: &Arm,
@@ -84,9 +88,13 @@ fn clause(
         let what = "the links' inertia is that of the robot's description (design.inertia)";
         return Err(ElasticRefusal::unknown(what));
     }
-    let nominal: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
+    let known = links.diagonal().len() == gains.joints.len();
+    let unit: Vec<f64> = links.diagonal().iter().map(|(_, heavy)| *heavy).collect();
+    if !known {
+        return Err(ElasticRefusal::unknown("the links' inertia is known"));
+    }
     let range = links
-        .against(nominal)
+        .against(unit)
         .map_err(|why| ElasticRefusal::unknown(&format!("the links' inertia is known ({why})")))?;
     let margin = study.design.window_margin.max(1.0);
     Ok(ElasticJoints {
@@ -110,14 +118,21 @@ fn looped<'a>(gains: &'a Gains, models: &'a [LoopModel]) -> Vec<LawInLoop<'a>> {
     gains.joints.iter().zip(models).collect()
 }
 
-/// Stiffness from which on each joint is borne, on a coarse grid.
+/// Least stiffness of each joint that is borne, on a coarse grid.
 fn softest(
     clause: &ElasticJoints,
-    (gains, models): (&Gains, &[LoopModel]),
+    (study, gains): (&Study, &Gains),
     rotor: &[f64],
 ) -> Option<Vec<f64>> {
-    let grid = &SpringGrid::new(&looped(gains, models), COARSE);
-    Unsprung { grid, side: clause.encoder, range: (clause.low, clause.high), rotor }.softest()
+    let models = models(study, gains);
+    let grid = &SpringGrid::new(&looped(gains, &models), &clause.links.nominal_kg_m2, COARSE);
+    let usual = |(joint, rotor): (&Joint, &f64)| {
+        let spring = joint.spring.or_else(|| JointSpring::assumed(joint));
+        spring.map_or(rotor * UNKNOWN * UNKNOWN, |own| own.stiffness.0)
+    };
+    let usual: Vec<f64> = study.robot.joints.iter().zip(rotor).map(usual).collect();
+    let range = (clause.low, clause.high);
+    Unsprung { grid, side: clause.encoder, range, rotor, usual: &usual }.softest()
 }
 
 /// Reason why the clause does not hold: a gap of the search, or a failure of the check.
@@ -130,7 +145,8 @@ fn shown(clause: &ElasticJoints, study: &Study, gains: &Gains) -> Result<(), Uns
     let models = models(study, gains);
     let loops = looped(gains, &models);
     let request = (clause.encoder, (clause.low, clause.high));
-    if let Some(gap) = SpringGrid::new(&loops, FINE).gap(&clause.joints, request) {
+    let unit = &clause.links.nominal_kg_m2;
+    if let Some(gap) = SpringGrid::new(&loops, unit, FINE).gap(&clause.joints, request) {
         return Err(Unshown::Gap(gap));
     }
     clause.verify(&loops).map_err(Unshown::Check)
@@ -153,7 +169,7 @@ fn refused(
         blamed.push(second);
     }
     let rotor: Vec<f64> = clause.joints.iter().map(|joint| joint.rotor_kg_m2.0).collect();
-    let softest = softest(clause, (gains, &models(study, gains)), &rotor);
+    let softest = softest(clause, (study, gains), &rotor);
     let inertia = links.diagonal();
     let needs = |joint: &usize| {
         let own = &clause.joints[*joint];

@@ -15,15 +15,15 @@ const LOWEST: f64 = 1e-4;
 /// A law in its loop.
 pub(super) type LawInLoop<'a> = (&'a JointRecord, &'a LoopModel);
 
-/// `L_i` of every joint on the grid.
+/// `L_i` of every joint on the grid, per unit of its link inertia.
 #[derive(Debug, Clone)]
 pub(super) struct SpringGrid {
     /// Frequencies \[rad/s\], ascending to half the sample rate.
     pub(super) omega: Vec<f64>,
     /// One list per frequency, one entry per joint.
     pub(super) laws: Vec<Vec<Complex<f64>>>,
-    /// Nominal inertia of each joint \[kg·m²\].
-    pub(super) inertia: Vec<f64>,
+    /// Inertia of the links per joint that everything is in units of \[kg·m²\].
+    pub(super) unit: Vec<f64>,
 }
 
 /// A band of frequency in which no circle serves all joints.
@@ -36,21 +36,24 @@ pub(super) struct Gap {
 }
 
 impl SpringGrid {
-    /// A grid with steps of this share of the frequency.
-    pub(super) fn new(loops: &[LawInLoop<'_>], share: f64) -> Self {
+    /// A grid with steps of this share of the frequency, for links in these units.
+    pub(super) fn new(loops: &[LawInLoop<'_>], unit: &[f64], share: f64) -> Self {
         let period = loops.first().map_or(1.0, |(_, model)| model.period_s);
         let open: Vec<OpenLoop> =
             loops.iter().map(|(record, model)| OpenLoop::new(record, model)).collect();
         let lower = |theta: &f64| (*theta > LOWEST).then(|| theta / (1.0 + share));
         let mut theta: Vec<f64> = core::iter::successors(Some(PI), lower).collect();
         theta.reverse();
+        let per_unit: Vec<f64> =
+            loops.iter().zip(unit).map(|((record, _), unit)| record.inertia_kg_m2 / unit).collect();
+        let at = |theta: &f64| {
+            let each = open.iter().zip(&per_unit);
+            each.map(|(own, factor)| own.at_angle(*theta) * *factor).collect()
+        };
         Self {
             omega: theta.iter().map(|theta| theta / period).collect(),
-            laws: theta
-                .iter()
-                .map(|theta| open.iter().map(|own| own.at_angle(*theta)).collect())
-                .collect(),
-            inertia: loops.iter().map(|(record, _)| record.inertia_kg_m2).collect(),
+            laws: theta.iter().map(at).collect(),
+            unit: unit.to_vec(),
         }
     }
 
@@ -62,8 +65,8 @@ impl SpringGrid {
     ) -> Option<Gap> {
         let points: Vec<Vec<Actuator>> = joints
             .iter()
-            .zip(&self.inertia)
-            .map(|(joint, inertia)| Actuator::points(joint, *inertia))
+            .zip(&self.unit)
+            .map(|(joint, unit)| Actuator::points(joint, *unit))
             .collect();
         let mut gap: Option<Gap> = None;
         for (omega, laws) in self.omega.iter().zip(&self.laws) {

@@ -14,3 +14,4 @@ mod softest;
 pub use find::{FindElastic, links_of, softest_springs};
 pub use refusal::{ElasticRefusal, SpringNeeds, SpringRefusal};
 pub use slower::slower;
+pub use softest::SPREAD;

@@ -4,6 +4,7 @@ use core::fmt;
 
 use phihat_certificate::EncoderSide;
 
+use super::softest::SPREAD;
 use crate::claims::Refutation;
 
 /// Reason why the clause of elastic joints does not hold.
@@ -37,7 +38,8 @@ pub struct SpringNeeds {
     pub stiffness_nm_rad: (f64, f64),
     /// Frequency of the joint on its spring, all others fixed, from its heaviest to its lightest posture \[Hz\].
     pub resonance_hz: (f64, f64),
-    /// Stiffness above which the law holds, on a grid \[N·m/rad\]; `None`: not even rigid.
+    /// Least stiffness with which the law holds, on a grid, where it is known within a factor of [`SPREAD`]
+    /// \[N·m/rad\]; `None`: not even rigid.
     pub stiffer_than: Option<f64>,
 }
 
@@ -75,8 +77,11 @@ impl fmt::Display for ElasticRefusal {
                 need.joint, k.0, k.1, hz.0, hz.1
             )?;
             match need.stiffer_than {
-                Some(least) => write!(f, "≥ {least:.0} N·m/rad at 1 % damping")?,
-                None => write!(f, "rigid joints, or softer ones")?,
+                Some(least) => write!(
+                    f,
+                    "≥ {least:.0} N·m/rad, known within a factor of {SPREAD}, at 1 % damping"
+                )?,
+                None => write!(f, "an arm that is stiffer")?,
             }
         }
         let holds = if *other_side { "it is proved" } else { "it is not proved either" };

@@ -1,18 +1,18 @@
 //! Softest springs that a law bears.
 
-use core::f64::consts::TAU;
-
 use phihat_certificate::EncoderSide;
-use phihat_certificate::extremes::smaller;
 use phihat_model::JointSpring;
 
 use super::actuator::{Actuator, CircleRoom};
 use super::grid::SpringGrid;
 
-/// Frequencies of a rotor on its spring that are tried, from the stiffest \[Hz\] down, by steps of this share.
-const STIFFEST_HZ: f64 = 1e3;
-const SOFTEST_HZ: f64 = 1.0;
-const STEP: f64 = 0.02;
+/// Ratio of the largest stiffness to the least that a joint may have without being measured.
+pub const SPREAD: f64 = 2.0;
+
+/// Largest factor of the usual stiffness that is tried, the steps down from it, and how many (down to a thousandth).
+const STIFFEST: f64 = 1e3;
+const STEP: f64 = 1.04;
+const STEPS: i32 = 352;
 
 /// An arm whose springs are sought.
 #[derive(Debug, Clone, Copy)]
@@ -23,80 +23,94 @@ pub(super) struct Unsprung<'a> {
     pub(super) range: (f64, f64),
     /// Rotor inertia of each joint \[kg·m²\].
     pub(super) rotor: &'a [f64],
+    /// Usual stiffness of each joint \[N·m/rad\]: their ratios.
+    pub(super) usual: &'a [f64],
 }
 
+/// Room that a joint leaves at each frequency of the grid.
+type Rooms = Vec<CircleRoom>;
+
 impl Unsprung<'_> {
-    /// Stiffness of each joint \[N·m/rad\] from which on, with any stiffness above it on every joint and 1 % of
-    /// critical damping, the grid has no gap; `None`: it has one even where joints are rigid.
+    /// Least stiffness of each joint \[N·m/rad\] with which the grid has no gap, where every joint's stiffness is
+    /// anywhere between its own and [`SPREAD`] times that, and damping 1 % of critical; so do all larger ones in the
+    /// same ratios. `None`: it has a gap even where joints are rigid.
     ///
     /// # Method
     ///
-    /// Each joint gets softer by itself, the others rigid, until a gap opens: that are the ratios of the frequencies of
-    /// rotors on their springs. With these ratios all get softer together; then each goes on while the others stay.
+    /// All get softer together, in the ratios of the usual stiffness, until a gap opens; then each goes on while the
+    /// others stay.
     pub(super) fn softest(&self) -> Option<Vec<f64>> {
         let n = self.rotor.len();
-        let mut rigid = vec![vec![CircleRoom::ALL; n]; self.grid.omega.len()];
-        if !(0..n).all(|joint| self.take(&mut rigid, joint, f64::INFINITY)) {
+        let rigid: Vec<Rooms> = (0..n).map(|joint| self.rooms(joint, &[f64::INFINITY])).collect();
+        if !no_gap(&rigid) {
             return None;
         }
-        let alone: Vec<f64> =
-            (0..n).map(|joint| self.softer(&mut rigid.clone(), joint, STIFFEST_HZ)).collect();
-        let mut rooms = rigid;
-        let mut hz = vec![STIFFEST_HZ; n];
-        let mut factor = STIFFEST_HZ / SOFTEST_HZ;
-        loop {
-            let mut tried = rooms.clone();
-            let together: Vec<f64> =
-                alone.iter().map(|own| smaller(own * factor, STIFFEST_HZ)).collect();
-            if factor < 1.0 || !(0..n).all(|joint| self.take(&mut tried, joint, together[joint])) {
+        let (mut rooms, mut borne) = (rigid, 0);
+        for step in 0..STEPS {
+            let tried: Vec<Rooms> = (0..n).map(|joint| self.spread(joint, factor(step))).collect();
+            if !no_gap(&tried) {
                 break;
             }
-            (rooms, hz) = (tried, together);
-            factor /= 1.0 + STEP;
+            (rooms, borne) = (tried, step);
         }
-        for joint in 0..n {
-            hz[joint] = self.softer(&mut rooms, joint, hz[joint]);
-        }
-        Some((0..n).map(|joint| self.stiffness(joint, hz[joint])).collect())
+        Some((0..n).map(|joint| self.softer(&mut rooms, joint, borne)).collect())
     }
 
-    /// Lowest frequency \[Hz\] of a joint's rotor on its spring from another one down; takes all of them in.
-    fn softer(&self, rooms: &mut Vec<Vec<CircleRoom>>, joint: usize, from_hz: f64) -> f64 {
-        let mut hz = from_hz;
-        loop {
-            let next = hz / (1.0 + STEP);
-            let mut tried = rooms.clone();
-            if next < SOFTEST_HZ || !self.take(&mut tried, joint, next) {
-                return hz;
+    /// Lowest stiffness \[N·m/rad\] of one joint while the others stay; takes it in.
+    fn softer(&self, rooms: &mut [Rooms], joint: usize, from: i32) -> f64 {
+        let mut borne = from;
+        for step in from + 1..STEPS {
+            let before = core::mem::replace(&mut rooms[joint], self.spread(joint, factor(step)));
+            if !no_gap(rooms) {
+                rooms[joint] = before;
+                break;
             }
-            (*rooms, hz) = (tried, next);
+            borne = step;
         }
+        factor(borne) * self.usual[joint]
     }
 
-    /// Stiffness \[N·m/rad\] at which a joint's rotor has this frequency \[Hz\].
-    fn stiffness(&self, joint: usize, hz: f64) -> f64 {
-        self.rotor[joint] * (TAU * hz) * (TAU * hz)
+    /// Room that a joint leaves, its stiffness anywhere in its spread above a factor of the usual.
+    fn spread(&self, joint: usize, factor: f64) -> Rooms {
+        let low = factor * self.usual[joint];
+        let next = |k: &f64| Some(k * STEP).filter(|k| *k < SPREAD * low);
+        let mut all: Vec<f64> = core::iter::successors(Some(low), next).collect();
+        all.push(SPREAD * low);
+        self.rooms(joint, &all)
     }
 
-    /// Takes one stiffness of a joint into its rooms; returns false where that leaves no room at some frequency.
-    fn take(&self, rooms: &mut [Vec<CircleRoom>], joint: usize, hz: f64) -> bool {
-        let (inertia, rotor) = (self.grid.inertia[joint], self.rotor[joint]);
-        let stiffness = self.stiffness(joint, hz);
-        let rigid = stiffness.is_infinite();
-        let damping = if rigid { 0.0 } else { JointSpring::damping_assumed(stiffness, rotor) };
-        let point = Actuator {
-            rotor: rotor / inertia,
-            compliance: inertia / stiffness,
-            damping: damping / inertia,
+    /// Room that a joint leaves with each of some springs.
+    fn rooms(&self, joint: usize, stiffnesses: &[f64]) -> Rooms {
+        let (unit, rotor) = (self.grid.unit[joint], self.rotor[joint]);
+        let point = |stiffness: &f64| {
+            let rigid = stiffness.is_infinite();
+            let damping = if rigid { 0.0 } else { JointSpring::damping_assumed(*stiffness, rotor) };
+            Actuator { rotor: rotor / unit, compliance: unit / stiffness, damping: damping / unit }
         };
-        let each = rooms.iter_mut().zip(self.grid.omega.iter().zip(&self.grid.laws));
-        for (rooms, (omega, laws)) in each {
-            let admittance = point.admittance(laws[joint], *omega, self.side);
-            rooms[joint].add(joint, admittance, self.range);
-            if rooms.iter().fold(CircleRoom::ALL, CircleRoom::and).is_empty() {
-                return false;
+        let points: Vec<Actuator> = stiffnesses.iter().map(point).collect();
+        let each = self.grid.omega.iter().zip(&self.grid.laws);
+        each.map(|(omega, laws)| {
+            let mut room = CircleRoom::ALL;
+            for point in &points {
+                let admittance = point.admittance(laws[joint], *omega, self.side);
+                room.add(joint, admittance, self.range);
             }
-        }
-        true
+            room
+        })
+        .collect()
     }
+}
+
+/// Factor of the usual stiffness after some steps down.
+fn factor(step: i32) -> f64 {
+    STIFFEST / STEP.powi(step)
+}
+
+/// Returns true if at every frequency there is room that all joints leave.
+fn no_gap(rooms: &[Rooms]) -> bool {
+    let count = rooms.first().map_or(0, Vec::len);
+    (0..count).all(|at| {
+        let of = |sum: CircleRoom, own: &Rooms| own.get(at).map_or(sum, |own| sum.and(own));
+        !rooms.iter().fold(CircleRoom::ALL, of).is_empty()
+    })
 }
