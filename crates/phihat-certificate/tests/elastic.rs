@@ -106,8 +106,10 @@ fn holds(clause: &ElasticJoints, laws: &[JointRecord], model: &LoopModel) -> boo
     clause.verify(&loops).is_ok()
 }
 
-fn links(study: &Study) -> ArmInertia {
-    Arm::of(&links_of(study)).unwrap().against(HEAVY.to_vec()).unwrap()
+/// Range of the links, in the units in which the finder has it for a side.
+fn links(study: &Study, side: EncoderSide) -> ArmInertia {
+    let unit = if side == Link { HEAVY.to_vec() } else { nominal(&panda_laws()) };
+    Arm::of(&links_of(study)).unwrap().against(unit).unwrap()
 }
 
 /// Link inertia of the arm at its pose "ready".
@@ -121,13 +123,12 @@ fn ready(study: &Study) -> Square {
 #[test]
 fn the_shipped_gains_bear_a_soft_and_a_very_stiff_panda_and_none_between() {
     let (study, laws, model) = (panda(""), panda_laws(), model(PERIOD, None));
-    let links = links(&study);
-    println!("links {:.5} … {:.5}", links.low, links.high);
     // Independent figures: eigenvalues of the arm of 56 states over 82 postures (2 % damping).
     let motor = [(0.7, true), (1.0, true), (1.6, false), (5.0, false), (20.0, false), (40.0, true)];
     let link = [(0.5, false), (1.0, false), (2.5, false), (3.2, true), (5.0, true), (100.0, true)];
     let matrix = ready(&study);
     for (side, scales) in [(Motor, &motor[..]), (Link, &link)] {
+        let links = links(&study, side);
         for (scale, wanted) in scales {
             let joints = springs(&study, (*scale, *scale), 0.02);
             let arm = inside(&matrix, &joints, || 0.0);
@@ -143,8 +144,10 @@ fn the_shipped_gains_bear_a_soft_and_a_very_stiff_panda_and_none_between() {
 #[test]
 fn an_interval_of_stiffness_is_borne_whole_or_not_at_all() {
     let (study, laws, model) = (panda(""), panda_laws(), model(PERIOD, None));
-    let links = links(&study);
-    let of = |span, side| holds(&clause(&links, springs(&study, span, 0.02), side), &laws, &model);
+    let of = |span, side| {
+        let links = links(&study, side);
+        holds(&clause(&links, springs(&study, span, 0.02), side), &laws, &model)
+    };
     assert!(of((0.7, 0.75), Motor));
     // Both ends hold by themselves.
     assert!(!of((0.9, 40.0), Motor));
@@ -303,14 +306,14 @@ fn no_drawn_arm_with_elastic_joints_is_certified_and_unstable() {
         100.0 * share(0),
         100.0 * share(1)
     );
-    assert!(certified.iter().all(|count| *count >= 2), "{certified:?}");
+    assert!(certified.iter().all(|count| *count >= 10), "{certified:?}");
     assert!(refused.iter().zip(&refused_stable).all(|(all, stable)| stable < all), "{refused:?}");
 }
 
 #[test]
 fn a_claim_that_is_stretched_is_refuted() {
     let (study, laws, model) = (panda(""), panda_laws(), model(PERIOD, None));
-    let links = links(&study);
+    let links = links(&study, Link);
     let good = clause(&links, springs(&study, (6.0, 6.5), 0.02), Link);
     assert!(holds(&good, &laws, &model));
     let forged = |change: &dyn Fn(&mut ElasticJoints)| {
@@ -327,11 +330,13 @@ fn a_claim_that_is_stretched_is_refuted() {
     forged(&|c| c.joints[0].rotor_kg_m2.1 *= 30.0);
     forged(&|c| c.modulus = 0.9);
     forged(&|c| c.modulus = f64::NAN);
-    forged(&|c| c.low *= 0.02);
     forged(&|c| c.high *= 30.0);
     forged(&|c| c.low = 0.0);
     forged(&|c| c.encoder = Motor);
     forged(&|c| c.joints.truncate(6));
+    forged(&|c| c.links.nominal_kg_m2[1] *= 10.0);
+    forged(&|c| c.links.nominal_kg_m2[1] = -1.0);
+    forged(&|c| c.links.nominal_kg_m2.truncate(6));
 }
 
 fn stated(low: f64, high: f64, damping: f64) -> String {
@@ -368,6 +373,8 @@ fn where_nothing_is_stated_the_softest_springs_are_searched() {
     let links = Arm::of(&links_of(&study)).unwrap();
     let softest = softest_springs(&study, &gains, &links).unwrap();
     println!("{softest:?}");
+    // The same by eigenvalues, joint 2 alone elastic: 33,000.
+    assert!((33e3..50e3).contains(&softest[1]), "{softest:?}");
     // All of them far softer are unstable in the arm of two masses.
     let matrix = ready(&study);
     let of = |factor: f64| {
@@ -383,7 +390,7 @@ fn where_nothing_is_stated_the_softest_springs_are_searched() {
         let joints: Vec<ElasticJoint> = joints.collect();
         inside(&matrix, &joints, || 0.0).spectral_radius(&gains.joints, (Link, None, PERIOD))
     };
-    let radii = [1.0, 3.0, 100.0, 0.1].map(of);
+    let radii = [1.0, 3.0, 100.0, 0.5].map(of);
     println!("{radii:?}");
     assert!(radii[..3].iter().all(|radius| *radius < 1.0) && radii[3] > 1.0, "{radii:?}");
 }

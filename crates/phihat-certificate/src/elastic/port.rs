@@ -8,6 +8,7 @@ use super::disc::{Disc, LOST};
 use super::document::{ElasticJoint, EncoderSide};
 use crate::check::complex::Complex;
 use crate::check::response::on_circle;
+use crate::extremes::{larger, smaller};
 
 /// Rotor `B`, compliance `s = 1/k` and damping `c` in units of `S`, each by its ends.
 #[derive(Debug, Clone, Copy)]
@@ -68,15 +69,6 @@ fn bend(omega: f64, s: f64, c: f64) -> Complex {
     Complex::new(omega * omega * s, 0.0).over(Complex::new(1.0, omega * c * s))
 }
 
-/// Distance of a point from a segment.
-fn from_segment(at: Complex, [from, to]: [Complex; 2]) -> f64 {
-    let (along, off) = (to - from, at - from);
-    let square = along.re * along.re + along.im * along.im;
-    let share = (off * along.conjugate()).re / square;
-    let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
-    (off - along.times(share)).size()
-}
-
 /// One joint in its loop.
 #[derive(Debug)]
 pub(super) struct Port {
@@ -99,12 +91,16 @@ pub(super) struct SpringBand {
     back: Disc,
 }
 
-/// A circle through `−low` and `−high`, by `κ`: everything outside satisfies
-/// `|1/L″ + p − jq| > r`, `p = (a + b)/2ab`, `q = κ/2ab`, `r² = p² + q² − 1/ab`.
+/// A circle through `−low` and `−high`, by `κ`: outside, for `Y = 1/L″`, is
+/// `F = 1 + (a + b) Re Y + ab |Y|² − κ Im Y > 0`, or `|Y + p − jq| > r`, `p = (a + b)/2ab`, `q = κ/2ab`,
+/// `r² = p² + q² − 1/ab`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Circle {
     at: Complex,
     radius: f64,
+    sum: f64,
+    product: f64,
+    kappa: f64,
 }
 
 impl Circle {
@@ -112,7 +108,29 @@ impl Circle {
         let (p, q) = (0.5 * (a + b) / (a * b), 0.5 * kappa / (a * b));
         // p² − 1/ab = ((b − a)/2ab)².
         let apart = 0.5 * (b - a) / (a * b);
-        Self { at: Complex::new(p, -q), radius: apart.hypot(q) * (1.0 + LOST) }
+        let radius = apart.hypot(q) * (1.0 + LOST);
+        Self { at: Complex::new(p, -q), radius, sum: a + b, product: a * b, kappa }
+    }
+
+    /// Lower bound of `F` over all points within `spread` of a segment: `F(y + d) ≥ F(y) − |d| |∇F(y)|`, and `F` is
+    /// convex.
+    fn least(&self, [from, to]: [Complex; 2], spread: f64) -> f64 {
+        let square = |y: Complex| y.re * y.re + y.im * y.im;
+        let slope = |y: Complex| {
+            let re = 2.0 * self.product * y.re + self.sum;
+            Complex::new(re, 2.0 * self.product * y.im - self.kappa)
+        };
+        let (along, first) = (to - from, slope(from));
+        let (rise, bow) = (along.re * first.re + along.im * first.im, self.product * square(along));
+        let t = -0.5 * rise / bow;
+        let t = if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.0 };
+        let start = 1.0 + self.sum * from.re + self.product * square(from) - self.kappa * from.im;
+        let most = from.size() + to.size() + spread;
+        let sizes = 1.0 + (self.sum + self.kappa.abs() + self.product * most) * most;
+        let steepest = larger(first.size(), slope(to).size());
+        // Where the segment is too short for its quotient, its ends differ by less than the rounding.
+        let lowest = smaller(start + t * (rise + t * bow), start + rise + bow);
+        smaller(lowest, start) - spread * steepest * (1.0 + LOST) - 1e-12 * sizes
     }
 }
 
@@ -178,8 +196,8 @@ impl Port {
         let torque = SpringBand { back: band.back * self.wrong, ..*band };
         let rest = SpringBand { open: band.open * self.wrong, ..*band };
         [torque, rest].iter().any(|band| {
-            self.off_disc(band, springs, circle)
-                || self.off_chord(band, springs, circle).unwrap_or(false)
+            self.off_chord(band, springs, circle).unwrap_or(false)
+                || self.off_disc(band, springs, circle)
         })
     }
 
@@ -199,27 +217,30 @@ impl Port {
         away.least() > circle.radius * inside.most()
     }
 
-    /// By the arc of all `G` of the box: `|P − G| > r|N″|/|V|`, `P = (D + (p − jq)N″)/V`, where `D″ = D − GV`. Over a
-    /// range of compliance `G` stays within `ω³c(Δs)²/4` of its chord. `None`: `V` may be 0.
+    /// By the arc of all `G` of the box, with `Y = Q − G` or `Q(1 − BG)`, `Q = Δ/(BΔ + N)`. Over a range of compliance `G`
+    /// stays within `ω³c(Δs)²/4` of its chord. `None`: `BΔ + N` may be 0.
     fn off_chord(&self, band: &SpringBand, springs: &Springs, circle: &Circle) -> Option<bool> {
-        let rotor = Disc::between(springs.rotor);
-        let top = rotor * band.open + band.back;
-        let moved = match self.side {
-            EncoderSide::Motor => top,
-            EncoderSide::Link => rotor * band.open,
-        };
-        let away = (band.open + Disc::new(circle.at, 0.0) * top) * moved.inverse()?;
-        let Springs { compliance: s, damping: c, .. } = *springs;
+        let Springs { rotor, compliance: s, damping: c } = *springs;
+        let top = Disc::between(rotor) * band.open + band.back;
+        let q = band.open * top.inverse()?;
         let (omega, most) = (middle(band.omega), band.omega.1);
-        let ends = [s.0, s.1].map(|s| bend(omega, s, middle(c)));
+        let bends = [s.0, s.1].map(|s| bend(omega, s, middle(c)));
         let (width, lost) = (s.1 - s.0, most * most * most);
         let bowed = 0.25 * lost * c.1 * width * width;
         let turned = half(band.omega) * most * s.1 * (2.0 + most * c.1 * s.1);
         let damped = half(c) * lost * s.1 * s.1;
-        let rounding = 1e-12 * (away.most() + ends[1].size());
-        let spread = away.radius + (bowed + turned + damped) * (1.0 + LOST) + rounding;
-        let room = circle.radius * top.most() / moved.least() * (1.0 + LOST);
-        Some(from_segment(away.centre, ends) - spread > room)
+        let strayed = (bowed + turned + damped) * (1.0 + LOST) + LOST * bends[1].size();
+        let (ends, spread) = match self.side {
+            EncoderSide::Motor => (bends.map(|g| q.centre - g), q.radius + strayed),
+            EncoderSide::Link => {
+                let b = middle(rotor);
+                let passed = bends.map(|g| Complex::new(1.0, 0.0) - g.times(b));
+                let shares = larger(passed[0].size(), passed[1].size());
+                let moved = b * strayed + half(rotor) * most * most * s.1;
+                (passed.map(|share| q.centre * share), q.radius * shares + q.most() * moved)
+            }
+        };
+        Some(circle.least(ends, spread * (1.0 + LOST)) > 0.0)
     }
 
     /// Returns true if `L″` is outside the circle over a band for all springs: boxes are halved, `most` at most.

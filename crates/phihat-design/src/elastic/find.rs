@@ -54,57 +54,76 @@ impl FindElastic for ElasticJoints {
         links: &Arm,
     ) -> Result<Option<Self>, Box<ElasticRefusal>> {
         let Some(joints) = ElasticJoint::of(study) else { return Ok(None) };
-        let clause = clause((study, gains), links, joints).map_err(Box::new)?;
-        let Err(why) = shown(&clause, study, gains) else {
-            let larger = |modulus: &f64| {
-                let tried = Self { modulus: *modulus, ..clause.clone() };
-                tried.verify(&looped(gains, &models(study, gains))).is_ok().then_some(tried)
-            };
-            return Ok(Some(MODULI.iter().find_map(larger).unwrap_or(clause)));
-        };
-        Err(Box::new(refused(&clause, (study, gains), links, why)))
+        let clauses = clauses((study, gains), links, &joints).map_err(Box::new)?;
+        let mut unshown = None;
+        for clause in clauses {
+            match shown(&clause, study, gains) {
+                Ok(()) => return Ok(Some(with_modulus(clause, study, gains))),
+                Err(why) => unshown = unshown.or(Some((clause, why))),
+            }
+        }
+        Err(Box::new(match unshown {
+            Some((clause, why)) => refused(&clause, (study, gains), links, why),
+            None => ElasticRefusal::unknown("the links' inertia is known"),
+        }))
     }
+}
+
+/// The clause with the largest modulus of a list that its check shows.
+fn with_modulus(clause: ElasticJoints, study: &Study, gains: &Gains) -> ElasticJoints {
+    let models = models(study, gains);
+    let larger = |modulus: &f64| {
+        let tried = ElasticJoints { modulus: *modulus, ..clause.clone() };
+        tried.verify(&looped(gains, &models)).is_ok().then_some(tried)
+    };
+    MODULI.iter().find_map(larger).unwrap_or(clause)
 }
 
 /// Least stiffness of each joint \[N·m/rad\] with which gains of a study are stable on a grid of frequencies, all
 /// joints together, each anywhere up to [`SPREAD`] times its own, with 1 % of critical damping: SEARCHED, and no claim.
 /// `None`: not even rigid by this theorem, a rotor is not known, or the arm's inertia is not that of a description.
 pub fn softest_springs(study: &Study, gains: &Gains, links: &Arm) -> Option<Vec<f64>> {
-    let own = clause((study, gains), links, Vec::new()).ok()?;
+    let own = clauses((study, gains), links, &[]).ok()?.into_iter().next()?;
     let rotor: Vec<f64> =
         study.robot.joints.iter().map(|joint| joint.armature_at(Rotor::Least)).collect();
     let known = rotor.iter().all(|rotor| *rotor > 0.0);
     known.then(|| softest(&own, (study, gains), &rotor)).flatten()
 }
 
-/// The clause of a study's arm with these joints, not shown yet, or what is not known. The links' range is measured in
-/// units of each joint's own largest link inertia: the ratio of its ends in one circle costs least so.
-fn clause(
+/// Clauses of a study's arm with these joints, not shown yet, or what is not known: the links' range in units of each
+/// joint's own largest link inertia, where a circle loses least with encoders at the links, and in the gains' `M̄`, where
+/// it does with encoders at the motors, in that order or the opposite.
+fn clauses(
     (study, gains): (&Study, &Gains),
     links: &Arm,
-    joints: Vec<ElasticJoint>,
-) -> Result<ElasticJoints, ElasticRefusal> {
+    joints: &[ElasticJoint],
+) -> Result<Vec<ElasticJoints>, ElasticRefusal> {
     if study.design.inertia != InertiaSource::Robot {
         let what = "the links' inertia is that of the robot's description (design.inertia)";
         return Err(ElasticRefusal::unknown(what));
     }
-    let known = links.diagonal().len() == gains.joints.len();
-    let unit: Vec<f64> = links.diagonal().iter().map(|(_, heavy)| *heavy).collect();
-    if !known {
-        return Err(ElasticRefusal::unknown("the links' inertia is known"));
-    }
-    let range = links
-        .against(unit)
-        .map_err(|why| ElasticRefusal::unknown(&format!("the links' inertia is known ({why})")))?;
+    let encoder = EncoderSide::of(study);
+    let heaviest: Vec<f64> = links.diagonal().iter().map(|(_, heavy)| *heavy).collect();
+    let nominal: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
+    let units = match encoder {
+        EncoderSide::Link => [heaviest, nominal],
+        EncoderSide::Motor => [nominal, heaviest],
+    };
     let margin = study.design.window_margin.max(1.0);
-    Ok(ElasticJoints {
-        encoder: EncoderSide::of(study),
-        modulus: 0.0,
-        low: range.low / margin,
-        high: range.high * margin,
-        links: range,
-        joints,
-    })
+    let clause = |unit: Vec<f64>| {
+        let range = links.against(unit).map_err(|why| {
+            ElasticRefusal::unknown(&format!("the links' inertia is known ({why})"))
+        })?;
+        Ok(ElasticJoints {
+            encoder,
+            modulus: 0.0,
+            low: range.low / margin,
+            high: range.high * margin,
+            links: range,
+            joints: joints.to_vec(),
+        })
+    };
+    units.into_iter().map(clause).collect()
 }
 
 /// Loop model of every joint.

@@ -7,7 +7,7 @@ use super::actuator::{Actuator, CircleRoom};
 use super::grid::SpringGrid;
 
 /// Ratio of the largest stiffness to the least that a joint may have without being measured.
-pub const SPREAD: f64 = 2.0;
+pub const SPREAD: f64 = 1.5;
 
 /// Largest factor of the usual stiffness that is tried, the steps down from it, and how many (down to a thousandth).
 const STIFFEST: f64 = 1e3;
