@@ -1,12 +1,12 @@
 //! The sentence on joints that claims take as rigid.
 
-use phihat_design::elastic::{links_of, softest_springs};
+use phihat_design::elastic::{SPREAD, links_of, softest_springs};
 use phihat_design::{EncoderSide, Gains};
 use phihat_model::{Joint, JointSpring};
 use phihat_study::{InertiaSource, Study};
 
-/// One sentence on joints that are taken as rigid: the stiffness that the gains need of each, searched, beside that of
-/// such joints; `None`: the study states its springs, or the arm is not known by a description.
+/// A sentence or two on joints that claims take as rigid: the stiffness that is assumed of such joints, and that which
+/// the gains bear, searched; `None`: the study states its springs, or the arm is not known by a description.
 pub fn rigid_joints(study: &Study, gains: &Gains) -> Option<String> {
     if study.springs.stated().is_some() || study.design.inertia != InertiaSource::Robot {
         return None;
@@ -16,26 +16,62 @@ pub fn rigid_joints(study: &Study, gains: &Gains) -> Option<String> {
     let side = EncoderSide::of(&own).word();
     let links = phihat_synthesis::arm_along(&links_of(&own)).ok();
     let Some(softest) = links.and_then(|links| softest_springs(&own, gains, &links)) else {
-        return Some(
-            "rigid joints: ASSUMED, not checked; no springs were found on which these gains are stable".to_owned(),
-        );
+        return Some(format!("{OF_RIGID} No springs were found on which this law is stable."));
     };
-    let joints = own.robot.joints.iter().zip(softest);
-    let words: Vec<String> = joints.map(|(joint, least)| needs(joint, least)).collect();
-    Some(format!(
-        "rigid joints: ASSUMED, not checked; with encoders at the {side} and 1 % damping of the springs these gains are \
-         stable (searched) if {}",
-        words.join("; ")
-    ))
+    let needs: Vec<Need> = own.robot.joints.iter().zip(softest).filter_map(Need::of).collect();
+    let on = format!(
+        "searched: encoders at the {side}, each stiffness known within a factor of {SPREAD}, 1 % damping"
+    );
+    let worst = needs.iter().max_by(|a, b| (a.least / a.usual.0).total_cmp(&(b.least / b.usual.0)));
+    Some(match worst.filter(|worst| worst.usual.0 < worst.least) {
+        Some(Need { name, least, usual: (low, high) }) => format!(
+            "{OF_RIGID} With joints of {} … {} kN·m/rad (assumed, not stated) this law may resonate: {name} needs ≥ {} \
+             kN·m/rad ({on}). State springs in [robot.transmission].",
+            thousands(*low),
+            thousands(*high),
+            thousands(rounded_up(*least)),
+        ),
+        None => format!("{OF_RIGID} This law also bears springs like those of such joints ({on})."),
+    })
 }
 
-/// The need of a joint, and the stiffness of such joints where that is less.
-fn needs(joint: &Joint, least: f64) -> String {
-    let unit = 10.0_f64.powf(least.log10().floor() - 1.0);
-    let least = (least / unit).ceil() * unit;
-    let usual = joint.spring.or_else(|| JointSpring::assumed(joint)).map(|own| own.stiffness);
-    let usual = usual.filter(|usual| usual.0 < least).map_or_else(String::new, |(low, high)| {
-        format!(" (such joints have {} … {})", 1e-3 * low, 1e-3 * high)
-    });
-    format!("{} has ≥ {:.1} kN·m/rad{usual}", joint.name, 1e-3 * least)
+/// What claims are about where no springs are stated.
+const OF_RIGID: &str = "Bound of the rigid arm.";
+
+/// Stiffness of a joint \[N·m/rad\]: the least that a law bears, and the interval that is assumed.
+struct Need {
+    name: String,
+    least: f64,
+    usual: (f64, f64),
+}
+
+impl Need {
+    fn of((joint, least): (&Joint, f64)) -> Option<Self> {
+        let usual = joint.spring.or_else(|| JointSpring::assumed(joint))?.stiffness;
+        Some(Self { name: joint.name.clone(), least, usual })
+    }
+}
+
+/// Two figures, not below the value.
+fn rounded_up(value: f64) -> f64 {
+    let unit = 10.0_f64.powf(value.log10().floor() - 1.0);
+    (value / unit).ceil() * unit
+}
+
+/// Thousands in three figures at most.
+fn thousands(value: f64) -> String {
+    let text = format!("{:.1}", 1e-3 * value);
+    text.trim_end_matches(".0").to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{rounded_up, thousands};
+
+    #[test]
+    fn a_stiffness_is_rounded_up_to_two_figures() {
+        assert_eq!(thousands(rounded_up(41_241.3)), "42");
+        assert_eq!(thousands(rounded_up(9_110.0)), "9.2");
+        assert_eq!(thousands(1e4), "10");
+    }
 }
