@@ -118,13 +118,14 @@ pub(crate) fn certificate(certificate: &Certificate, gains: &Gains) -> String {
 
 /// The clause of elastic joints.
 fn elastic_joints(elastic: &ElasticJoints) -> String {
+    let margin = if elastic.modulus > 0.0 {
+        format!("modulus margin {:.2}", elastic.modulus)
+    } else {
+        "no margin beside these springs".to_owned()
+    };
     format!(
-        "joints that bend as stated, encoders at the {}: every frozen posture is stable, links alone μ = {:.3} … {:.3}, \
-         modulus margin {:.2}",
-        elastic.encoder.word(),
-        elastic.low,
-        elastic.high,
-        elastic.modulus
+        "joints that bend as stated, encoders at the {}: every frozen posture is stable, {margin}",
+        elastic.encoder.word()
     )
 }
 
