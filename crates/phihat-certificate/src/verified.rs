@@ -235,7 +235,7 @@ impl Certificate {
         let mut list = Vec::new();
         if let Some(elastic) = &self.elastic {
             let links = &elastic.links;
-            let value = format!("μ in {:.5} … {:.5}: {}", links.low, links.high, links.source);
+            let value = format!("{:.5} … {:.5} times S: {}", links.low, links.high, links.source);
             list.push(whole("range of the links' inertia", value));
             list.extend(springs(self, elastic));
         }
@@ -364,8 +364,14 @@ fn elastic_joints(elastic: &ElasticJoints) -> VerifiedStatement {
              motion of the springs back)"
         ),
         value: format!(
-            "μ in {:.5} … {:.5} of the links alone, torques wrong by any {:.3} of them",
-            elastic.low, elastic.high, elastic.modulus
+            "{:.5} … {:.5} times the links' S, {}",
+            elastic.low,
+            elastic.high,
+            if elastic.modulus > 0.0 {
+                format!("torques wrong by any {:.3} of them", elastic.modulus)
+            } else {
+                "no margin beside these springs".to_owned()
+            }
         ),
     }
 }

@@ -74,6 +74,9 @@ impl JointSpring {
     /// Share of critical damping of a rotor on its spring that is assumed where none is stated: `c = 2ζ√(kB)`.
     pub const DAMPING_ASSUMED: f64 = 0.01;
 
+    /// Largest damping that is assumed, in multiples of that.
+    const MOST_DAMPING: f64 = 5.0;
+
     /// Torque limit \[N·m\] from which on a joint is assumed to have the stiffness of an arm's large joints.
     const LARGE: f64 = 50.0;
 
@@ -86,7 +89,8 @@ impl JointSpring {
         let large = joint.torque_max.is_none_or(|most| most >= Self::LARGE);
         let (low, high) = if large { (1e4, 3e4) } else { (3e3, 1e4) };
         let damping = Self::damping_assumed(low, joint.armature_at(Rotor::Least));
-        joint.turns().then_some(Self { stiffness: (low, high), damping: (damping, damping) })
+        let damping = (damping, Self::MOST_DAMPING * damping);
+        joint.turns().then_some(Self { stiffness: (low, high), damping })
     }
 
     /// Damping \[N·m·s/rad\] of [`Self::DAMPING_ASSUMED`] of a rotor \[kg·m²\] on a spring \[N·m/rad\].

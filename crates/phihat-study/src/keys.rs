@@ -171,7 +171,7 @@ static TRANSMISSION: FormatSection = FormatSection {
             shape: Shape::Word(&["stated", "robot", "rigid"]),
             need: Need::Word("stated"),
             doc: "`robot`: the springs of the robot's description, and of a joint without one 10000 to 30000 N·m/rad, \
-                  3000 to 10000 where the torque limit is below 50 N·m, at 1 % of critical damping: an assumption of \
+                  3000 to 10000 where the torque limit is below 50 N·m, at 1 to 5 % of critical damping: an assumption of \
                   this project. `rigid`: joints do not bend, an assumption that certificates list.",
         },
         Key {
