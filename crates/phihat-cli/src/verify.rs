@@ -92,7 +92,10 @@ impl Verify {
             let holds = claims.is_ok();
             let document = match claims {
                 Ok(verified) => {
-                    json!({ "holds": holds, "refuted": null, "verified": verified, "runs": found.runs, "record": record })
+                    json!({
+                        "holds": holds, "refuted": null, "verified": verified, "runs": found.runs, "record": record,
+                        "rigid_joints": found.rigid_joints,
+                    })
                 }
                 Err(why) => json!({ "holds": holds, "refuted": why, "record": record }),
             };

@@ -2,7 +2,7 @@
 
 use phihat_design::elastic::{SPREAD, links_of, softest_springs};
 use phihat_design::{EncoderSide, Gains};
-use phihat_model::{Joint, JointSpring};
+use phihat_model::{Joint, JointSpring, Rotor};
 use phihat_study::{InertiaSource, Study};
 
 /// A sentence or two on joints that claims take as rigid: the stiffness that is assumed of such joints, and that which
@@ -13,10 +13,15 @@ pub fn rigid_joints(study: &Study, gains: &Gains) -> Option<String> {
     }
     let mut own = study.clone();
     gains.complete(&mut own).ok()?;
+    if own.robot.joints.iter().any(|joint| joint.armature_at(Rotor::Least) <= 0.0) {
+        return Some(format!(
+            "{OF_RIGID} Springs that this law bears are not known: rotor inertia (robot.armature_kg_m2) is not stated."
+        ));
+    }
     let side = EncoderSide::of(&own).word();
     let links = phihat_synthesis::arm_along(&links_of(&own)).ok();
     let Some(softest) = links.and_then(|links| softest_springs(&own, gains, &links)) else {
-        return Some(format!("{OF_RIGID} No springs were found on which this law is stable."));
+        return Some(format!("{OF_RIGID} No springs that this law bears were found."));
     };
     let needs: Vec<Need> = own.robot.joints.iter().zip(softest).filter_map(Need::of).collect();
     let on = format!(
