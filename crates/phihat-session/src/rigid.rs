@@ -40,7 +40,7 @@ pub fn rigid_joints(study: &Study, gains: &Gains) -> Option<String> {
     })
 }
 
-/// What claims are about where no springs are stated.
+/// Subject of a bound where no springs are stated.
 const OF_RIGID: &str = "Bound of the rigid arm.";
 
 /// Stiffness of a joint \[N·m/rad\]: the least that a law bears, and the interval that is assumed.

@@ -77,8 +77,8 @@ impl ElasticJoint {
 ///
 /// `B θ̈ + c(θ̇ − q̇) + k(θ − q) = τ`, `M_l q̈ = c(θ̇ − q̇) + k(θ − q)` per joint, with constant rotor inertia `B`,
 /// stiffness `k` and damping `c` anywhere in each joint's own intervals, and any constant link inertia `M_l` between
-/// `low·S` and `high·S`, `S` the diagonal matrix of `links.nominal_kg_m2`: the sampled law, with its delay and drive, is
-/// stable, also where each joint's torque is multiplied by any `1/(1 + δ_i)`, `δ_i` stable with `|δ_i| ≤ modulus`.
+/// `low·S` and `high·S`, `S` the diagonal matrix of `links.nominal_kg_m2`: the sampled law, with its delay and drive,
+/// is stable, also where each joint's torque is multiplied by any `1/(1 + δ_i)`, `δ_i` stable with `|δ_i| ≤ modulus`.
 ///
 /// # Proof
 ///

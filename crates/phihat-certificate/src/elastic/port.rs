@@ -217,8 +217,8 @@ impl Port {
         away.least() > circle.radius * inside.most()
     }
 
-    /// By the arc of all `G` of the box, with `Y = Q − G` or `Q(1 − BG)`, `Q = Δ/(BΔ + N)`. Over a range of compliance `G`
-    /// stays within `ω³c(Δs)²/4` of its chord. `None`: `BΔ + N` may be 0.
+    /// By the arc of all `G` of the box, with `Y = Q − G` or `Q(1 − BG)`, `Q = Δ/(BΔ + N)`. Over a range of compliance
+    /// `G` stays within `ω³c(Δs)²/4` of its chord. `None`: `BΔ + N` may be 0.
     fn off_chord(&self, band: &SpringBand, springs: &Springs, circle: &Circle) -> Option<bool> {
         let Springs { rotor, compliance: s, damping: c } = *springs;
         let top = Disc::between(rotor) * band.open + band.back;

@@ -91,8 +91,8 @@ pub fn softest_springs(study: &Study, gains: &Gains, links: &Arm) -> Option<Vec<
 }
 
 /// Clauses of a study's arm with these joints, not shown yet, or what is not known: the links' range in units of each
-/// joint's own largest link inertia, where a circle loses least with encoders at the links, and in the gains' `M̄`, where
-/// it does with encoders at the motors, in that order or the opposite.
+/// joint's own largest link inertia, where a circle loses least with encoders at the links, and in the gains' `M̄`,
+/// where it does with encoders at the motors, in that order or the opposite.
 fn clauses(
     (study, gains): (&Study, &Gains),
     links: &Arm,
