@@ -40,7 +40,7 @@ const CRATES: [CrateRow; 24] = [
     (
         "phihat-design",
         &["phihat", "phihat-certificate", "phihat-model", "phihat-study"],
-        "specification to gains and certificate: `claims/` finds those about the continuous law, `sampled/` those about the loop as it runs, `tube/` the envelope of a motion, `class/` the bound for every motion of a class, `limit/` what no linear law undercuts; `export/` the gains for ROS 2, C, tables",
+        "specification to gains and certificate: `claims/` finds those about the continuous law, `sampled/` those about the loop as it runs, `elastic/` joints that bend, `tube/` the envelope of a motion, `class/` the bound for every motion of a class, `limit/` what no linear law undercuts; `export/` the gains for ROS 2, C, tables",
     ),
     (
         "phihat-sim",

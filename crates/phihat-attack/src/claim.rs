@@ -2,7 +2,7 @@
 
 use phihat_certificate::extremes::{Extremes as _, larger};
 use phihat_certificate::tube::UNREAD;
-use phihat_certificate::{NotCounted, Tube, TubeJoint};
+use phihat_certificate::{LeftOut, NotCounted, Tube, TubeJoint};
 use phihat_design::Gains;
 use phihat_design::claims::Refutation;
 use phihat_session::tube_reference;
@@ -80,7 +80,10 @@ pub fn claimed(gains: &Gains, study: &Study) -> Result<AttackClaim, NoClaim> {
         return Err(NoClaim::NoTube(why.clone()));
     }
     let tube = certificate.tube.as_ref();
-    let counted = |left_out: &&NotCounted| tube.is_some() && left_out.in_tube();
+    // Of an assumption, the drawn arms are as assumed.
+    let counted = |left_out: &&NotCounted| {
+        left_out.claims == LeftOut::Assumed || tube.is_some() && left_out.in_tube()
+    };
     if let Some(left_out) = certificate.not_counted.iter().find(|left_out| !counted(left_out)) {
         return Err(NoClaim::NotCounted(left_out.key.clone()));
     }

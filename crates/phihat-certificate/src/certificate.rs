@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::refutation::refuse;
 use crate::{
-    AnySpeed, ArmBasis, ArmInertia, Bounds, ClassBound, ContinuousLaw, CoupledGains, FrozenArm,
-    InertiaWindow, LargestStep, LoopModel, Margins, Moving, NotCounted, Phi, ReadingError,
-    ReferenceError, Refutation, SampledPeaks, SampledVarying, Settle, TorqueNoise, Tube,
-    VaryingWindow,
+    AnySpeed, ArmBasis, ArmInertia, Bounds, ClassBound, ContinuousLaw, CoupledGains, ElasticJoints,
+    FrozenArm, InertiaWindow, LargestStep, LoopModel, Margins, Moving, NotCounted, Phi,
+    ReadingError, ReferenceError, Refutation, SampledPeaks, SampledVarying, Settle, TorqueNoise,
+    Tube, VaryingWindow,
 };
 
 /// Everything that is claimed about a set of gains on an arm.
@@ -39,6 +39,12 @@ pub struct Certificate {
     /// Why that is not proved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frozen_refused: Option<Refutation>,
+    /// Stability at every frozen posture where joints bend; `None`: not looked at, or refused.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub elastic: Option<Box<ElasticJoints>>,
+    /// Why the arm is not proved stable with the springs that its study states.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub elastic_refused: Option<Box<Refutation>>,
     /// Gains from a push on one joint to every joint, at frozen postures; `None` where no model of the arm is
     /// known, or a claim about the loop is refused.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -224,7 +230,8 @@ impl Certificate {
     pub fn refused(&self) -> Option<Refutation> {
         let own =
             |joint: &JointCertificate| joint.refused.first().map(|why| why.clone().on(&joint.name));
-        self.joints.iter().find_map(own).or_else(|| self.frozen_refused.clone())
+        let arm = self.frozen_refused.as_ref().or(self.elastic_refused.as_deref());
+        self.joints.iter().find_map(own).or_else(|| arm.cloned())
     }
 }
 

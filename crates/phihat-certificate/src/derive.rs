@@ -70,7 +70,10 @@ impl Certificate {
         } else {
             say("M̄", "the design's own choice".into());
         }
-        say("range of the arm's inertia", self.range(study)?);
+        say("range of the arm's inertia", self.arm.derive_range(study)?);
+        if let Some(words) = self.derive_elastic(study)? {
+            say("elastic joints", words);
+        }
         if let Some(coupled) = &self.coupled {
             coupled.replay(study)?;
             let count = coupled.witnesses.len();
@@ -129,10 +132,12 @@ impl Certificate {
         }
         Ok(())
     }
+}
 
-    /// The range of inertia, as far as it can be looked at again.
-    fn range(&self, study: &Study) -> Result<String, Refutation> {
-        let arm = &self.arm;
+impl ArmInertia {
+    /// Looks at the range again in a study's arm, as far as that can be done.
+    pub(crate) fn derive_range(&self, study: &Study) -> Result<String, Refutation> {
+        let arm = self;
         let basis = |wanted: ArmBasis| {
             let same = arm.basis == wanted;
             Refutation::unless(CLAIM, "the range is from where the study says", 0.0, 1.0, same)
@@ -162,7 +167,7 @@ impl Certificate {
     }
 
     fn postures(&self, study: &Study) -> Result<u32, Refutation> {
-        let arm = &self.arm;
+        let arm = self;
         let set = &study.design.payload;
         if let Some(searched) = &arm.searched {
             text("payload's frame", &searched.frame, &set.frame)?;

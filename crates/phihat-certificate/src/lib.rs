@@ -28,6 +28,7 @@ mod coupled;
 mod derive;
 #[cfg(test)]
 mod dice;
+mod elastic;
 pub mod extremes;
 mod frozen;
 mod gains;
@@ -81,6 +82,7 @@ pub use class::{
 pub use coarser::CoarserEncoder;
 pub use continuous::ContinuousLaw;
 pub use coupled::{CoupledGains, FrozenPayload, FrozenPosture};
+pub use elastic::{ElasticJoint, ElasticJoints, EncoderSide};
 pub use frozen::FrozenArm;
 pub use gains::{FORMAT, Gains, GainsError, VERSION};
 pub use iss::Iss;

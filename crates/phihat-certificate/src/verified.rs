@@ -4,8 +4,8 @@ use phihat::{Form, TorqueSource, VelocitySource};
 use serde::Serialize;
 
 use crate::{
-    ArmBasis, Assumption, Certificate, CheckedBound, ClassAgain, Gains, JointCertificate,
-    LoopModel, NotCounted, PhiBasis, Refutation, TubeAgain, Verdict,
+    ArmBasis, Assumption, Certificate, CheckedBound, ClassAgain, ElasticJoints, Gains,
+    JointCertificate, LoopModel, NotCounted, PhiBasis, Refutation, TubeAgain, Verdict,
 };
 
 /// One line of a checked certificate.
@@ -92,6 +92,7 @@ impl Certificate {
             );
             shown.push(whole("stable while the arm moves", value));
         }
+        derived_twice.extend(self.elastic.as_deref().map(elastic_joints));
         if let Some(coupled) = &self.coupled {
             let n = coupled.error_rad_per_nm.len();
             let value = format!("{n} × {n}, at the frozen postures of the file");
@@ -236,6 +237,12 @@ impl Certificate {
         let whole =
             |what: &str, value: String| VerifiedStatement { joint: None, what: what.into(), value };
         let mut list = Vec::new();
+        if let Some(elastic) = &self.elastic {
+            let links = &elastic.links;
+            let value = format!("{:.5} … {:.5} times S: {}", links.low, links.high, links.source);
+            list.push(whole("range of the links' inertia", value));
+            list.extend(springs(self, elastic));
+        }
         if let Some(coupled) = &self.coupled {
             let found = format!("the worst of {} looked at: {}", coupled.postures, coupled.source);
             list.push(whole("postures of the coupled gains", found));
@@ -349,6 +356,42 @@ fn trusted(joint: &JointCertificate, uncoupled: bool, slides: bool) -> Vec<(Stri
         }
     }
     list
+}
+
+/// The clause of elastic joints.
+fn elastic_joints(elastic: &ElasticJoints) -> VerifiedStatement {
+    let side = elastic.encoder.word();
+    VerifiedStatement {
+        joint: None,
+        what: format!(
+            "coupled arm with elastic joints, read at the {side}, stable at every frozen posture (A-EL3: samples fold no \
+             motion of the springs back)"
+        ),
+        value: format!(
+            "{:.5} … {:.5} times the links' S, {}",
+            elastic.low,
+            elastic.high,
+            if elastic.modulus > 0.0 {
+                format!("torques wrong by any {:.3} of them", elastic.modulus)
+            } else {
+                "no margin beside these springs".to_owned()
+            }
+        ),
+    }
+}
+
+/// Intervals of each joint's spring.
+fn springs(certificate: &Certificate, elastic: &ElasticJoints) -> Vec<VerifiedStatement> {
+    let lines = certificate.joints.iter().zip(&elastic.joints).map(|(joint, own)| {
+        let (k, c, b) = (own.stiffness_nm_rad, own.damping_nm_s_rad, own.rotor_kg_m2);
+        let stiffest = k.1.map_or_else(|| "∞".to_owned(), |most| format!("{most:.0}"));
+        let value = format!(
+            "{:.0} … {stiffest} N·m/rad, damping {:.4} … {:.4} N·m·s/rad, rotor {} … {} kg·m²",
+            k.0, c.0, c.1, b.0, b.1
+        );
+        (joint.name.clone(), vec![("spring of the joint".to_owned(), value)])
+    });
+    merged(lines)
 }
 
 /// A joint's loop in words.

@@ -16,9 +16,12 @@ mod loops;
 #[path = "support/moving_laws.rs"]
 mod moving_laws;
 mod support;
+#[path = "support/two_mass.rs"]
+mod two_mass;
 
 mod continuous;
 mod documents;
+mod elastic;
 mod exact;
 mod forged_leaves;
 mod forgeries;

@@ -189,6 +189,8 @@ fn only_what_a_tube_counts_is_in_a_tube() {
         (LeftOut::Bounds, false),
         (LeftOut::BoundsAndStability, false),
         (LeftOut::AllButTube, true),
+        (LeftOut::Assumed, true),
+        (LeftOut::AllButElastic, false),
     ] {
         let one = NotCounted { key: "key".into(), value: "1".into(), claims };
         assert_eq!(one.in_tube(), counted);

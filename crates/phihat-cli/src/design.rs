@@ -11,7 +11,8 @@ use phihat_study::{DesignMethod, Study};
 use serde_json::json;
 
 use phihat_session::{
-    BudgetFiles, are_of_a_run, arm, beside_limits, budget, designed_for, files, read, write_budget,
+    BudgetFiles, are_of_a_run, arm, beside_limits, budget, designed_for, files, read, rigid_joints,
+    write_budget,
 };
 use phihat_synthesis::{Advice, BudgetSearch};
 
@@ -153,6 +154,9 @@ impl Design {
             println!("{}", gains.method);
             if let Some(certificate) = &gains.certificate {
                 println!("{}", table::certificate(certificate, gains));
+            }
+            if let Some(rigid) = rigid_joints(study, gains) {
+                println!("{rigid}");
             }
             if let Some(class) = table::class(gains) {
                 println!("{class}");

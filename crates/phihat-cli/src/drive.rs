@@ -96,6 +96,9 @@ impl DriveVerb {
         }
         if !self.json {
             println!("{}\n{}", lines(&prepared.checks), prepared.bound.sentence);
+            if let Some(rigid) = prepared.rigid_joints() {
+                println!("{rigid}");
+            }
             if let Some(told) = announced(&prepared) {
                 println!("{told}");
             }

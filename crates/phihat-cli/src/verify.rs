@@ -92,7 +92,10 @@ impl Verify {
             let holds = claims.is_ok();
             let document = match claims {
                 Ok(verified) => {
-                    json!({ "holds": holds, "refuted": null, "verified": verified, "runs": found.runs, "record": record })
+                    json!({
+                        "holds": holds, "refuted": null, "verified": verified, "runs": found.runs, "record": record,
+                        "rigid_joints": found.rigid_joints,
+                    })
                 }
                 Err(why) => json!({ "holds": holds, "refuted": why, "record": record }),
             };
@@ -165,7 +168,8 @@ fn blocks(verified: &Verified, found: &Verification) -> String {
     let assumed = verified.assumptions.iter().map(|one| format!("  {}: {}", one.number, one.text));
     blocks.push(block("ASSUMED", assumed.collect()));
     let left = table::not_counted(&verified.not_counted);
-    let left = left.into_iter().map(|one| format!("  {one}")).collect();
+    let left = left.into_iter().chain(found.rigid_joints.clone());
+    let left = left.map(|one| format!("  {one}")).collect();
     blocks.push(block("NOT COUNTED", left));
     if !verified.error_bounds.is_empty() {
         let lines = verified.error_bounds.iter().map(|own| bound_line(own, found));

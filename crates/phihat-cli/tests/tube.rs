@@ -34,7 +34,8 @@ fn designed(folder: &Path, tube: &Value) {
     let path = folder.join("swing.json");
     let mut gains: Value = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
     let certificate = &mut gains["certificate"];
-    assert!(certificate.get("not_counted").is_none(), "{certificate}");
+    let left = certificate["not_counted"].as_array().unwrap();
+    assert!(left.iter().all(|one| one["claims"] == "assumed"), "{certificate}");
     certificate["tube"] = tube.clone();
     certificate["settle"] = data!({ "settle_s": 0.5, "from": "tube" });
     fs::write(path, gains.to_string()).unwrap();

@@ -83,6 +83,7 @@ mod class;
 mod contradiction;
 pub mod coupled;
 mod designer;
+pub mod elastic;
 pub mod export;
 mod lanes;
 mod limit;
@@ -110,11 +111,11 @@ pub use designer::{
 pub use limit::{Limit, LimitError, LimitRequest, beside_limit, limit};
 pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, ClassBound, ClassPace, ClassWitness, CoarserEncoder,
-    CoupledGains, ErrorBound, FORMAT, FilterSection, FrozenPayload, FrozenPosture, Gains,
-    GainsError, JointCertificate, JointKept, JointLimit, JointRecord, JointRun, Left, LeftOut,
-    NotCounted, Phi, PhiBasis, PositionObserver, Proved, Quantity, ReferenceBounds, Searched,
-    Settle, SettleFrom, TradeOff, Tube, TubeJoint, TubeKept, TubePayloadSet, TubeWatch, VERSION,
-    Verified, VerifiedStatement, Witness,
+    CoupledGains, ElasticJoint, ElasticJoints, EncoderSide, ErrorBound, FORMAT, FilterSection,
+    FrozenPayload, FrozenPosture, Gains, GainsError, JointCertificate, JointKept, JointLimit,
+    JointRecord, JointRun, Left, LeftOut, NotCounted, Phi, PhiBasis, PositionObserver, Proved,
+    Quantity, ReferenceBounds, Searched, Settle, SettleFrom, TradeOff, Tube, TubeJoint, TubeKept,
+    TubePayloadSet, TubeWatch, VERSION, Verified, VerifiedStatement, Witness,
 };
 pub use positions::{PositionEstimate, PositionSearch, TubeParts};
 pub use request::requested_gains;

@@ -7,6 +7,7 @@ pub use crate::claims::iss::FindIss;
 pub use crate::claims::optimality::FindOptimality;
 pub use crate::claims::performance::{FindPaperRadius, FindPeakGains};
 pub use crate::coupled::FindCoupledGains;
+pub use crate::elastic::FindElastic;
 pub use crate::sampled::{
     FindMargins, FindMoving, FindNoise, FindReadingError, FindReferenceError, FindSampledPeaks,
     FindSampledVarying, FindStep, FindVarying, FindWindow,

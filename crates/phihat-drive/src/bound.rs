@@ -85,6 +85,10 @@ fn bound(subject: Subject<'_>, checks: &[Check]) -> Result<FoundBound, SessionEr
         let why = format!("driven in spite of the check `{}`", check.name.word());
         return Ok(Err(Unbounded(why)));
     }
+    if study.springs.stated().is_some() {
+        let why = "joints bend as the study states: bounds are those of rigid joints";
+        return Ok(Err(Unbounded::of(why)));
+    }
     if let Some(class) = &certificate.class {
         let scope = match within_class(study, class) {
             Ok(scope) => scope,

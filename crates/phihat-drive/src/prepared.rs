@@ -7,7 +7,7 @@ use std::thread;
 
 use phihat_session::{
     Done, FirstMotion, FirstStudy, Leave, RunOptions, Session, SessionError, Take, Watch,
-    error_shares, first_study, none_unfinished, share_entries,
+    error_shares, first_study, none_unfinished, rigid_joints, share_entries,
 };
 use phihat_sim::{Abort, ControlSide, Ended, ErrorShares, LargestShare, Motion, StopReason};
 use phihat_study::Study;
@@ -251,6 +251,11 @@ impl Prepared {
     /// Returns true if a check failed and was not accepted.
     pub fn is_refused(&self) -> bool {
         self.checks.iter().any(Check::refuses)
+    }
+
+    /// One sentence on joints that are taken as rigid; `None`: their springs are stated, or nothing is known.
+    pub fn rigid_joints(&self) -> Option<String> {
+        rigid_joints(self.session.study(), self.session.gains())
     }
 
     /// The study that is driven.

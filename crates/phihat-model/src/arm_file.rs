@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::estimate::{EstimatedInterval, SPEED_ASSUMED, dry_friction, rotor_inertia};
-use crate::{Joint, JointKind, Part, Robot};
+use crate::{Joint, JointKind, JointSpring, Part, Robot};
 
 /// Encoder resolution that is assumed \[bit\] over one turn, and that of small servos.
 const BITS: (u32, u32) = (18, 12);
@@ -70,6 +70,7 @@ impl Robot {
         let mut text = String::new();
         self.write_head(&mut text, (urdf, part));
         self.write_rotor(&mut text);
+        self.write_transmission(&mut text);
         self.write_friction(&mut text);
         self.write_limits(&mut text);
         self.write_rest(&mut text);
@@ -142,6 +143,23 @@ impl Robot {
             self.list(text, ("armature_max_kg_m2", true), |joint| ends(joint).1);
         }
         self.source(text, "rotor", known);
+    }
+
+    /// Springs of the joints, where all of them are known.
+    fn write_transmission(&self, text: &mut String) {
+        let known = self.joints.iter().all(|joint| joint.spring.is_some());
+        if !known {
+            return;
+        }
+        line(text, "\n# Spring between each rotor and its link: intervals.");
+        Self::section(text, "transmission", known);
+        let none = JointSpring { stiffness: (0.0, 0.0), damping: (0.0, 0.0) };
+        let of = |joint: &Joint| joint.spring.unwrap_or(none);
+        self.list(text, ("stiffness_min_nm_rad", known), |joint| of(joint).stiffness.0);
+        self.list(text, ("stiffness_max_nm_rad", known), |joint| of(joint).stiffness.1);
+        self.list(text, ("damping_min_nm_s_rad", known), |joint| of(joint).damping.0);
+        self.list(text, ("damping_max_nm_s_rad", known), |joint| of(joint).damping.1);
+        self.source(text, "transmission", known);
     }
 
     fn write_friction(&self, text: &mut String) {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use crate::error::RobotError;
-use crate::joint::{Friction, Sigmoid};
+use crate::joint::{Friction, JointSpring, Sigmoid};
 use crate::part::Part;
 use crate::profile::Profile;
 use crate::robot::Robot;
@@ -38,6 +38,7 @@ struct ExtrasFile {
     #[serde(default)]
     joints: Vec<String>,
     rotor: Option<RotorExtras>,
+    transmission: Option<TransmissionExtras>,
     friction: Option<FrictionKeys>,
     limits: Option<ExtrasLimits>,
     drive: Option<DriveExtras>,
@@ -61,6 +62,16 @@ struct RotorExtras {
     armature_kg_m2: Option<Each>,
     armature_min_kg_m2: Option<Each>,
     armature_max_kg_m2: Option<Each>,
+    source: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TransmissionExtras {
+    stiffness_min_nm_rad: Each,
+    stiffness_max_nm_rad: Each,
+    damping_min_nm_s_rad: Each,
+    damping_max_nm_s_rad: Each,
     source: Option<String>,
 }
 
@@ -160,6 +171,7 @@ pub(crate) fn apply(mut robot: Robot, text: &str, origin: &str) -> Result<Robot>
     }
     let sources = [
         ("rotor", file.rotor.as_ref().and_then(|s| s.source.clone())),
+        ("transmission", file.transmission.as_ref().and_then(|s| s.source.clone())),
         ("friction", file.friction.as_ref().and_then(|s| s.source.clone())),
         ("limits", file.limits.as_ref().and_then(|s| s.source.clone())),
         ("drive", file.drive.as_ref().and_then(|s| s.source.clone())),
@@ -278,6 +290,9 @@ impl Lists<'_> {
         if let Some(rotor) = &file.rotor {
             self.set_rotor(robot, rotor)?;
         }
+        if let Some(transmission) = &file.transmission {
+            self.set_transmission(robot, transmission)?;
+        }
         if let Some(friction) = &file.friction {
             self.set_friction(robot, friction)?;
         }
@@ -327,6 +342,28 @@ impl Lists<'_> {
             let stated = stated.map(|_| joint.armature);
             joint.armature = self.inside(named, &joint.name, (low, stated, high))?;
             joint.armature_range = Some((low, high));
+        }
+        Ok(())
+    }
+
+    /// Intervals of stiffness and damping of each joint's transmission.
+    fn set_transmission(&self, robot: &mut Robot, keys: &TransmissionExtras) -> Result<()> {
+        let stiffness =
+            ["transmission.stiffness_min_nm_rad", "", "transmission.stiffness_max_nm_rad"];
+        let damping =
+            ["transmission.damping_min_nm_s_rad", "", "transmission.damping_max_nm_s_rad"];
+        let both =
+            |named, low, high| Ok(self.ends(named, (Some(low), Some(high)))?.unwrap_or_default());
+        let k = both(stiffness, &keys.stiffness_min_nm_rad, &keys.stiffness_max_nm_rad)?;
+        let c = both(damping, &keys.damping_min_nm_s_rad, &keys.damping_max_nm_s_rad)?;
+        for (joint, (stiff, damp)) in robot.joints.iter_mut().zip(k.into_iter().zip(c)) {
+            if stiff.0 <= 0.0 {
+                let why = format!("{} of joint \"{}\" must be above 0", stiff.0, joint.name);
+                return Err(self.error(stiffness[0], why));
+            }
+            self.inside(stiffness, &joint.name, (stiff.0, None, stiff.1))?;
+            self.inside(damping, &joint.name, (damp.0, None, damp.1))?;
+            joint.spring = Some(JointSpring { stiffness: stiff, damping: damp });
         }
         Ok(())
     }

@@ -19,6 +19,8 @@ pub struct Joint {
     pub armature: f64,
     /// Interval that the rotor inertia is known to lie in \[kg·m²\], `armature` among it; `None`: it is `armature`.
     pub armature_range: Option<(f64, f64)>,
+    /// Spring between rotor and child; `None`: the description does not state it.
+    pub spring: Option<JointSpring>,
     /// Friction between rotor and child.
     pub friction: Friction,
     /// Bandwidth of the drive's torque loop \[Hz\]; `None`: torque acts at once.
@@ -56,6 +58,45 @@ pub enum Rotor {
     Stated,
     /// At the upper end.
     Most,
+}
+
+/// Spring and damper between a joint's rotor and its link: `τ_l = k (θ − q) + c (θ̇ − q̇)`, constants of a run, each
+/// known by an interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointSpring {
+    /// Least and largest stiffness `k` \[N·m/rad, N/m\].
+    pub stiffness: (f64, f64),
+    /// Least and largest damping `c` \[N·m·s/rad, N·s/m\].
+    pub damping: (f64, f64),
+}
+
+impl JointSpring {
+    /// Share of critical damping of a rotor on its spring that is assumed where none is stated: `c = 2ζ√(kB)`.
+    pub const DAMPING_ASSUMED: f64 = 0.01;
+
+    /// Largest damping that is assumed, in multiples of that.
+    const MOST_DAMPING: f64 = 5.0;
+
+    /// Torque limit \[N·m\] from which on a joint is assumed to have the stiffness of an arm's large joints.
+    const LARGE: f64 = 50.0;
+
+    /// Spring that is assumed of a joint whose description states none; `None`: it slides.
+    ///
+    /// Source: an assumption of this project. Torque-controlled arms that lift some kilograms have strain-wave gears
+    /// with torque sensors; the order of magnitude of what is published of such joints is 10 … 30 kN·m/rad, in the
+    /// wrist 3 … 10. No arm was measured for it.
+    pub fn assumed(joint: &Joint) -> Option<Self> {
+        let large = joint.torque_max.is_none_or(|most| most >= Self::LARGE);
+        let (low, high) = if large { (1e4, 3e4) } else { (3e3, 1e4) };
+        let damping = Self::damping_assumed(low, joint.armature_at(Rotor::Least));
+        let damping = (damping, Self::MOST_DAMPING * damping);
+        joint.turns().then_some(Self { stiffness: (low, high), damping })
+    }
+
+    /// Damping \[N·m·s/rad\] of [`Self::DAMPING_ASSUMED`] of a rotor \[kg·m²\] on a spring \[N·m/rad\].
+    pub fn damping_assumed(stiffness: f64, rotor: f64) -> f64 {
+        2.0 * Self::DAMPING_ASSUMED * (stiffness * rotor).sqrt()
+    }
 }
 
 /// Kind of a joint: the motion of its child.

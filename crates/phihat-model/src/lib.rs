@@ -85,7 +85,7 @@ pub use evenly::evenly;
 pub use four::Quad;
 pub use inertia_range::InertiaRange;
 pub use inverse_kinematics::{IkError, IkOptions, PoseTarget};
-pub use joint::{Friction, Joint, JointKind, Rotor, Sigmoid};
+pub use joint::{Friction, Joint, JointKind, JointSpring, Rotor, Sigmoid};
 pub use kinematics::Pose;
 pub use lanes::Lanes;
 pub use lockstep::{Lockstep, LockstepError};

@@ -143,6 +143,16 @@ impl Robot {
         self.joints.iter().any(|joint| joint.armature_range.is_some_and(|(low, high)| low < high))
     }
 
+    /// This robot without its rotors: the links alone, as they hang on the springs of their joints.
+    #[must_use]
+    pub fn links_alone(mut self) -> Self {
+        for joint in &mut self.joints {
+            joint.armature = 0.0;
+            joint.armature_range = None;
+        }
+        self
+    }
+
     /// The model with the joints' rotor inertia: what a simulated plant is made of.
     ///
     /// # Panics

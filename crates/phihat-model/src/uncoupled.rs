@@ -30,6 +30,7 @@ impl Robot {
     ///     armature_range: None,
     ///     friction: Friction::default(),
     ///     drive_bandwidth_hz: None,
+    ///     spring: None,
     ///     encoder_bits: None,
     /// };
     /// let robot = Robot::uncoupled(vec![joint("a", 0.3), joint("b", 0.1)]);

@@ -113,6 +113,16 @@ fn what_is_no_interval_is_refused() {
             "[rotor]\narmature_kg_m2 = 0.4\narmature_min_kg_m2 = 0.1\narmature_max_kg_m2 = 0.3",
             "0.4 of joint \"joint1\" must be from 0.1 to 0.3",
         ),
+        (
+            "[transmission]\nstiffness_min_nm_rad = 2e4\nstiffness_max_nm_rad = 1e4\n\
+             damping_min_nm_s_rad = 0.0\ndamping_max_nm_s_rad = 1.0",
+            "above transmission.stiffness_max_nm_rad",
+        ),
+        (
+            "[transmission]\nstiffness_min_nm_rad = 0.0\nstiffness_max_nm_rad = 1e4\n\
+             damping_min_nm_s_rad = 0.0\ndamping_max_nm_s_rad = 1.0",
+            "must be above 0",
+        ),
         ("[rotor]\narmature_min_kg_m2 = 0.1", "rotor.armature_max_kg_m2: it comes with"),
         ("[rotor]\nsource = \"none\"", "rotor.armature_kg_m2: it is missing"),
         ("[rotor]\narmature_min_kg_m2 = -1\narmature_max_kg_m2 = 0.1", "finite and at least 0"),

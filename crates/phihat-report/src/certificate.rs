@@ -40,6 +40,10 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
                         LeftOut::TubeBesideValue => {
                             "in range, stability and bounds; tube and coupled gains are for the simulated value"
                         }
+                        LeftOut::AllButElastic => {
+                            "in the clause of elastic joints alone; bounds and tube are those of rigid joints"
+                        }
+                        LeftOut::Assumed => "assumed",
                         LeftOut::AllButTube => "in the tube, where there is one; in no other claim",
                     }
                 }

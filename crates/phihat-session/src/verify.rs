@@ -16,6 +16,7 @@ use crate::error::SessionError;
 use crate::files::read_gains;
 use crate::hash::seed_of;
 use crate::origin::trace_of;
+use crate::rigid::rigid_joints;
 use crate::run_record::RunRecord;
 
 /// Subject of a check.
@@ -64,6 +65,8 @@ pub struct Verification {
     pub runs: Option<DrawnRuns>,
     /// Names of the joints that slide.
     pub sliding: Vec<String>,
+    /// One sentence on joints that are taken as rigid; `None`: no study was given, or it states their springs.
+    pub rigid_joints: Option<String>,
 }
 
 /// Checks every claim about a set of gains; with a study, derives again what the file alone has to be trusted for.
@@ -90,7 +93,13 @@ pub fn verify(
             let (record, sum) = (Some(kept.seen.metrics), &kept.study.sha256);
             let Some(gains) = kept.gains else {
                 let sliding = kept.study.robot.sliding();
-                return Ok(Verification { record, claims: None, runs: None, sliding });
+                return Ok(Verification {
+                    record,
+                    claims: None,
+                    runs: None,
+                    sliding,
+                    rigid_joints: None,
+                });
             };
             let own = gains.study_sha256 == *sum;
             (gains, own.then_some(kept.study), record, path)
@@ -99,7 +108,13 @@ pub fn verify(
     let Some(certificate) = &gains.certificate else {
         if record.is_some() {
             let sliding = gains.sliding;
-            return Ok(Verification { record, claims: None, runs: None, sliding });
+            return Ok(Verification {
+                record,
+                claims: None,
+                runs: None,
+                sliding,
+                rigid_joints: None,
+            });
         }
         return Err(SessionError::at(&path, "these gains carry no certificate"));
     };
@@ -119,7 +134,8 @@ pub fn verify(
         in_own_units(&mut verified, &gains);
         verified
     });
-    Ok(Verification { record, claims: Some(claims), runs, sliding: gains.sliding })
+    let rigid_joints = study.as_ref().and_then(|study| rigid_joints(study, &gains));
+    Ok(Verification { record, claims: Some(claims), runs, sliding: gains.sliding, rigid_joints })
 }
 
 /// Says what is said of joints that slide in metres and newtons.

@@ -9,6 +9,7 @@ use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::joint::{self, Stated};
 use crate::node::Node;
 use crate::per_joint::Joints;
+use crate::springs::JointSprings;
 use crate::suggest::did_you_mean;
 use crate::value::number;
 
@@ -37,6 +38,7 @@ pub(crate) struct StudyArm {
     pub(crate) joints: Joints,
     /// Values that `[[joint]]` states for a design.
     pub(crate) stated: Option<Stated>,
+    pub(crate) springs: JointSprings,
 }
 
 impl StudyArm {
@@ -47,7 +49,12 @@ impl StudyArm {
             let (robot, stated) = joint::read(top, world.word("joint_inertia")? == "low")?;
             let names = robot.joint_names();
             let joints = Joints { names, locked: Vec::new() };
-            return Ok(Self { robot, joints, stated: Some(stated) });
+            return Ok(Self {
+                robot,
+                joints,
+                stated: Some(stated),
+                springs: JointSprings::Unstated,
+            });
         }
         if !node.exists() {
             let help = "`[robot]` with `name` or `file`, or a `[[joint]]` for each joint of an arm without a description";
@@ -75,11 +82,11 @@ impl StudyArm {
         };
         let names = |robot: &Robot| robot.joint_names();
         let all = Joints { names: names(&robot), locked: Vec::new() };
-        let mut arm = Self { robot, joints: all, stated: None };
+        let mut arm = Self { robot, joints: all, stated: None, springs: JointSprings::Unstated };
         if part.is_stated() {
             // Cut out with the part: those of the arm as well as those beside it.
             arm.joints.locked = part.locked.into_keys().collect();
-            return arm.with_armature(node);
+            return arm.with_drives(node);
         }
         let locks = arm.locks(node)?;
         if !locks.is_empty() {
@@ -88,17 +95,18 @@ impl StudyArm {
             arm.joints.names = names(&arm.robot);
             arm.joints.locked = locks.into_iter().map(|(name, _)| name).collect();
         }
-        arm.with_armature(node)
+        arm.with_drives(node)
     }
 
-    /// With the rotor inertia that the study states in place of the description's.
-    fn with_armature(mut self, node: &Node<'_>) -> Result<Self, StudyError> {
+    /// With the rotor inertia and the springs that the study states in place of the description's.
+    fn with_drives(mut self, node: &Node<'_>) -> Result<Self, StudyError> {
         if let Some(armature) = self.joints.numbers_if(node, "armature_kg_m2")? {
             for (joint, value) in self.robot.joints.iter_mut().zip(armature) {
                 joint.armature = value;
                 joint.armature_range = None;
             }
         }
+        self.springs = JointSprings::read(node, &self.robot, &self.joints)?;
         Ok(self)
     }
 

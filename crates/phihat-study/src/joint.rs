@@ -61,6 +61,7 @@ pub(crate) fn read(top: &Node<'_>, at_low: bool) -> Result<(Robot, Stated), Stud
             // Where the joint reverses, dry friction jumps by twice its level.
             friction: Friction { coulomb: 0.5 * jumps, ..Friction::default() },
             drive_bandwidth_hz: None,
+            spring: None,
             encoder_bits: None,
         });
     }

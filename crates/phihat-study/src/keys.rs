@@ -146,6 +146,63 @@ static ROBOT: FormatSection = FormatSection {
             doc: "Rotor inertia as the joint feels it, behind its gear, in place of the description's: \
                   what a bare URDF leaves out.",
         },
+        table(
+            "transmission",
+            Need::Optional("claims are for rigid joints, and say so"),
+            &TRANSMISSION,
+            "The spring between each rotor and its link.",
+        ),
+    ],
+};
+
+const STIFFNESS: NumberBounds = NumberBounds::positive(1e9);
+const DAMPING: NumberBounds = NumberBounds::closed(0.0, 1e6);
+
+static TRANSMISSION: FormatSection = FormatSection {
+    path: "robot.transmission",
+    doc: "The spring between each rotor and its link, by intervals that hold it: gains are certified only if every \
+          frozen posture is stable with every spring of them. `encoder_at` in `[sensor]` says on which side the \
+          position is read. What a run simulates stands in `[world.flexibility]`. Bounds on the error stay those of \
+          rigid joints, and certificates say so.",
+    keys: &[
+        Key {
+            name: "stiffness",
+            unit: "",
+            shape: Shape::Word(&["stated", "robot", "rigid"]),
+            need: Need::Word("stated"),
+            doc: "`robot`: the springs of the robot's description, and of a joint without one 10000 to 30000 N·m/rad, \
+                  3000 to 10000 where the torque limit is below 50 N·m, at 1 to 5 % of critical damping: an assumption of \
+                  this project. `rigid`: joints do not bend, an assumption that certificates list.",
+        },
+        Key {
+            name: "stiffness_min_nm_rad",
+            unit: "N·m/rad",
+            shape: Shape::PerJoint(STIFFNESS, &[]),
+            need: Need::Optional("`stiffness` is a word"),
+            doc: "Least stiffness.",
+        },
+        Key {
+            name: "stiffness_max_nm_rad",
+            unit: "N·m/rad",
+            shape: Shape::PerJoint(STIFFNESS, &[]),
+            need: Need::Optional("the least"),
+            doc: "Largest stiffness.",
+        },
+        Key {
+            name: "damping_min_nm_s_rad",
+            unit: "N·m·s/rad",
+            shape: Shape::PerJoint(DAMPING, &[]),
+            need: Need::Optional("`stiffness` is a word"),
+            doc: "Least damping of the spring. Stability depends on it: 1 % of critical is \
+                  0.02·√(stiffness·rotor inertia).",
+        },
+        Key {
+            name: "damping_max_nm_s_rad",
+            unit: "N·m·s/rad",
+            shape: Shape::PerJoint(DAMPING, &[]),
+            need: Need::Optional("the least"),
+            doc: "Largest damping of the spring.",
+        },
     ],
 };
 
@@ -448,7 +505,8 @@ static SENSOR: FormatSection = FormatSection {
             unit: "",
             shape: Shape::Word(&["link", "motor"]),
             need: Need::Word("link"),
-            doc: "With an elastic transmission: on which side of it position and velocity are measured.",
+            doc: "With an elastic transmission, `[robot.transmission]` or `[world.flexibility]`: on which side of it \
+                  position and velocity are measured.",
         },
         Key {
             name: "wrap",

@@ -232,6 +232,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         inputs: inputs(top, &arm, base)?,
         renamed: Vec::new(),
         robot: arm.robot,
+        springs: arm.springs,
     })
 }
 

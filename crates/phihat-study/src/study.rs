@@ -61,6 +61,8 @@ pub struct Study {
     pub duration: f64,
     /// The arm, with the study's locked joints applied; gravity and payload are not.
     pub robot: Robot,
+    /// Springs between the rotors and the links of that arm.
+    pub springs: crate::JointSprings,
     /// Files that the study names and a run needs: what each is called beside the study of a record, and where it is.
     pub inputs: Vec<(PathBuf, PathBuf)>,
     /// Keys that the file has under the names of an earlier version, in the order of the file.

@@ -75,6 +75,41 @@ const ROBOT: &[Case] = &[
         "2 entries for 3 joints",
     ),
     (6, "armature_kg_cm2 = 0.1", "robot.armature_kg_cm2", WrongUnit, "write `armature_kg_m2`"),
+    (
+        6,
+        "transmission = { stiffness_min_nm_rad = 1e4 }",
+        "robot.transmission.damping_min_nm_s_rad",
+        MissingKey,
+        "damping_min_nm_s_rad",
+    ),
+    (
+        6,
+        "transmission = { stiffness = \"rigid\", damping_min_nm_s_rad = 1.0 }",
+        "robot.transmission.damping_min_nm_s_rad",
+        Conflict,
+        "leave it out",
+    ),
+    (
+        6,
+        "transmission = { stiffness_min_nm_rad = 0.0, damping_min_nm_s_rad = 1.0 }",
+        "robot.transmission.stiffness_min_nm_rad",
+        OutOfRange,
+        "above 0",
+    ),
+    (
+        6,
+        "transmission = { stiffness_min_nm_rad = 2e4, stiffness_max_nm_rad = 1e4, damping_min_nm_s_rad = 1.0 }",
+        "robot.transmission.stiffness_min_nm_rad",
+        Conflict,
+        "20000 is above stiffness_max_nm_rad = 10000",
+    ),
+    (
+        6,
+        "transmission = { stiffness_min_nm_rad = 1e4, damping_min_nm_s_rad = [1.0, 1.0] }",
+        "robot.transmission.damping_min_nm_s_rad",
+        WrongLength,
+        "2 entries for 3 joints",
+    ),
 ];
 
 const SPEC_AND_GAINS: &[Case] = &[

@@ -4,7 +4,9 @@
 
 use crate::support::{GOOD, read, studies, with_line, with_reference};
 use phihat::{Form, VelocitySource};
-use phihat_study::{Curve, LawRequest, Payload, Push, ReferenceRequest, Start, Study};
+use phihat_study::{
+    Curve, JointSprings, LawRequest, Payload, Push, ReferenceRequest, Start, Study,
+};
 
 #[test]
 fn every_published_study_is_read() {
@@ -253,4 +255,29 @@ fn joints_without_a_description_have_no_tip() {
     let error = read(&text("tip_error_bound_mm = 1\n")).unwrap_err().to_string();
     let said = ["spec.tip_error_bound_mm", "where the tip is they do not tell", "error_bound_rad"];
     assert!(said.iter().all(|part| error.contains(part)), "{error}");
+}
+
+#[test]
+fn springs_of_joints_are_stated_assumed_or_left_out() {
+    let springs = |text: &str| read(&with_line(6, text)).map(|study| study.springs);
+    assert_eq!(springs("armature_kg_m2 = 0.2").unwrap(), JointSprings::Unstated);
+    let rigid = "transmission = { stiffness = \"rigid\" }";
+    assert_eq!(springs(rigid).unwrap(), JointSprings::Rigid);
+    let text = "armature_kg_m2 = 0.2\ntransmission = { stiffness_min_nm_rad = [1e4, 2e4, 3e4], \
+                stiffness_max_nm_rad = 4e4, damping_min_nm_s_rad = 1.5 }";
+    let stated = springs(text).unwrap();
+    let stiffness = |springs: &JointSprings| {
+        springs.stated().unwrap().iter().map(|spring| spring.stiffness).collect::<Vec<_>>()
+    };
+    assert_eq!(stiffness(&stated), [(1e4, 4e4), (2e4, 4e4), (3e4, 4e4)]);
+    assert!(stated.stated().unwrap().iter().all(|spring| spring.damping == (1.5, 1.5)));
+    // The planar arm's description states none: those of large joints, at 1 to 5 % of critical damping.
+    let robot = springs("armature_kg_m2 = 0.25\ntransmission = { stiffness = \"robot\" }").unwrap();
+    assert_eq!(stiffness(&robot), [(1e4, 3e4); 3]);
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
+    let mut all = robot.stated().unwrap().iter();
+    assert!(all.all(|spring| near(spring.damping.0, 1.0) && near(spring.damping.1, 5.0)));
+    let rotorless = text.replace("armature_kg_m2 = 0.2", "armature_kg_m2 = 0.0");
+    let told = springs(&rotorless).unwrap_err().to_string();
+    assert!(told.contains("no rotor inertia to stand behind a spring"), "{told}");
 }

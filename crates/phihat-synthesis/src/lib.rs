@@ -36,6 +36,7 @@ mod rank;
 mod recordings;
 mod rotor;
 mod spec_search;
+mod springs;
 mod stated;
 mod synthesize;
 mod tube_of;

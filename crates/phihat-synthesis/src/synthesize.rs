@@ -18,6 +18,7 @@ use crate::position_search::by_positions;
 use crate::recordings::Recordings;
 use crate::rotor::smallest_rotor;
 use crate::spec_search::within_spec;
+use crate::springs::with_springs;
 use crate::stated::certified;
 
 /// Extent of the answer where no gains satisfy the specification.
@@ -236,9 +237,11 @@ fn nearest_of(clauses: &mut Vec<Clause>, others: Vec<Clause>) {
     }
 }
 
-/// Adds to the certificate of the chosen gains what no search needs: coupled gains, stability while the arm moves,
+/// Adds to the certificate of the chosen gains what no search needs: the clause of elastic joints, coupled gains,
+/// stability while the arm moves,
 /// and the tubes behind coarser encoders.
 fn complete_certificate(study: &Study, arm: &Arm, gains: &mut Gains) -> Result<(), SynthesisError> {
+    with_springs(study, arm, gains)?;
     let mut moving = Box::new(gains.clone());
     let found = std::thread::scope(|side| {
         // A search on one thread, beside work that is shared among all.

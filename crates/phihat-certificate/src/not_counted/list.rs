@@ -27,6 +27,10 @@ pub enum LeftOut {
     /// The tube and the coupled gains, which are for the simulated value; range, stability and bounds from φ
     /// hold for all values.
     TubeBesideValue,
+    /// An assumption of every claim: what the value says.
+    Assumed,
+    /// Every claim but that of elastic joints: bounds and tube are those of rigid joints.
+    AllButElastic,
 }
 
 pub(super) struct List(pub(super) Vec<NotCounted>);

@@ -8,7 +8,7 @@ mod list;
 mod world;
 
 use phihat_model::{Robot, Rotor};
-use phihat_study::{Control, Fault, ReferenceRequest, Sensor, Study};
+use phihat_study::{Control, Fault, JointSprings, ReferenceRequest, Sensor, Study};
 
 pub use list::{LeftOut, NotCounted};
 use list::{List, text};
@@ -31,6 +31,8 @@ impl NotCounted {
             duration: _,
             // In the range of inertia and in φ; its limits are the loop's, the world's and the interface's.
             robot,
+            // In a clause of their own, or assumed rigid.
+            springs,
             // What is asked for.
             spec: _,
             gains: _,
@@ -49,6 +51,7 @@ impl NotCounted {
         let mut list = List(Vec::new());
         control_counts(control);
         list.rotors(robot);
+        list.springs(springs);
         let class = matches!(reference, ReferenceRequest::Any { .. });
         list.sensor(sensor, class);
         list.world(world);
@@ -62,9 +65,14 @@ impl NotCounted {
         list.0
     }
 
-    /// Returns true if a tube counts it.
+    /// Returns true if there is no tube beside it; beside springs the tube is that of rigid joints.
+    pub fn forbids_tube(&self) -> bool {
+        !self.in_tube() && self.claims != LeftOut::AllButElastic
+    }
+
+    /// Returns true if a tube counts it, or is for an arm that is assumed to be without it.
     pub fn in_tube(&self) -> bool {
-        matches!(self.claims, LeftOut::AllButTube | LeftOut::TubeBesideValue)
+        matches!(self.claims, LeftOut::AllButTube | LeftOut::TubeBesideValue | LeftOut::Assumed)
     }
 }
 
@@ -103,6 +111,21 @@ impl List {
             let value = format!("{} to {}", ends(Rotor::Least), ends(Rotor::Most));
             self.add("robot.armature_kg_m2", value, LeftOut::TubeBesideValue);
         }
+    }
+
+    /// Springs between rotors and links: assumed rigid, or in one clause alone.
+    fn springs(&mut self, springs: &JointSprings) {
+        let (key, value) = match springs {
+            JointSprings::Unstated => ("robot.transmission", "not stated: rigid joints"),
+            JointSprings::Rigid => ("robot.transmission.stiffness", "rigid"),
+            JointSprings::Stated(springs) => {
+                let ends: Vec<f64> = springs.iter().map(|spring| spring.stiffness.0).collect();
+                let others: Vec<f64> = springs.iter().map(|spring| spring.stiffness.1).collect();
+                let value = format!("{} to {} N·m/rad", text(&ends), text(&others));
+                return self.add("robot.transmission", value, LeftOut::AllButElastic);
+            }
+        };
+        self.add(key, value, LeftOut::Assumed);
     }
 
     fn sensor(&mut self, sensor: &Sensor, class: bool) {

@@ -7,7 +7,7 @@ use crate::{ArmBasis, ArmInertia, Refutation, Searched};
 const SAME: f64 = 1e-9;
 
 impl ArmInertia {
-    pub(super) fn plausible(&self) -> Result<(), Refutation> {
+    pub(crate) fn plausible(&self) -> Result<(), Refutation> {
         let sensible = 0.0 < self.low && self.low <= self.high && self.high.is_finite();
         Refutation::unless("arm", "0 < low ≤ high < ∞", self.low, self.high, sensible)?;
         if let Some(searched) = &self.searched {

@@ -89,6 +89,11 @@ impl Certificate {
             let models = self.joints.iter().map(|joint| &joint.model);
             frozen.verify(&gains.joints.iter().zip(models).collect::<Vec<_>>())?;
         }
+        if let Some(elastic) = &self.elastic {
+            elastic.covers(self.window_margin)?;
+            let models = self.joints.iter().map(|joint| &joint.model);
+            elastic.verify(&gains.joints.iter().zip(models).collect::<Vec<_>>())?;
+        }
         if let Some(moving) = &self.moving {
             let whole = self.refused().is_none();
             Refutation::unless(CLAIM, "no claim rests on a refused one", 1.0, 0.0, whole)?;

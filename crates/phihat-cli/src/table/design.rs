@@ -1,8 +1,8 @@
 //! Gains, what is claimed about them, and why there are none.
 
 use phihat_design::{
-    Certificate, ErrorBound, FilterSection, Gains, JointCertificate, LeftOut, NotCounted, Settle,
-    SettleFrom,
+    Certificate, ElasticJoints, ErrorBound, FilterSection, Gains, JointCertificate, LeftOut,
+    NotCounted, Settle, SettleFrom,
 };
 use phihat_report::section_poles;
 
@@ -91,6 +91,7 @@ pub(crate) fn certificate(certificate: &Certificate, gains: &Gains) -> String {
             proved.cells, proved.low, proved.high
         ));
     }
+    lines.extend(certificate.elastic.as_deref().map(elastic_joints));
     lines.push(moving(certificate));
     if let Some(phi) = certificate.joints.first().and_then(|joint| joint.phi.as_ref()) {
         lines.push(format!("φ: {}", phi.source));
@@ -113,6 +114,19 @@ pub(crate) fn certificate(certificate: &Certificate, gains: &Gains) -> String {
     lines.push(proved(certificate));
     lines.extend(certificate.settle.map(settle));
     lines.join("\n")
+}
+
+/// The clause of elastic joints.
+fn elastic_joints(elastic: &ElasticJoints) -> String {
+    let margin = if elastic.modulus > 0.0 {
+        format!("modulus margin {:.2}", elastic.modulus)
+    } else {
+        "no margin beside these springs".to_owned()
+    };
+    format!(
+        "joints that bend as stated, encoders at the {}: every frozen posture is stable, {margin}",
+        elastic.encoder.word()
+    )
 }
 
 /// Largest rate of change of the arm's inertia, with the rates that are needed.
@@ -229,6 +243,11 @@ pub(crate) fn not_counted(list: &[NotCounted]) -> Vec<String> {
             "counted in range, stability and bounds; tube and coupled gains are for the simulated value",
         ),
         (LeftOut::AllButTube, "NOT counted but in a tube, where there is one"),
+        (
+            LeftOut::AllButElastic,
+            "counted in the clause of elastic joints alone; bounds and tube are those of rigid joints",
+        ),
+        (LeftOut::Assumed, "ASSUMED"),
     ]
     .into_iter()
     .filter_map(line)

@@ -166,12 +166,17 @@ impl Arm {
 
     /// The geometric mean of each joint's own range \[kg·m²\]: a good nominal inertia.
     pub fn nominal(&self) -> Vec<f64> {
+        self.diagonal().into_iter().map(|(low, high)| (low * high).sqrt()).collect()
+    }
+
+    /// Least and largest inertia of each joint \[kg·m²\] while all others are held.
+    pub(crate) fn diagonal(&self) -> Vec<(f64, f64)> {
         match &self.knowledge {
             Knowledge::Intervals(low, high) => {
-                low.iter().zip(high).map(|(l, h)| (l * h).sqrt()).collect()
+                low.iter().copied().zip(high.iter().copied()).collect()
             }
-            Knowledge::Matrices(matrices) => means(matrices.iter()),
-            Knowledge::Postures(p) => means(p.light.iter().chain(&p.heavy).map(|t| &t.matrix)),
+            Knowledge::Matrices(matrices) => diagonals(matrices.iter()),
+            Knowledge::Postures(p) => diagonals(p.light.iter().chain(&p.heavy).map(|t| &t.matrix)),
         }
     }
 
@@ -302,8 +307,8 @@ fn witnesses(postures: &PostureSet, nominal: &[f64]) -> Option<Searched> {
     })
 }
 
-/// The geometric mean of the range of each entry of the diagonal.
-fn means<'a>(matrices: impl Iterator<Item = &'a DMatrix<f64>>) -> Vec<f64> {
+/// The range of each entry of the diagonal.
+fn diagonals<'a>(matrices: impl Iterator<Item = &'a DMatrix<f64>>) -> Vec<(f64, f64)> {
     let mut ends: Vec<(f64, f64)> = Vec::new();
     for matrix in matrices {
         ends.resize(matrix.nrows(), (f64::INFINITY, 0.0));
@@ -312,5 +317,5 @@ fn means<'a>(matrices: impl Iterator<Item = &'a DMatrix<f64>>) -> Vec<f64> {
             *high = larger(*high, matrix[(i, i)]);
         }
     }
-    ends.into_iter().map(|(low, high)| (low * high).sqrt()).collect()
+    ends
 }

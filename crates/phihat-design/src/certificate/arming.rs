@@ -9,10 +9,11 @@ use super::start::start_inside_window;
 use crate::Arm;
 use crate::claims::law::holds;
 use crate::claims::{Refutation, UnitLaw};
+use crate::elastic::links_of;
 use crate::prelude::*;
 use crate::sampled::{InertiaWindow, LoopModel, StateMatrix};
 use crate::{ArmBasis, Certificate, Gains, JointRecord};
-use phihat_certificate::FrozenArm;
+use phihat_certificate::{ElasticJoints, FrozenArm};
 
 /// Checks that gains may run on a study's arm: the inertia, over its postures and payloads, is inside the
 /// sampled loop's window of every joint (that of its first-order start gains too, where the study starts with
@@ -93,7 +94,21 @@ pub fn arm_inside_window(study: &Study, arm: &Arm, gains: &Gains) -> Result<(), 
             .and_then(|()| start_inside_window(study, record, &model, &arm))
             .map_err(|why| why.on(&record.name))?;
     }
-    Ok(())
+    bears_springs(study, gains)
+}
+
+/// That a law bears the springs of an arm whose joints bend, where the study states them.
+fn bears_springs(study: &Study, gains: &Gains) -> Result<(), Refutation> {
+    if study.springs.stated().is_none() {
+        return Ok(());
+    }
+    let links = Arm::of(&links_of(study)).map_err(|why| Refutation {
+        claim: "elastic joints".to_owned(),
+        inequality: format!("the links' inertia is known ({why})"),
+        left: 0.0,
+        right: 0.0,
+    })?;
+    ElasticJoints::find(study, gains, &links).map(drop).map_err(|refusal| refusal.why)
 }
 
 /// Shares of the slowest pole's rate that are tried in turn as the rate of the coupled arm: each is proved or not.

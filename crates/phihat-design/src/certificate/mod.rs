@@ -116,6 +116,8 @@ impl FindCertificate for Certificate {
             any_speed: None,
             frozen,
             frozen_refused,
+            elastic: None,
+            elastic_refused: None,
             coupled: None,
             not_counted: NotCounted::of(study),
             tube: None,

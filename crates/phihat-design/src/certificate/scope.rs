@@ -1,7 +1,7 @@
 //! Scope of a certificate: properties of a study that forbid it, and those that its claims leave out.
 
 use phihat_certificate::extremes::Extremes;
-use phihat_study::Study;
+use phihat_study::{Flexibility, Study};
 
 use crate::ArmInertia;
 use crate::JointRecord;
@@ -10,7 +10,8 @@ use crate::sampled::{LoopModel, stable_at_gain};
 
 /// Properties of a study that must not be armed, because the loop model lacks them: key and value.
 pub(crate) fn missing(study: &Study) -> Vec<(&'static str, f64)> {
-    let spring = study.world.flexibility.as_ref().map(|f| f.stiffness.iter().copied());
+    let bends = study.world.flexibility.as_ref().filter(|own| !within_stated(study, own));
+    let spring = bends.map(|f| f.stiffness.iter().copied());
     let softest = spring.map(Extremes::least);
     let jitter = Some(study.sensor.jitter).filter(|jitter| *jitter > 0.0);
     [
@@ -23,9 +24,22 @@ pub(crate) fn missing(study: &Study) -> Vec<(&'static str, f64)> {
     .collect()
 }
 
+/// Returns true if the springs of a world lie in the intervals that the study states, for which the certificate has a
+/// clause.
+fn within_stated(study: &Study, world: &Flexibility) -> bool {
+    let Some(stated) = study.springs.stated() else { return false };
+    let inside = |value: f64, (low, high): (f64, f64)| low <= value && value <= high;
+    let all = stated.iter().zip(&world.stiffness).zip(&world.damping);
+    let mut springs = all.map(|((own, k), c)| inside(*k, own.stiffness) && inside(*c, own.damping));
+    springs.all(|holds| holds) && world.backlash.iter().all(|play| *play <= 0.0)
+}
+
 /// The study without what the loop model lacks; `None` where it lacks nothing.
 pub(crate) fn as_modelled(study: &Study) -> Option<Study> {
-    if missing(study).is_empty() && (0..study.robot.joints.len()).all(|i| gains(study, i).is_none())
+    let rigid = study.world.flexibility.is_none();
+    if rigid
+        && missing(study).is_empty()
+        && (0..study.robot.joints.len()).all(|i| gains(study, i).is_none())
     {
         return None;
     }

@@ -263,7 +263,7 @@ fn edges(study: &Study, period: f64) -> Vec<Edge> {
 /// [`TubeRefusal::Unsupported`] names the key.
 pub fn modelled(study: &Study) -> Result<(), TubeRefusal> {
     let forbidden = missing(study).first().map(|(key, _)| (*key).to_owned());
-    let left_out = || NotCounted::of(study).into_iter().find(|one| !one.in_tube());
+    let left_out = || NotCounted::of(study).into_iter().find(NotCounted::forbids_tube);
     let profile = &study.interface.profile;
     let adds = profile.adds_gravity || profile.adds_friction > 0.0;
     // What the robot adds goes through the drive; here it acts at once.

@@ -187,6 +187,7 @@ pub(super) fn read_limits(
         armature_range: None,
         friction: Friction { viscous, coulomb, coulomb_range: None, sigmoid: None },
         drive_bandwidth_hz: None,
+        spring: None,
         encoder_bits: None,
     })
 }
