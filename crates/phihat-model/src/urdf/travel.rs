@@ -123,6 +123,30 @@ fn read_travel<'a, 'x>(
     Ok(None)
 }
 
+/// A limit of torque or speed; `None` where there is none, or somebody meant none.
+fn positive(
+    joint: &Element<'_, '_>,
+    (key, stated): (&str, Option<f64>),
+    boundless: f64,
+    warnings: &mut Vec<String>,
+) -> Result<Option<f64>> {
+    let Some(limit) = stated.filter(|limit| *limit > 0.0 && *limit <= boundless) else {
+        let how = match stated {
+            None => return Ok(None),
+            Some(x) if x > boundless => format!("{key} limit {x:e}, beyond {boundless:e},"),
+            Some(x) if x < 0.0 && x.is_finite() && (x + 1.0).abs() > 0.0 => {
+                return Err(joint.error(format!(
+                    "<limit {key}=\"{x}\"> must not be negative; where there is none, leave it out or write 0 or -1"
+                )));
+            }
+            Some(x) => format!("{key} limit {x}"),
+        };
+        warnings.push(format!("joint \"{}\": {how} is read as none", joint.name));
+        return Ok(None);
+    };
+    Ok(Some(limit))
+}
+
 /// Limits and friction of a joint that is driven.
 pub(super) fn read_limits(
     joint: &Element<'_, '_>,
@@ -136,28 +160,9 @@ pub(super) fn read_limits(
         _ => read_travel(joint, (kind, limit), warnings)?,
     };
     let kind = if position.is_none() { JointKind::Continuous } else { kind };
-    let mut positive = |key, boundless: f64| {
-        match number(key)? {
-        Some(x) if x < 0.0 && x.is_finite() && x.to_bits() != (-1.0_f64).to_bits() => {
-            Err(joint.error(format!(
-                "<limit {key}=\"{x}\"> must not be negative; where there is none, leave it out or write 0 or -1"
-            )))
-        }
-        Some(x) if x > boundless => {
-            let why = format!("{key} limit {x:e}, beyond {boundless:e}, is read as none");
-            warnings.push(format!("joint \"{}\": {why}", joint.name));
-            Ok(None)
-        }
-        Some(x) if x > 0.0 => Ok(Some(x)),
-        Some(x) => {
-            warnings.push(format!("joint \"{}\": {key} limit {x} is read as none", joint.name));
-            Ok(None)
-        }
-        None => Ok(None),
-    }
-    };
-    let torque_max = positive("effort", EFFORT_BOUNDLESS)?;
-    let velocity_max = positive("velocity", VELOCITY_BOUNDLESS)?;
+    let torque_max = positive(joint, ("effort", number("effort")?), EFFORT_BOUNDLESS, warnings)?;
+    let velocity = ("velocity", number("velocity")?);
+    let velocity_max = positive(joint, velocity, VELOCITY_BOUNDLESS, warnings)?;
     if let Some(speed) = velocity_max.filter(|v| *v > SPEED_DEGREES)
         && kind != JointKind::Prismatic
     {
