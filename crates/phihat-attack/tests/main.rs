@@ -8,4 +8,5 @@
 
 mod class_of_motions;
 mod classes;
+mod identified;
 mod ranges;

@@ -83,6 +83,7 @@ mod class;
 mod contradiction;
 pub mod coupled;
 mod designer;
+mod enclosed;
 pub mod export;
 mod lanes;
 mod limit;
@@ -98,6 +99,7 @@ mod square;
 mod trace;
 mod trade_off;
 pub mod tube;
+mod undetermined;
 
 pub use arm::{Arm, ArmError, InertiaRates, ProofProgress, RangeUnproved};
 pub use certificate::{arm_inside_window, find_moving};
@@ -107,6 +109,7 @@ pub use designer::{
     Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, alternatives, design, has_law,
     search,
 };
+pub use enclosed::enclose_inertia;
 pub use limit::{Limit, LimitError, LimitRequest, beside_limit, limit};
 pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, ClassBound, ClassPace, ClassWitness, CoarserEncoder,
@@ -120,6 +123,5 @@ pub use positions::{PositionEstimate, PositionSearch, TubeParts};
 pub use request::requested_gains;
 pub use reversals::DryFriction;
 pub use smoothed::{RecordedJoint, Smoothed};
-pub use trace::{
-    EstimateError, InertiaEstimate, JointSignals, estimate_inertia, estimate_inertia_of,
-};
+pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia_of};
+pub use undetermined::Undetermined;

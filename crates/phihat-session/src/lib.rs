@@ -62,7 +62,9 @@ pub use first_motion::{
     first_measured, first_study,
 };
 pub use hash::{sha256, share, short_hash};
-pub use identify::{IdentifiedJoint, IdentifyOptions, identify, identify_moving};
+pub use identify::{
+    Identification, IdentifiedJoint, IdentifyOptions, UndeterminedJoint, identify, identify_moving,
+};
 pub use layout::TraceKind;
 pub use log::LOGS;
 pub use log_layout::log_layout;
