@@ -1,8 +1,9 @@
 //! Intervals of each joint's inertia that explain every sample of a record, or the reason why it tells none.
 
-use nalgebra::{DMatrix, DVector};
-use phihat_certificate::extremes::{Extremes as _, larger, smaller};
+use nalgebra::DVector;
+use phihat_certificate::extremes::{Extremes as _, hull, larger, smaller};
 
+use crate::bounded::{BoundedCoefficient, UNEXPLAINED, basis, bounded, orthogonal};
 use crate::smoothed::{RecordedJoint, Smoothed};
 use crate::trace::{EstimateError, InertiaEstimate, JointSignals};
 use crate::undetermined::{ROWS_LEAST, Undetermined};
@@ -13,9 +14,6 @@ const WIDTHS: [f64; 3] = [1.0, 2.0, 4.0];
 /// Rows of a fit, evenly spread: neighbours say the same.
 const ROWS: usize = 1500;
 
-/// Factor on the largest torque that a fit leaves unexplained: part of what it does not model may look like inertia.
-const UNEXPLAINED: f64 = 1.5;
-
 /// Factor on the root mean square of the noise on an acceleration: what an encoder rounds away is not white.
 const NOISE: f64 = 3.0;
 
@@ -24,9 +22,6 @@ const NOISE_SHARE: f64 = 0.15;
 
 /// Ratio of the ends beyond which an interval is no answer.
 const WIDEST: f64 = 2.5;
-
-/// Share of the largest column below which a column is a combination of the others.
-const RANK: f64 = 1e-9;
 
 /// A joint that moves by fewer quanta of its encoder, or by less \[rad\], stands still.
 const STILL: (f64, f64) = (8.0, 1e-4);
@@ -103,6 +98,36 @@ pub fn enclose_inertia(
         found.reduce(better).unwrap_or(Err(Undetermined::Short))
     };
     Ok((0..joints.len()).map(joint).collect())
+}
+
+/// Encloses a joint's level of dry friction \[N·m\]: the coefficient of `sign(q̇_i)` in both fits of [`enclose_inertia`],
+/// with the bound (R3), 0 at least; `None`: it moves too little. Friction that changes fast with speed is part of the
+/// level or not, by the fit: the interval contains both.
+pub fn enclose_dry_friction(
+    joints: &[RecordedJoint],
+    of: usize,
+    record: &Smoothed,
+) -> Option<(f64, f64)> {
+    let moving = |joint: &RecordedJoint| Noise::of(&joint.q).moved(&joint.q).1;
+    let moves: Vec<bool> = joints.iter().map(moving).collect();
+    let signals = record.signals();
+    let joint = signals.get(of)?;
+    let rows = one_way(joint.dq, record.reach() / 2);
+    if rows.len() < ROWS_LEAST {
+        return None;
+    }
+    let step = (rows.len() / ROWS).max(1);
+    let rows: Vec<usize> = rows.into_iter().step_by(step).collect();
+    let pick = |x: &[f64]| DVector::from_iterator(rows.len(), rows.iter().map(|k| x[*k]));
+    let ends = [false, true].map(|richer| {
+        let mut columns = columns(&signals, of, (&rows, &moves), richer);
+        let sign = core::mem::replace(&mut columns[SIGN], pick(joint.ddq));
+        let fit = bounded(&columns, &sign, &pick(joint.tau));
+        let half = UNEXPLAINED * fit.half;
+        (larger(fit.value - half, 0.0), larger(fit.value + half, 0.0))
+    });
+    let (low, high) = hull(ends.into_iter());
+    high.is_finite().then_some((low, high))
 }
 
 type Enclosed = Result<InertiaEstimate, Undetermined>;
@@ -210,7 +235,7 @@ struct Fit {
     unexplained: f64,
     /// Root mean square of the part of `q̈_i` that is its own \[rad/s²\].
     own_rms: f64,
-    /// The same without the other joints, as a share of `q̈_i`: what position and friction of the joint alone leave.
+    /// The same without the other joints, as a share of `q̈_i`: the rest after position and velocity of the joint alone.
     alone: f64,
 }
 
@@ -225,24 +250,16 @@ impl Fit {
         let pick = |x: &[f64]| DVector::from_iterator(rows.len(), rows.iter().map(|k| x[*k]));
         let own = pick(joint.ddq);
         let columns = columns(signals, of, (rows, moves), richer);
-        let base = basis(&columns);
-        let (u, tau) = (orthogonal(&base, &own), orthogonal(&base, &pick(joint.tau)));
-        let square = u.norm_squared().max(f64::MIN_POSITIVE);
-        let inertia = u.dot(&tau) / square;
-        let residual = tau - &u * inertia;
-        let unexplained = residual.iter().map(|x| x.abs()).largest();
-        let (sum, count): (f64, f64) = (u.iter().map(|x| x.abs()).sum(), rows.len() as f64);
-        let q = pick(joint.q);
-        let still = basis(&[DVector::repeat(rows.len(), 1.0), q, pick(joint.dq)]);
-        Self {
-            inertia,
-            half: unexplained * sum / square,
-            unexplained,
-            own_rms: (square / count).sqrt(),
-            alone: orthogonal(&still, &own).norm() / own.norm().max(f64::MIN_POSITIVE),
-        }
+        let BoundedCoefficient { value, half, unexplained, own_rms } =
+            bounded(&columns, &own, &pick(joint.tau));
+        let still = [DVector::repeat(rows.len(), 1.0), pick(joint.q), pick(joint.dq)];
+        let alone = orthogonal(&basis(&still), &own).norm() / own.norm().max(f64::MIN_POSITIVE);
+        Self { inertia: value, half, unexplained, own_rms, alone }
     }
 }
+
+/// Place of `sign(q̇_i)` among the columns.
+const SIGN: usize = 2;
 
 /// All columns of (R1) but `q̈_i`.
 fn columns(
@@ -271,23 +288,6 @@ fn columns(
         columns.extend(positions.iter().map(|q| q.component_mul(&ddq)));
     }
     columns
-}
-
-/// An orthonormal basis of what columns span, by a QR factorisation with pivots, which reveals their rank.
-fn basis(columns: &[DVector<f64>]) -> DMatrix<f64> {
-    let scaled = |column: &DVector<f64>| column / column.norm().max(f64::MIN_POSITIVE);
-    let all: Vec<DVector<f64>> = columns.iter().map(scaled).collect();
-    let qr = DMatrix::from_columns(&all).col_piv_qr();
-    let r = qr.r();
-    let first = r[(0, 0)].abs();
-    let rank = (0..r.nrows()).take_while(|k| r[(*k, *k)].abs() > RANK * first).count();
-    qr.q().columns(0, rank).into_owned()
-}
-
-/// The part of a column that is orthogonal to a basis; projected twice, so that rounding leaves none of the rest.
-fn orthogonal(basis: &DMatrix<f64>, column: &DVector<f64>) -> DVector<f64> {
-    let once = column - basis * basis.tr_mul(column);
-    &once - basis * basis.tr_mul(&once)
 }
 
 /// Frequency of a joint's motion, and of the sine that would tell more.

@@ -76,6 +76,7 @@
 #![forbid(unsafe_code)]
 
 mod arm;
+mod bounded;
 pub mod budget;
 mod certificate;
 pub mod claims;
@@ -102,6 +103,7 @@ pub mod tube;
 mod undetermined;
 
 pub use arm::{Arm, ArmError, InertiaRates, ProofProgress, RangeUnproved};
+pub use bounded::{BoundedCoefficient, bounded_coefficients};
 pub use certificate::{arm_inside_window, find_moving};
 pub use class::{ClassDemand, ClassRefusal, class_bound, quick_class_bound};
 pub use contradiction::{Contradiction, ContradictionError, typed_inertia_holds};
@@ -109,7 +111,7 @@ pub use designer::{
     Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, alternatives, design, has_law,
     search,
 };
-pub use enclosed::enclose_inertia;
+pub use enclosed::{enclose_dry_friction, enclose_inertia};
 pub use limit::{Limit, LimitError, LimitRequest, beside_limit, limit};
 pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, ClassBound, ClassPace, ClassWitness, CoarserEncoder,

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use phihat_certificate::extremes::{Extremes as _, hull, larger, smaller};
 use phihat_design::{
-    DryFriction, InertiaEstimate, JointSignals, Smoothed, Undetermined, enclose_inertia,
+    DryFriction, InertiaEstimate, JointSignals, Smoothed, Undetermined, enclose_dry_friction,
+    enclose_inertia,
 };
 use phihat_sim::Observed;
 use serde::Serialize;
@@ -82,8 +83,8 @@ pub struct IdentifiedJoint {
     pub torque_max_nm: f64,
 }
 
-/// Records through their filter, each with the inertia of every joint.
-type Records = Vec<(Smoothed, Vec<Result<InertiaEstimate, Undetermined>>)>;
+/// Records and what went through their filter, each with the inertia of every joint.
+type Records = Vec<(IdentifyRecording, Smoothed, Vec<Result<InertiaEstimate, Undetermined>>)>;
 
 /// Identifies each joint from records.
 ///
@@ -96,14 +97,14 @@ pub fn identify(options: &IdentifyOptions) -> Result<Identification, SessionErro
     for path in &options.records {
         let record = read(path, options.from)?;
         let smoothed = smoothed(path, &record, options)?;
-        if let Some((first, _)) = records.first() {
+        if let Some((_, first, _)) = records.first() {
             same_joints(path, first, &smoothed)?;
         }
         known(path, &smoothed, &options.slides)?;
         let inertia = enclose_inertia(&record.joints, record.period_ns, options.width);
-        records.push((smoothed, inertia.map_err(|e| SessionError::at(path, e))?));
+        records.push((record, smoothed, inertia.map_err(|e| SessionError::at(path, e))?));
     }
-    let joints = records.first().map_or(0, |(_, inertia)| inertia.len());
+    let joints = records.first().map_or(0, |(_, _, inertia)| inertia.len());
     let (mut identified, mut undetermined) = (Vec::new(), Vec::new());
     for joint in 0..joints {
         match together(&records, joint, options) {
@@ -159,7 +160,7 @@ fn together(
     joint: usize,
     options: &IdentifyOptions,
 ) -> Result<IdentifiedJoint, Option<UndeterminedJoint>> {
-    let found = || records.iter().filter_map(|(_, inertia)| inertia.get(joint));
+    let found = || records.iter().filter_map(|(_, _, inertia)| inertia.get(joint));
     let both = |a: InertiaEstimate, b: InertiaEstimate| InertiaEstimate {
         low_kg_m2: smaller(a.low_kg_m2, b.low_kg_m2),
         high_kg_m2: larger(a.high_kg_m2, b.high_kg_m2),
@@ -167,11 +168,16 @@ fn together(
     };
     let undetermined = || {
         let why = found().find_map(|found| found.err())?;
-        let name = records.first()?.0.signals().get(joint)?.name.to_owned();
+        let name = records.first()?.1.signals().get(joint)?.name.to_owned();
         Some(UndeterminedJoint { name, why })
     };
     let inertia = found().filter_map(|found| found.ok()).reduce(both).ok_or_else(undetermined)?;
-    let all = records.iter().map(|(smoothed, _)| shown(smoothed, joint, inertia, options));
+    let all = records.iter().map(|(record, smoothed, _)| {
+        let found = shown(smoothed, joint, inertia, options);
+        let enclosed = enclose_dry_friction(&record.joints, joint, smoothed);
+        let dry = found.dry_friction.zip(enclosed);
+        IdentifiedJoint { dry_friction: dry.map(|(dry, enclosed)| dry.widened(enclosed)), ..found }
+    });
     all.reduce(|before, next| before.and(&next)).ok_or(None)
 }
 
