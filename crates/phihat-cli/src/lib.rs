@@ -17,6 +17,7 @@ macro_rules! eprintln {
     ($($words:tt)*) => { $crate::terminal::err(format_args!($($words)*)) };
 }
 
+mod audit;
 mod check;
 mod compare;
 mod design;
@@ -96,6 +97,7 @@ enum Verb {
     Reproduce(reproduce::Reproduce),
     Robots(robots::Robots),
     Identify(identify::Identify),
+    Audit(audit::AuditVerb),
     Check(check::CheckVerb),
     Schema(editors::Schema),
     Completions(editors::Completions),
@@ -161,6 +163,7 @@ fn execute(verb: Verb, command: impl FnOnce() -> clap::Command) -> Result<ExitCo
         Verb::Reproduce(reproduce) => reproduce.execute(),
         Verb::Robots(robots) => robots.execute(),
         Verb::Identify(identify) => identify.execute(),
+        Verb::Audit(audit) => audit.execute(),
         Verb::Check(check) => Ok(check.execute()),
         Verb::Schema(editors::Schema { json: _ }) => Ok(editors::schema()),
         Verb::Completions(completions) => completions.execute(command()),

@@ -59,6 +59,8 @@ fn exit_codes_are_those_of_the_help_and_documents_are_documents() {
         (&["verify", "bad.toml"], 2),
         (&["verify"], 2),
         (&["verify", "--run", "out/good"], 0),
+        (&["audit", "out/good"], 0),
+        (&["audit", "good.toml"], 2),
         (&["export", "gains.json", "--format", "csv"], 0),
         (&["export", "gains.json", "--format", "csv", "--out", "gains.csv"], 0),
         (&["export", "good.toml", "--format", "csv"], 2),

@@ -13,6 +13,7 @@
 #![forbid(unsafe_code)]
 
 mod arm;
+mod audit;
 mod begin;
 mod budget;
 mod check;
@@ -47,6 +48,7 @@ mod watch;
 mod words;
 
 pub use arm::arm as drawn_arm;
+pub use audit::{Assumption, Audit, AuditRow, Standing, audit, audited};
 pub use begin::{ArmOptions, BeginOptions, Begun, begin, described, write_arm};
 pub use budget::{BudgetFiles, write_budget};
 pub use check::{Mistake, StudyCheck, check, check_rewritten, check_text};
