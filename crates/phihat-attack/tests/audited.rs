@@ -1,5 +1,5 @@
-//! Records in which exactly one assumption is broken, and clean ones. Wrong if the audit did not name the assumption, or
-//! named one of a clean record.
+//! Records in which exactly one assumption is broken, and clean ones. Wrong if the audit did not name the assumption,
+//! or named one of a clean record.
 
 use std::path::Path;
 
@@ -111,7 +111,7 @@ impl Figures {
         match which {
             Assumption::Inertia => {
                 let joint = dice.below(3);
-                self.rotor[joint] += dice.between(0.1, 0.25);
+                self.rotor[joint] += dice.between(0.25, 0.5);
             }
             Assumption::Payload => self.payload += dice.between(0.4, 1.0),
             Assumption::Friction => self.coulomb += dice.between(0.2, 0.5),

@@ -83,9 +83,10 @@ impl Identify {
         // Lists of friction are of all joints.
         let without =
             |joint: &IdentifiedJoint| IdentifiedJoint { dry_friction: None, ..joint.clone() };
-        let mut sections = match lacking.is_empty() {
-            true => sections(&joints, self.margin),
-            false => sections(&joints.iter().map(without).collect::<Vec<_>>(), self.margin),
+        let mut sections = if lacking.is_empty() {
+            sections(&joints, self.margin)
+        } else {
+            sections(&joints.iter().map(without).collect::<Vec<_>>(), self.margin)
         };
         for words in &lacking {
             // Infallible: a String takes everything.

@@ -42,8 +42,8 @@ const STRIBECK: [f64; 2] = [0.03, 0.15];
 /// τ_i = Σ_j M_ij q̈_j + Σ_j G_j (q_j − q̄_j) + d q̇_i + c sign(q̇_i) + τ_0 + r_i                         (R1)
 /// ```
 ///
-/// and again with the squares of `q_j − q̄_j`, `(q_j − q̄_j) q̈_i`, `q̇_i |q̇_i|` and two parts of friction that decay with
-/// speed. A QR factorisation with pivots drops the columns that are combinations of others. With `u` the part of
+/// and again with the squares of `q_j − q̄_j`, `(q_j − q̄_j) q̈_i`, `q̇_i |q̇_i|` and two parts of friction that decay
+/// with speed. A QR factorisation with pivots drops the columns that are combinations of others. With `u` the part of
 /// `q̈_i` that is orthogonal to all other columns,
 ///
 /// ```text
@@ -100,8 +100,8 @@ pub fn enclose_inertia(
     Ok((0..joints.len()).map(joint).collect())
 }
 
-/// Encloses a joint's level of dry friction \[N·m\]: the coefficient of `sign(q̇_i)` in both fits of [`enclose_inertia`],
-/// with the bound (R3), 0 at least; `None`: it moves too little. Friction that changes fast with speed is part of the
+/// Encloses a joint's level of dry friction \[N·m\]: the coefficient of `sign(q̇_i)` in both fits of
+/// [`enclose_inertia`], with the bound (R3), 0 at least; `None`: it moves too little. Friction that changes fast with speed is part of the
 /// level or not, by the fit: the interval contains both.
 pub fn enclose_dry_friction(
     joints: &[RecordedJoint],
@@ -235,7 +235,7 @@ struct Fit {
     unexplained: f64,
     /// Root mean square of the part of `q̈_i` that is its own \[rad/s²\].
     own_rms: f64,
-    /// The same without the other joints, as a share of `q̈_i`: the rest after position and velocity of the joint alone.
+    /// The same without the other joints, as a share of `q̈_i`: the rest beside its position and velocity.
     alone: f64,
 }
 

@@ -86,7 +86,7 @@ impl DryFriction {
         pooled(&found)
     }
 
-    /// The estimate with an interval that contains another one too: that of [`enclose_dry_friction`](crate::enclose_dry_friction).
+    /// The estimate with an interval that contains another one too, as that of a bounded fit \[N·m\].
     #[must_use]
     pub fn widened(&self, (low, high): (f64, f64)) -> Self {
         Self { low_nm: smaller(self.low_nm, low), high_nm: larger(self.high_nm, high), ..*self }

@@ -27,10 +27,10 @@ const NEAR: f64 = 0.1;
 const NEAR_MASS: f64 = 0.1;
 
 /// Largest share of noise in an acceleration that a rotor is told by.
-const NOISE_MOST: f64 = 0.1;
+const NOISE_MOST: f64 = 0.15;
 
-/// What the model leaves of one joint's torque, with the columns that may explain it.
-struct Left {
+/// Torque of one joint that the model leaves, with the columns that may explain it.
+struct TorqueLeft {
     torque: Vec<f64>,
     own: [Vec<f64>; OWN],
     load: [Vec<f64>; LOAD],
@@ -73,14 +73,17 @@ impl Audited<'_> {
     fn joint_rows(
         &self,
         (i, name): (usize, &str),
-        left: &Left,
+        left: &TorqueLeft,
         found: &[BoundedCoefficient],
     ) -> Vec<AuditRow> {
         let [rotor, dry, _] = [0, 1, 2].map(|k| found[LOAD + OWN * i + k]);
         let joint = &self.study.robot.joints[i];
         let q = &self.trace.joints[i].q_measured;
         let noise = noise(q, self.period);
-        let share = noise / rotor.own_rms.max(f64::MIN_POSITIVE) * left.most_scale();
+        // The column is empty in the rows of the other joints.
+        let total = self.trace.joints.len() as f64;
+        let own_rms = rotor.own_rms * left.scale() * total.sqrt();
+        let share = noise / own_rms.max(f64::MIN_POSITIVE);
         let inertia = if share > NOISE_MOST {
             AuditRow::not_told(
                 Assumption::Inertia,
@@ -88,7 +91,7 @@ impl Audited<'_> {
             )
         } else {
             let more = share * left.inertia;
-            let (low, high) = rotor.interval();
+            let (low, high) = interval(&rotor);
             let recorded = (joint.armature + low - more, joint.armature + high + more);
             let assumed = joint.armature_range.unwrap_or((joint.armature, joint.armature));
             let near = NEAR * left.inertia;
@@ -101,7 +104,7 @@ impl Audited<'_> {
         };
         let (low, high) = &self.study.design.coulomb;
         let assumed = (low[i], high[i]);
-        let recorded = dry.interval();
+        let recorded = interval(&dry);
         let near = larger(0.1 * assumed.1, 0.02 * left.most);
         let row = AuditRow::of_interval(Assumption::Friction, (recorded, assumed, "N·m"), near);
         let row = row.with_change(|| {
@@ -114,7 +117,7 @@ impl Audited<'_> {
     }
 
     fn payload_row(&self, found: &[BoundedCoefficient]) -> AuditRow {
-        let Some((low, high)) = found.first().map(BoundedCoefficient::interval) else {
+        let Some((low, high)) = found.first().map(interval) else {
             return AuditRow::not_told(Assumption::Payload, "there is no joint");
         };
         let own = self.study.world.payload.as_ref().map_or(0.0, |body| body.mass);
@@ -146,21 +149,21 @@ impl Audited<'_> {
     }
 
     /// The torque that the model leaves at samples in which a joint moves one way, joint by joint.
-    fn left(&self, record: &Smoothed) -> Option<Vec<Left>> {
+    fn left(&self, record: &Smoothed) -> Option<Vec<TorqueLeft>> {
         let models = self.models()?;
         let mut rooms: Vec<_> = models.iter().map(Workspace::new).collect();
         let signals = record.signals();
         let (n, count) = (signals.len(), signals.first()?.q.len());
         let turned: Vec<Vec<bool>> =
             signals.iter().map(|joint| turns_near(joint.dq, record.reach() / 2)).collect();
-        let empty = || Left {
+        let empty = || TorqueLeft {
             torque: Vec::new(),
             own: Default::default(),
             load: Default::default(),
             inertia: 0.0,
             most: 0.0,
         };
-        let mut left: Vec<Left> = (0..n).map(|_| empty()).collect();
+        let mut left: Vec<TorqueLeft> = (0..n).map(|_| empty()).collect();
         let mut torques = vec![vec![0.0; n]; models.len()];
         let mut mass = vec![0.0; n * n];
         for k in (0..count).step_by((count / ROWS).max(1)) {
@@ -207,22 +210,17 @@ impl Audited<'_> {
     }
 }
 
-impl Left {
+impl TorqueLeft {
     /// Scale of this joint's rows: its largest residual in a fit of its own.
     fn scale(&self) -> f64 {
         let columns: Vec<Vec<f64>> = self.load.iter().chain(&self.own).cloned().collect();
         let fit = bounded_coefficients(&columns, &self.torque);
         larger(fit.iter().map(|one| one.unexplained).largest(), 1e-6 * self.most + 1e-9)
     }
-
-    /// Factor from a column's scaled size to its own.
-    fn most_scale(&self) -> f64 {
-        1.0 / self.scale()
-    }
 }
 
 /// One fit of all joints: each row over its joint's scale.
-fn fitted(left: &[Left]) -> Vec<BoundedCoefficient> {
+fn fitted(left: &[TorqueLeft]) -> Vec<BoundedCoefficient> {
     let (mut y, mut columns) = (Vec::new(), vec![Vec::new(); LOAD + OWN * left.len()]);
     for (i, joint) in left.iter().enumerate() {
         let scale = joint.scale();
@@ -231,13 +229,19 @@ fn fitted(left: &[Left]) -> Vec<BoundedCoefficient> {
             column.extend(own.iter().map(|x| x / scale));
         }
         for (k, column) in columns.iter_mut().enumerate().skip(LOAD) {
-            match (k - LOAD) / OWN == i {
-                true => column.extend(joint.own[(k - LOAD) % OWN].iter().map(|x| x / scale)),
-                false => column.extend(core::iter::repeat_n(0.0, joint.torque.len())),
+            if (k - LOAD) / OWN == i {
+                column.extend(joint.own[(k - LOAD) % OWN].iter().map(|x| x / scale));
+            } else {
+                column.extend(core::iter::repeat_n(0.0, joint.torque.len()));
             }
         }
     }
     bounded_coefficients(&columns, &y)
+}
+
+/// Both ends of a coefficient by the largest residual alone: the model's structure is the study's.
+fn interval(of: &BoundedCoefficient) -> (f64, f64) {
+    (of.value - of.half, of.value + of.half)
 }
 
 /// Samples near one at which a joint turns round.
@@ -256,6 +260,6 @@ fn noise(q: &[f64], period: f64) -> f64 {
     let fourth = |x: &[f64]| x[0] - 4.0 * x[1] + 6.0 * x[2] - 4.0 * x[3] + x[4];
     let sum: f64 = q.windows(5).map(|x| fourth(x).powi(2)).sum();
     let white = (sum / q.len().max(1) as f64 / 70.0).sqrt();
-    // Two differences over a box, and two means: white noise of 1 becomes 2.3 / (w² √n) of it at most.
-    3.0 * 2.3 * white / (WIDTH * WIDTH * (WIDTH / period).max(1.0).sqrt())
+    // Two differences over a box of n samples, and two means: white noise of 1 becomes √(8/3) / (w² √n).
+    3.0 * 1.64 * white / (WIDTH * WIDTH * (WIDTH / period).max(1.0).sqrt())
 }

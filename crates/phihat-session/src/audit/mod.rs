@@ -86,8 +86,8 @@ pub fn audit(
 ///
 /// Delay, torque, losses, encoder, limits and reference are read off the signals. Rotors, dry friction and payload are
 /// coefficients of one fit of what the study's model leaves of the torque, each with the largest error that a torque
-/// can cause which no sample exceeds ([`phihat_design::bounded_coefficients`]): broken is an interval that has no value in
-/// common with the assumed one. φ is broken where two samples differ by more than its rate and jump allow.
+/// can cause which no sample exceeds ([`phihat_design::bounded_coefficients`]): broken is an interval that has no value
+/// in common with the assumed one. φ is broken where two samples differ by more than its rate and jump allow.
 ///
 /// # Not claimed
 ///

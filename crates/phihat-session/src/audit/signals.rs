@@ -38,9 +38,18 @@ struct Explained {
 }
 
 impl Explained {
-    /// Median size of the residual: lost commands do not count.
+    /// Factor on the predicted torque that fits best.
+    fn gain(&self) -> f64 {
+        let product =
+            |a: &[f64]| -> f64 { a.iter().zip(&self.predicted).map(|(a, p)| a * p).sum() };
+        1.0 + product(&self.residual) / product(&self.predicted).max(f64::MIN_POSITIVE)
+    }
+
+    /// Median size of the residual beside that factor: lost commands do not count.
     fn middle(&self) -> f64 {
-        let mut sizes: Vec<f64> = self.residual.iter().map(|x| x.abs()).collect();
+        let more = self.gain() - 1.0;
+        let pairs = self.residual.iter().zip(&self.predicted);
+        let mut sizes: Vec<f64> = pairs.map(|(r, p)| (r - more * p).abs()).collect();
         sizes.sort_by(f64::total_cmp);
         sizes.get(sizes.len() / 2).copied().unwrap_or(0.0)
     }
@@ -113,11 +122,7 @@ impl Audited<'_> {
                 (self.time(begin + n), if skip { 0.0 } else { *r })
             });
             let (most, time) = largest_beyond(values, tolerance);
-            let product =
-                |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-            let gain = 1.0
-                + product(&best.residual, &best.predicted)
-                    / product(&best.predicted, &best.predicted).max(f64::MIN_POSITIVE);
+            let gain = best.gain();
             rows.push(
                 AuditRow::at_most(Assumption::TorqueEcho, (most, tolerance, "N·m"), time)
                     .on(name)
@@ -253,10 +258,10 @@ fn quantum_row(q: &[f64], quantum: f64) -> AuditRow {
         // A finer encoder, or noise behind it.
         let least =
             q.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|x| *x > 1e-12).least();
-        return match least <= quantum {
-            true => AuditRow::at_most(Assumption::Encoder, (least, quantum, "rad"), None),
-            false => AuditRow::not_told(Assumption::Encoder, "its positions are on no grid"),
-        };
+        if least <= quantum {
+            return AuditRow::at_most(Assumption::Encoder, (least, quantum, "rad"), None);
+        }
+        return AuditRow::not_told(Assumption::Encoder, "its positions are on no grid");
     }
     let mut levels: Vec<i64> = steps.iter().map(|x| level(*x)).collect();
     levels.sort_unstable();
