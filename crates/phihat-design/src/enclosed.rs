@@ -101,7 +101,8 @@ pub fn enclose_inertia(
 }
 
 /// Encloses a joint's level of dry friction \[N·m\]: the coefficient of `sign(q̇_i)` in both fits of
-/// [`enclose_inertia`], with the bound (R3), 0 at least; `None`: it moves too little. Friction that changes fast with speed is part of the
+/// [`enclose_inertia`], with the bound (R3), 0 at least; `None`: it moves too little. Friction that changes
+/// fast with speed is part of the
 /// level or not, by the fit: the interval contains both.
 pub fn enclose_dry_friction(
     joints: &[RecordedJoint],
