@@ -6,6 +6,8 @@
     reason = "tests: a panic is the report"
 )]
 
+mod audited;
 mod class_of_motions;
 mod classes;
+mod identified;
 mod ranges;

@@ -11,6 +11,7 @@ use phihat_drive::{
 use phihat_session::{Leave, RunOptions, how_to_recover};
 use serde_json::json;
 
+use crate::audit;
 use crate::failure::Failure;
 use crate::first_motion::{FirstMotionArguments, announced, verdict};
 use crate::interrupt::StopRequest;
@@ -112,9 +113,11 @@ impl DriveVerb {
         let measured = first.map(|first| self.first.measured(&first, &folder)).transpose()?;
         let missing = measured.as_ref().is_some_and(|found| found.all().is_none());
         let page = folder.join("report.html");
+        let audited = audit::after(&folder);
         if self.json {
             let mut all = document(&driven.done, &folder, Some(&page));
             all["drive"] = driven.document.clone();
+            all["audit"] = json!(audited);
             if let Some(counts) = &counts {
                 all["ros2"] = counts.clone();
             }
@@ -130,6 +133,9 @@ impl DriveVerb {
             }
             if let Some(found) = &measured {
                 println!("{}", verdict(found, &folder));
+            }
+            if let Some(audited) = &audited {
+                println!("{}", audit::lines(audited, false));
             }
         }
         self.page.show(&page);

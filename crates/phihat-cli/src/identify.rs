@@ -6,7 +6,9 @@ use std::process::ExitCode;
 
 use clap::Args;
 use phihat_design::DryFriction;
-use phihat_session::{IdentifiedJoint, IdentifyOptions, files, identify};
+use phihat_session::{
+    Identification, IdentifiedJoint, IdentifyOptions, UndeterminedJoint, files, identify,
+};
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -18,13 +20,19 @@ use crate::table;
 /// the torque that acted from this sample to the next; other columns are left alone, so the trace of a run,
 /// or its folder, serves too. Each joint has to move with two sines at least, of different frequencies, and
 /// differently from the others. Several records, in other postures and with other loads, are taken together:
-/// what is found holds for all of them.
+/// an interval contains those of all records that determine it.
 ///
-/// An estimate, three standard errors on either side, not a proof: postures and loads that no record visits
-/// are not in it. Prints a table, and the `[[joint]]` sections of a study.
+/// An interval of inertia explains every sample of its record: with the largest torque that is left
+/// unexplained taken as if it were inertia, and the encoder's noise as if it were acceleration. A joint whose
+/// inertia, gravity and friction cannot be distinguished in any record gets no interval, but the motion that
+/// would do. An estimate, not a proof: postures and loads that no record visits are not in it. Prints a table,
+/// and the `[[joint]]` sections of a study.
 #[derive(Debug, Args)]
-#[command(after_help = "Example (after `phihat run studies/first.toml`):\n  \
-                        phihat identify out/first --from 1")]
+#[command(
+    after_help = "Exit codes: 0 every joint has an interval · 1 at least one has none; the others have · 2 error.\n\n\
+                        Example (after `phihat run studies/first.toml`):\n  \
+                        phihat identify out/first --from 1"
+)]
 pub(crate) struct Identify {
     /// The records: CSV, Parquet, or folders of runs.
     #[arg(required = true)]
@@ -69,32 +77,57 @@ impl Identify {
             margin: self.margin,
             slides: self.slides.clone(),
         };
-        let joints = identify(&options)?;
-        let sections = sections(&joints, self.margin);
+        let Identification { joints, undetermined } = identify(&options)?;
+        let code = ExitCode::from(u8::from(!undetermined.is_empty()));
+        let lacking: Vec<String> = undetermined.iter().map(undetermined_words).collect();
+        // Lists of friction are of all joints.
+        let without =
+            |joint: &IdentifiedJoint| IdentifiedJoint { dry_friction: None, ..joint.clone() };
+        let mut sections = if lacking.is_empty() {
+            sections(&joints, self.margin)
+        } else {
+            sections(&joints.iter().map(without).collect::<Vec<_>>(), self.margin)
+        };
+        for words in &lacking {
+            // Infallible: a String takes everything.
+            let _ = write!(sections, "\n# {words}\n");
+        }
         if let Some(path) = &self.out {
             files::write(path, &sections)?;
         }
         if self.json {
-            println!("{:#}", json!({ "joints": joints, "file": self.out }));
-            return Ok(ExitCode::SUCCESS);
+            let document =
+                json!({ "joints": joints, "undetermined": undetermined, "file": self.out });
+            println!("{document:#}");
+            return Ok(code);
         }
-        println!("{}", table::identified(&joints));
-        println!(
-            "an estimate, not a proof: inertia ± 3 standard errors over windows of 1 s; φ for the middle of its interval, times {}",
-            self.margin
-        );
+        if !joints.is_empty() {
+            println!("{}", table::identified(&joints));
+            println!(
+                "an estimate, not a proof: inertia that explains every sample of the records; φ for the middle of its interval, times {}",
+                self.margin
+            );
+        }
+        for words in &lacking {
+            println!("{words}");
+        }
         match &self.out {
             Some(path) => println!("sections: {}", path.display()),
             None => print!("\n{sections}"),
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(code)
     }
+}
+
+/// Reason why a joint has no interval, as a line.
+fn undetermined_words(joint: &UndeterminedJoint) -> String {
+    format!("joint {}: no record tells its inertia: {}", joint.name, joint.why)
 }
 
 /// The `[[joint]]` sections of a study.
 pub(crate) fn sections(joints: &[IdentifiedJoint], margin: f64) -> String {
     let mut text = format!(
-        "# By `phihat identify`: inertia ± 3 standard errors, φ times {margin}. Widen what your records do not visit: other\n\
+        "# By `phihat identify`: inertia that explains every sample, φ times {margin}. Widen what your records do not visit: other\n\
          # postures, other loads. Limits are those of the drive's data sheet: uncomment and fill in.\n"
     );
     for joint in joints {

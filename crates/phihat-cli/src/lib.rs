@@ -17,6 +17,7 @@ macro_rules! eprintln {
     ($($words:tt)*) => { $crate::terminal::err(format_args!($($words)*)) };
 }
 
+mod audit;
 mod bound;
 mod check;
 mod compare;
@@ -99,6 +100,7 @@ enum Verb {
     Reproduce(reproduce::Reproduce),
     Robots(robots::Robots),
     Identify(identify::Identify),
+    Audit(audit::AuditVerb),
     Check(check::CheckVerb),
     Schema(editors::Schema),
     Completions(editors::Completions),
@@ -165,6 +167,7 @@ fn execute(verb: Verb, command: impl FnOnce() -> clap::Command) -> Result<ExitCo
         Verb::Reproduce(reproduce) => reproduce.execute(),
         Verb::Robots(robots) => robots.execute(),
         Verb::Identify(identify) => identify.execute(),
+        Verb::Audit(audit) => audit.execute(),
         Verb::Check(check) => Ok(check.execute()),
         Verb::Schema(editors::Schema { json: _ }) => Ok(editors::schema()),
         Verb::Completions(completions) => completions.execute(command()),

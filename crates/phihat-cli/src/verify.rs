@@ -14,6 +14,7 @@ use phihat_session::{Checked, Verification, VerifyStage, WORLDS, verify};
 use phihat_sim::Metrics;
 use serde_json::json;
 
+use crate::audit;
 use crate::check::warn_of_renamed;
 use crate::failure::Failure;
 use crate::shown::spinner;
@@ -36,7 +37,8 @@ pub(crate) const NOT_PROVED: u8 = 3;
 #[command(
     after_help = "Exit codes: 0 PROVED or DERIVED TWICE · 1 a claim does not hold; the inequality that fails is\n\
                         told · 3 NOT PROVED: what the file claims holds, but the bound on the error, or a clause of\n\
-                        the specification, rests on one derivation or on none (with --run 0: the record is whole).\n\n\
+                        the specification, rests on one derivation or on none (with --run 0: the record is whole) · 4 with --run: the record breaks\n\
+                        what the certificate assumes.\n\n\
                         Example (after `phihat design studies/panda_design.toml`):\n  \
                         phihat verify out/panda_design/gains.json\n\n\
                         Example (after `phihat run studies/first.toml`):\n  \
@@ -84,6 +86,8 @@ impl Verify {
         bar.finish_and_clear();
         let found = found?;
         let record = found.record.as_ref().map(record_words);
+        let audited = self.run.as_deref().and_then(audit::after);
+        let conforms = audited.as_ref().is_none_or(|audited| audited.broken().next().is_none());
         let Some(claims) = &found.claims else {
             self.tell_bare_record(&record.unwrap_or_default());
             return Ok(ExitCode::SUCCESS);
@@ -94,7 +98,7 @@ impl Verify {
                 Ok(verified) => {
                     json!({
                         "holds": holds, "refuted": null, "verified": verified, "runs": found.runs, "record": record,
-                        "rigid_joints": found.rigid_joints,
+                        "rigid_joints": found.rigid_joints, "audit": audited,
                     })
                 }
                 Err(why) => json!({ "holds": holds, "refuted": why, "record": record }),
@@ -108,9 +112,13 @@ impl Verify {
                 Ok(verified) => println!("{}", blocks(verified, &found)),
                 Err(why) => println!("REFUSED: {why}"),
             }
+            if let Some(audited) = &audited {
+                println!("THE RECORD AGAINST WHAT IS ASSUMED\n{}", audit::lines(audited, false));
+            }
         }
         Ok(match claims {
             Err(_) => ExitCode::from(1),
+            Ok(_) if !conforms => ExitCode::from(audit::BROKEN),
             // Of a record the question is whether its files and figures belong together.
             Ok(verified) if verified.verdict == Verdict::NotProved && self.run.is_none() => {
                 ExitCode::from(NOT_PROVED)

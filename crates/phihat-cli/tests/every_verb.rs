@@ -37,7 +37,7 @@ fn exit_codes_are_those_of_the_help_and_documents_are_documents() {
     let mut forged: Value = serde_json::from_str(&gains).unwrap();
     forged["joints"][0]["kd_per_s"] = 1.0.into();
     fs::write(folder.join("forged.json"), forged.to_string()).unwrap();
-    let cases: [(&[&str], i32); 54] = [
+    let cases: [(&[&str], i32); 56] = [
         (&["run", "good.toml"], 0),
         (&["run", "tight.toml"], 1),
         (&["run", "impossible.toml"], 1),
@@ -60,6 +60,8 @@ fn exit_codes_are_those_of_the_help_and_documents_are_documents() {
         (&["verify"], 2),
         (&["bound", "motion.csv", "--gains", "gains.json"], 2),
         (&["verify", "--run", "out/good"], 0),
+        (&["audit", "out/good"], 0),
+        (&["audit", "good.toml"], 2),
         (&["export", "gains.json", "--format", "csv"], 0),
         (&["export", "gains.json", "--format", "csv", "--out", "gains.csv"], 0),
         (&["export", "good.toml", "--format", "csv"], 2),

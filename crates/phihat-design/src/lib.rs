@@ -76,6 +76,7 @@
 #![forbid(unsafe_code)]
 
 mod arm;
+mod bounded;
 pub mod budget;
 mod certificate;
 pub mod claims;
@@ -84,6 +85,7 @@ mod contradiction;
 pub mod coupled;
 mod designer;
 pub mod elastic;
+mod enclosed;
 pub mod export;
 mod lanes;
 mod limit;
@@ -99,8 +101,10 @@ mod square;
 mod trace;
 mod trade_off;
 pub mod tube;
+mod undetermined;
 
 pub use arm::{Arm, ArmError, InertiaRates, ProofProgress, RangeUnproved};
+pub use bounded::{BoundedCoefficient, bounded_coefficients};
 pub use certificate::{arm_inside_window, find_moving};
 pub use class::{ClassDemand, ClassRefusal, class_bound, quick_class_bound};
 pub use contradiction::{Contradiction, ContradictionError, typed_inertia_holds};
@@ -108,6 +112,7 @@ pub use designer::{
     Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, alternatives, design, has_law,
     search,
 };
+pub use enclosed::{enclose_dry_friction, enclose_inertia};
 pub use limit::{Limit, LimitError, LimitRequest, beside_limit, limit};
 pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, ClassBound, ClassPace, ClassWitness, CoarserEncoder,
@@ -121,6 +126,5 @@ pub use positions::{PositionEstimate, PositionSearch, TubeParts};
 pub use request::requested_gains;
 pub use reversals::DryFriction;
 pub use smoothed::{RecordedJoint, Smoothed};
-pub use trace::{
-    EstimateError, InertiaEstimate, JointSignals, estimate_inertia, estimate_inertia_of,
-};
+pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia_of};
+pub use undetermined::Undetermined;

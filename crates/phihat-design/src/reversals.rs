@@ -86,6 +86,12 @@ impl DryFriction {
         pooled(&found)
     }
 
+    /// The estimate with an interval that contains another one too, as that of a bounded fit \[N·m\].
+    #[must_use]
+    pub fn widened(&self, (low, high): (f64, f64)) -> Self {
+        Self { low_nm: smaller(self.low_nm, low), high_nm: larger(self.high_nm, high), ..*self }
+    }
+
     /// Both estimates together: the mean of the levels, and the interval that contains both.
     #[must_use]
     pub fn and(&self, other: &Self) -> Self {

@@ -25,7 +25,7 @@ pub struct RecordedJoint {
 /// # Example
 ///
 /// ```
-/// use phihat_design::{RecordedJoint, Smoothed, estimate_inertia};
+/// use phihat_design::{RecordedJoint, enclose_inertia};
 ///
 /// // 0.3 kg·m² and 2 N·m·s/rad on two sines at 1 kHz.
 /// let at = |k: u32, of: fn(f64) -> f64| of(f64::from(k) * 1e-3);
@@ -39,9 +39,9 @@ pub struct RecordedJoint {
 ///     })
 /// });
 /// let record = [RecordedJoint { name: "axis".into(), q, tau: tau.collect() }];
-/// let smooth = Smoothed::new(&record, 1_000_000, 0.01).ok_or("too short")?;
-/// let found = estimate_inertia(&smooth.signals(), smooth.period_ns)?;
-/// assert!((found[0].low_kg_m2 - 0.3).abs() < 1e-4 && (found[0].high_kg_m2 - 0.3).abs() < 1e-4);
+/// let found = enclose_inertia(&record, 1_000_000, 0.01)?;
+/// let found = found[0].map_err(|why| why.to_string())?;
+/// assert!((found.low_kg_m2 - 0.3).abs() < 1e-3 && (found.high_kg_m2 - 0.3).abs() < 1e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -104,6 +104,11 @@ impl Smoothed {
             }
         };
         Some(Self { period_ns, reach: 4 * n, joints: joints.iter().map(smooth).collect() })
+    }
+
+    /// Width of a box in samples.
+    pub(crate) fn width_samples(&self) -> usize {
+        self.reach / 4
     }
 
     /// Rows between two that have no sample in common.

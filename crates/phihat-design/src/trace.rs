@@ -1,12 +1,11 @@
-//! The effective inertia of each joint, estimated from recorded signals.
+//! Recorded signals, and the effective inertia of the one joint that moves in a record.
 
 use nalgebra::{DMatrix, DVector};
 use phihat_certificate::extremes::Extremes as _;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// Length of a window \[ns\], and from one to the next.
-const WINDOW_NS: (u64, u64) = (1_000_000_000, 250_000_000);
+use crate::undetermined::Undetermined;
 
 /// Samples of a window that are used, evenly spread: neighbours tell the same.
 const ROWS: usize = 200;
@@ -35,23 +34,8 @@ pub struct JointSignals<'a> {
     pub tau: &'a [f64],
 }
 
-/// Estimate of one joint's effective inertia `M_ii` from a trace.
-///
-/// # Method
-///
-/// Least squares over windows of one second,
-///
-/// ```text
-/// τ_i = Σ_j M_ij q̈_j + Σ_j G_j (q_j − q̄_j) + d q̇_i + c sign(q̇_i) + τ_0                              (R1)
-/// ```
-///
-/// with `M_ij`, `G_j`, `d`, `c`, `τ_0` constant within each. Kept are windows whose standard error, from the residual
-/// and the regressors as if the residual were white, is below a tenth of the estimate; the interval is from the
-/// least estimate less three standard errors to the largest plus three.
-///
-/// # Not claimed
-///
-/// An estimate, not a proof: residuals are not white, and postures that the trace does not visit are not in it.
+/// Interval of one joint's effective inertia `M_ii` from records: an estimate, not a proof. Postures that no record
+/// visits are not in it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InertiaEstimate {
@@ -59,10 +43,8 @@ pub struct InertiaEstimate {
     pub low_kg_m2: f64,
     /// Upper end \[kg·m²\].
     pub high_kg_m2: f64,
-    /// Largest standard error of a window that counts \[kg·m²\].
-    pub standard_error_kg_m2: f64,
-    /// Windows that count.
-    pub windows: usize,
+    /// Records that give an interval each; this one contains all of them.
+    pub records: usize,
 }
 
 /// Why a trace tells no inertia.
@@ -79,9 +61,9 @@ pub enum EstimateError {
         /// Samples of the first joint's position.
         expected: usize,
     },
-    /// The joint does not move enough, or not differently enough from the others.
+    /// The joint does not move enough.
     #[error(
-        "joint {joint}: only {windows} windows of 1 s tell its inertia to {sharp} %, {least} are needed: \
+        "joint {joint}: only {windows} parts of the record determine its inertia to {sharp} %, {least} are needed: \
          record a motion with more acceleration, at more than one frequency, different on each joint",
         sharp = SHARP * 100.0, least = LEAST
     )]
@@ -91,19 +73,14 @@ pub enum EstimateError {
         /// Windows that count.
         windows: usize,
     },
-}
-
-/// Estimates every joint's effective inertia.
-///
-/// # Errors
-///
-/// [`EstimateError`].
-pub fn estimate_inertia(
-    joints: &[JointSignals<'_>],
-    period_ns: u64,
-) -> Result<Vec<InertiaEstimate>, EstimateError> {
-    same_length(joints)?;
-    (0..joints.len()).map(|of| estimate(joints, of, period_ns)).collect()
+    /// A record does not determine a joint's inertia.
+    #[error("joint {joint}: this record cannot tell its inertia: {why}")]
+    Undetermined {
+        /// Joint name.
+        joint: String,
+        /// The reason, and the motion that would.
+        why: Undetermined,
+    },
 }
 
 /// Windows over a record in which one joint moves: each is half of it, and they overlap.
@@ -113,9 +90,9 @@ const MOVING_WINDOWS: usize = 5;
 const SLOW: f64 = 0.15;
 
 /// Estimates the effective inertia of one joint from a record in which it goes to and fro in one posture, and
-/// the others stand still: (R1) over longer windows than those of [`estimate_inertia`], without the samples
-/// in which it hardly moves, and without `G_j` of the others. The interval is that of two fits together: with
-/// `q̈_j` of the others, which give way a little, and without.
+/// the others stand still: (R1) over halves of it, without the samples in which it hardly moves, and without `G_j` of
+/// the others. The interval is that of two fits together, with `q̈_j` of the others, which give way a little, and
+/// without: three standard errors on either side, as if the residual were white.
 ///
 /// # Errors
 ///
@@ -130,7 +107,7 @@ pub fn estimate_inertia_of(
         return Err(EstimateError::Length { joint, found: 0, expected: joints.len() });
     };
     let fastest = moved.dq.iter().map(|dq| dq.abs()).largest();
-    let (samples, mut found) = (moved.dq.len(), InertiaEstimate::NONE);
+    let (samples, mut found) = (moved.dq.len(), Windows::NONE);
     let length = samples / 2;
     for window in 0..MOVING_WINDOWS {
         let start = window * (samples - length) / (MOVING_WINDOWS - 1);
@@ -142,7 +119,11 @@ pub fn estimate_inertia_of(
             found.take(fit(joints, of, &rows, others));
         }
     }
-    found.told(moved.name)
+    if found.count < LEAST {
+        let (joint, windows) = (moved.name.to_owned(), found.count);
+        return Err(EstimateError::Excitation { joint, windows });
+    }
+    Ok(InertiaEstimate { low_kg_m2: found.low, high_kg_m2: found.high, records: 1 })
 }
 
 fn same_length(joints: &[JointSignals<'_>]) -> Result<(), EstimateError> {
@@ -158,56 +139,32 @@ fn same_length(joints: &[JointSignals<'_>]) -> Result<(), EstimateError> {
     Ok(())
 }
 
-fn estimate(
-    joints: &[JointSignals<'_>],
-    of: usize,
-    period_ns: u64,
-) -> Result<InertiaEstimate, EstimateError> {
-    let samples = joints[of].q.len();
-    let count = |ns: u64| usize::try_from(ns / period_ns.max(1)).unwrap_or(usize::MAX).max(1);
-    let (length, stride) = (count(WINDOW_NS.0), count(WINDOW_NS.1));
-    let (mut found, mut start) = (InertiaEstimate::NONE, 0);
-    while samples.saturating_sub(start) >= length {
-        let step = (length / ROWS).max(1);
-        let rows: Vec<usize> = (start..start + length).step_by(step).collect();
-        found.take(fit(joints, of, &rows, Others::Move));
-        start += stride;
-    }
-    found.told(joints[of].name)
+/// Interval of the windows of a record so far.
+struct Windows {
+    low: f64,
+    high: f64,
+    count: usize,
 }
 
-impl InertiaEstimate {
-    /// Of no window.
-    const NONE: Self =
-        Self { low_kg_m2: f64::INFINITY, high_kg_m2: 0.0, standard_error_kg_m2: 0.0, windows: 0 };
+impl Windows {
+    /// Of none.
+    const NONE: Self = Self { low: f64::INFINITY, high: 0.0, count: 0 };
 
-    /// Takes what one window says, if it is sharp.
+    /// Takes the fit of one window, if it is sharp.
     fn take(&mut self, fitted: Option<(f64, f64)>) {
         let Some((inertia, error)) = fitted else { return };
         if !(inertia > 0.0 && error <= SHARP * inertia) {
             return;
         }
-        self.low_kg_m2 = self.low_kg_m2.min(inertia - SIGMAS * error);
-        self.high_kg_m2 = self.high_kg_m2.max(inertia + SIGMAS * error);
-        self.standard_error_kg_m2 = self.standard_error_kg_m2.max(error);
-        self.windows += 1;
-    }
-
-    /// Itself, if enough windows said something.
-    fn told(self, joint: &str) -> Result<Self, EstimateError> {
-        if self.windows < LEAST {
-            let (joint, windows) = (joint.to_owned(), self.windows);
-            return Err(EstimateError::Excitation { joint, windows });
-        }
-        Ok(self)
+        self.low = self.low.min(inertia - SIGMAS * error);
+        self.high = self.high.max(inertia + SIGMAS * error);
+        self.count += 1;
     }
 }
 
 /// Motion of the other joints in a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Others {
-    /// Free.
-    Move,
     /// They stay where they are, and give way a little.
     Accelerate,
     /// None.
@@ -240,7 +197,6 @@ fn fit(
         c != 2 * n + 2 && (column.max() - column.min()).abs() <= 1e-9 * (1.0 + column.amax())
     };
     let counts = |c: usize| match others {
-        Others::Move => true,
         Others::Accelerate => c < n || c >= 2 * n || c == n + of,
         Others::Stand => c >= 2 * n || c == n + of,
     };

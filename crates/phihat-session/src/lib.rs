@@ -13,6 +13,7 @@
 #![forbid(unsafe_code)]
 
 mod arm;
+mod audit;
 mod begin;
 mod budget;
 mod check;
@@ -49,6 +50,7 @@ mod watch;
 mod words;
 
 pub use arm::arm as drawn_arm;
+pub use audit::{Assumption, Audit, AuditRow, Standing, audit, audited};
 pub use begin::{ArmOptions, BeginOptions, Begun, begin, described, write_arm};
 pub use budget::{BudgetFiles, write_budget};
 pub use check::{Mistake, StudyCheck, check, check_rewritten, check_text};
@@ -64,7 +66,9 @@ pub use first_motion::{
     first_measured, first_study,
 };
 pub use hash::{sha256, share, short_hash};
-pub use identify::{IdentifiedJoint, IdentifyOptions, identify, identify_moving};
+pub use identify::{
+    Identification, IdentifiedJoint, IdentifyOptions, UndeterminedJoint, identify, identify_moving,
+};
 pub use layout::TraceKind;
 pub use log::LOGS;
 pub use log_layout::log_layout;

@@ -9,8 +9,7 @@ pub(crate) fn identified(joints: &[IdentifiedJoint]) -> String {
     let mut table = plain_table([
         "joint",
         "inertia\nkg·m²",
-        "standard error\nkg·m²",
-        "windows",
+        "records",
         "|φ|\nN·m",
         "φ rate\nN·m/s",
         "φ jump\nN·m",
@@ -30,8 +29,7 @@ pub(crate) fn identified(joints: &[IdentifiedJoint]) -> String {
         table.add_row([
             joint.name.clone(),
             own(range(inertia.low_kg_m2, inertia.high_kg_m2, 4), "kg·m²"),
-            own(figure(inertia.standard_error_kg_m2, 5), "kg·m²"),
-            inertia.windows.to_string(),
+            inertia.records.to_string(),
             own(figure(joint.phi_max_nm, 3), "N·m"),
             own(figure(joint.phi_rate_max_nm_s, 2), "N·m/s"),
             own(figure(joint.phi_jump_max_nm, 3), "N·m"),

@@ -99,13 +99,11 @@ impl Arm {
 
     /// An arm known by what a trace shows of it.
     pub fn estimated(estimates: &[InertiaEstimate]) -> Self {
-        let windows = estimates.iter().map(|e| e.windows).min().unwrap_or(0);
         Self {
             basis: ArmBasis::Trace,
-            source: format!(
-                "ESTIMATE from a recorded trace, not a proof: regression over {windows} or more windows per \
-                 joint, ± 3 standard errors; coupling is not in it"
-            ),
+            source: "ESTIMATE from a recorded trace, not a proof: intervals that explain every sample of it; coupling \
+                     is not in it"
+                .into(),
             knowledge: Knowledge::Intervals(
                 estimates.iter().map(|e| e.low_kg_m2).collect(),
                 estimates.iter().map(|e| e.high_kg_m2).collect(),

@@ -6,13 +6,16 @@ mod recording;
 use std::path::{Path, PathBuf};
 
 use phihat_certificate::extremes::{Extremes as _, hull, larger, smaller};
-use phihat_design::{DryFriction, InertiaEstimate, JointSignals, Smoothed, estimate_inertia};
+use phihat_design::{
+    DryFriction, InertiaEstimate, JointSignals, Smoothed, Undetermined, enclose_dry_friction,
+    enclose_inertia,
+};
 use phihat_sim::Observed;
 use serde::Serialize;
 
 use crate::error::SessionError;
 pub use moving::identify_moving;
-use recording::read;
+use recording::{IdentifyRecording, read};
 
 /// Options of an identification.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +39,24 @@ impl Default for IdentifyOptions {
     }
 }
 
+/// Result of an identification.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Identification {
+    /// Joints whose inertia the records determine, in the robot's order.
+    pub joints: Vec<IdentifiedJoint>,
+    /// The other joints.
+    pub undetermined: Vec<UndeterminedJoint>,
+}
+
+/// A joint whose inertia no record determines.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UndeterminedJoint {
+    /// Joint name.
+    pub name: String,
+    /// The reason in the first record, and the motion that would do.
+    pub why: Undetermined,
+}
+
 /// Result of an identification for one joint.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct IdentifiedJoint {
@@ -43,7 +64,7 @@ pub struct IdentifiedJoint {
     pub name: String,
     /// True if it slides: read m for rad, N for N·m and kg for kg·m².
     pub slides: bool,
-    /// Its inertia, three standard errors on either side: an estimate, not a proof.
+    /// Its inertia at the postures of the records: see [`enclose_inertia`]; an estimate, not a proof.
     pub inertia: InertiaEstimate,
     /// `φ` for the middle of that interval in logarithms, times the margin: its size \[N·m\],
     pub phi_max_nm: f64,
@@ -62,30 +83,43 @@ pub struct IdentifiedJoint {
     pub torque_max_nm: f64,
 }
 
+/// Records and what went through their filter, each with the inertia of every joint.
+type Records = Vec<(IdentifyRecording, Smoothed, Vec<Result<InertiaEstimate, Undetermined>>)>;
+
 /// Identifies each joint from records.
 ///
 /// # Errors
 ///
-/// [`SessionError::File`]: a record cannot be read, is of other joints, too short, moves too little, or has
-/// no joint of a name that slides.
-pub fn identify(options: &IdentifyOptions) -> Result<Vec<IdentifiedJoint>, SessionError> {
-    let mut seen: Vec<(Smoothed, Vec<InertiaEstimate>)> = Vec::new();
+/// [`SessionError::File`]: a record cannot be read, is of other joints, too short, or has no joint of a name that
+/// slides. A joint that no record determines is an answer.
+pub fn identify(options: &IdentifyOptions) -> Result<Identification, SessionError> {
+    let mut records: Records = Vec::new();
     for path in &options.records {
-        let smoothed = smoothed(path, options)?;
-        if let Some((first, _)) = seen.first() {
+        let record = read(path, options.from)?;
+        let smoothed = smoothed(path, &record, options)?;
+        if let Some((_, first, _)) = records.first() {
             same_joints(path, first, &smoothed)?;
         }
         known(path, &smoothed, &options.slides)?;
-        let found = estimate_inertia(&smoothed.signals(), smoothed.period_ns);
-        let found = found.map_err(|e| SessionError::at(path, e))?;
-        seen.push((smoothed, found));
+        let inertia = enclose_inertia(&record.joints, record.period_ns, options.width);
+        records.push((record, smoothed, inertia.map_err(|e| SessionError::at(path, e))?));
     }
-    let joints = seen.first().map_or(0, |(_, found)| found.len());
-    Ok((0..joints).filter_map(|joint| together(&seen, joint, options)).collect())
+    let joints = records.first().map_or(0, |(_, _, inertia)| inertia.len());
+    let (mut identified, mut undetermined) = (Vec::new(), Vec::new());
+    for joint in 0..joints {
+        match together(&records, joint, options) {
+            Ok(found) => identified.push(found),
+            Err(why) => undetermined.extend(why),
+        }
+    }
+    Ok(Identification { joints: identified, undetermined })
 }
 
-fn smoothed(path: &Path, options: &IdentifyOptions) -> Result<Smoothed, SessionError> {
-    let record = read(path, options.from)?;
+fn smoothed(
+    path: &Path,
+    record: &IdentifyRecording,
+    options: &IdentifyOptions,
+) -> Result<Smoothed, SessionError> {
     Smoothed::new(&record.joints, record.period_ns, options.width).ok_or_else(|| {
         let needed = 4.0 * options.width;
         SessionError::at(path, format!("too short: its filter alone needs more than {needed} s"))
@@ -120,20 +154,31 @@ fn known(path: &Path, record: &Smoothed, slides: &[String]) -> Result<(), Sessio
     }
 }
 
-/// A joint in all records; `None`: there is none.
+/// A joint in all records; its interval contains those of all records that determine it. An error: none does.
 fn together(
-    seen: &[(Smoothed, Vec<InertiaEstimate>)],
+    records: &Records,
     joint: usize,
     options: &IdentifyOptions,
-) -> Option<IdentifiedJoint> {
-    let inertia = seen.iter().map(|(_, found)| found[joint]).reduce(|a, b| InertiaEstimate {
+) -> Result<IdentifiedJoint, Option<UndeterminedJoint>> {
+    let found = || records.iter().filter_map(|(_, _, inertia)| inertia.get(joint));
+    let both = |a: InertiaEstimate, b: InertiaEstimate| InertiaEstimate {
         low_kg_m2: smaller(a.low_kg_m2, b.low_kg_m2),
         high_kg_m2: larger(a.high_kg_m2, b.high_kg_m2),
-        standard_error_kg_m2: larger(a.standard_error_kg_m2, b.standard_error_kg_m2),
-        windows: a.windows + b.windows,
-    })?;
-    let all = seen.iter().map(|(smoothed, _)| shown(smoothed, joint, inertia, options));
-    all.reduce(|before, next| before.and(&next))
+        records: a.records + b.records,
+    };
+    let undetermined = || {
+        let why = found().find_map(|found| found.err())?;
+        let name = records.first()?.1.signals().get(joint)?.name.to_owned();
+        Some(UndeterminedJoint { name, why })
+    };
+    let inertia = found().filter_map(|found| found.ok()).reduce(both).ok_or_else(undetermined)?;
+    let all = records.iter().map(|(record, smoothed, _)| {
+        let found = shown(smoothed, joint, inertia, options);
+        let enclosed = enclose_dry_friction(&record.joints, joint, smoothed);
+        let dry = found.dry_friction.zip(enclosed);
+        IdentifiedJoint { dry_friction: dry.map(|(dry, enclosed)| dry.widened(enclosed)), ..found }
+    });
+    all.reduce(|before, next| before.and(&next)).ok_or(None)
 }
 
 /// A joint of this inertia in one record.
