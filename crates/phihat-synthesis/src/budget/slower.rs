@@ -22,9 +22,11 @@ pub(super) fn slower(study: &Study, factor: f64) -> Study {
             }
         }
         ReferenceRequest::Setpoints { t, limits, .. } => {
-            t.iter_mut().for_each(|t| *t *= factor);
-            for limits in limits {
-                limits.iter_mut().zip(1..).for_each(|(most, power)| *most /= factor.powi(power));
+            for t in t {
+                *t *= factor;
+            }
+            for (most, power) in limits.iter_mut().flat_map(|own| own.iter_mut().zip(1..)) {
+                *most /= factor.powi(power);
             }
         }
         ReferenceRequest::Cartesian { period, fade_in, .. } => {
