@@ -28,7 +28,7 @@ const OUTSIDE: u8 = 1;
                         Example (after `phihat design studies/franka_any.toml`):\n  \
                         phihat bound motion.csv --gains out/franka_any/gains.json --study studies/franka_any.toml"
 )]
-pub(crate) struct Bound {
+pub(crate) struct BoundMotion {
     /// The motion (CSV: `t_s` and every joint's name, rad).
     motion: PathBuf,
     /// The gains document (JSON) with a bound for a class of motions.
@@ -42,7 +42,7 @@ pub(crate) struct Bound {
     json: bool,
 }
 
-impl Bound {
+impl BoundMotion {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
         let (found, gains) =
             MotionBound::of_files(&self.motion, &self.gains, self.study.as_deref())?;

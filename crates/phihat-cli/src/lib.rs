@@ -84,7 +84,7 @@ enum Verb {
     Run(run::RunVerb),
     Design(design::Design),
     Verify(verify::Verify),
-    Bound(bound::Bound),
+    Bound(bound::BoundMotion),
     Export(export::Export),
     Simulate(run::Simulate),
     Drive(drive::DriveVerb),

@@ -1,5 +1,5 @@
-//! xacro on the command line. Wrong if an argument did not count, if a file were replaced unasked, if a study of such an
-//! arm did not read, or if a description of several arms ended in an error.
+//! xacro on the command line. Wrong if an argument did not count, if a file were replaced unasked, if a study of
+//! such an arm did not read, or if a description of several arms ended in an error.
 
 use std::fs;
 

@@ -83,7 +83,8 @@ pub fn enclose_inertia(
             None => {}
         }
     }
-    let noises: Vec<Noise> = joints.iter().map(|joint| Noise::of(&joint.q)).collect();
+    let noises: Vec<PositionNoise> =
+        joints.iter().map(|joint| PositionNoise::of(&joint.q)).collect();
     let moves: Vec<bool> =
         joints.iter().zip(&noises).map(|(joint, noise)| noise.moved(&joint.q).1).collect();
     let joint = |of: usize| {
@@ -109,7 +110,7 @@ pub fn enclose_dry_friction(
     of: usize,
     record: &Smoothed,
 ) -> Option<(f64, f64)> {
-    let moving = |joint: &RecordedJoint| Noise::of(&joint.q).moved(&joint.q).1;
+    let moving = |joint: &RecordedJoint| PositionNoise::of(&joint.q).moved(&joint.q).1;
     let moves: Vec<bool> = joints.iter().map(moving).collect();
     let signals = record.signals();
     let joint = signals.get(of)?;
@@ -147,14 +148,14 @@ fn better(a: Enclosed, b: Enclosed) -> Enclosed {
 
 /// Noise on positions.
 #[derive(Debug, Clone, Copy)]
-struct Noise {
+struct PositionNoise {
     /// Least change of the position between two samples \[rad\]: the encoder's quantum.
     quantum: f64,
     /// Root mean square \[rad\].
     rms: f64,
 }
 
-impl Noise {
+impl PositionNoise {
     fn of(q: &[f64]) -> Self {
         let steps = q.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|x| *x > 1e-12);
         let quantum = steps.fold(f64::INFINITY, smaller);
@@ -195,7 +196,7 @@ fn enclosed(record: &Smoothed, of: usize, moves: &[bool], noise: f64) -> Enclose
     }
     let step = (rows.len() / ROWS).max(1);
     let rows: Vec<usize> = rows.into_iter().step_by(step).collect();
-    let advice = Advice::of(signals[of].dq, record.period_ns);
+    let advice = ExcitationAdvice::of(signals[of].dq, record.period_ns);
     let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
     for richer in [false, true] {
         let fit = Fit::of(&signals, of, (&rows, moves), richer);
@@ -292,11 +293,11 @@ fn columns(
 }
 
 /// Frequency of a joint's motion, and of the sine that would tell more.
-struct Advice {
+struct ExcitationAdvice {
     frequency_hz: f64,
 }
 
-impl Advice {
+impl ExcitationAdvice {
     /// From the time between the first and the last of its turns.
     fn of(dq: &[f64], period_ns: u64) -> Self {
         let pairs = dq.windows(2).enumerate();

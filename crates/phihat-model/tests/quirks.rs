@@ -151,7 +151,8 @@ fn what_is_held_is_told_with_its_place() {
     assert_eq!(locked.held, [("j3".to_owned(), -0.1)].into());
 }
 
-/// Replacement of the limits in the first joint; its torque limit, speed limit and travel as read; words of the warning.
+/// Replacement of the limits in the first joint; its torque limit, speed limit and travel as read; words of the
+/// warning.
 type OddLimit =
     (&'static str, (Option<f64>, Option<f64>, Option<(f64, f64)>), &'static [&'static str]);
 

@@ -23,13 +23,14 @@ pub fn rigid_joints(study: &Study, gains: &Gains) -> Option<String> {
     let Some(softest) = links.and_then(|links| softest_springs(&own, gains, &links)) else {
         return Some(format!("{OF_RIGID} No springs that this law bears were found."));
     };
-    let needs: Vec<Need> = own.robot.joints.iter().zip(softest).filter_map(Need::of).collect();
+    let needs: Vec<SpringNeed> =
+        own.robot.joints.iter().zip(softest).filter_map(SpringNeed::of).collect();
     let on = format!(
         "searched: encoders at the {side}, each stiffness known within a factor of {SPREAD}, 1 % damping"
     );
     let worst = needs.iter().max_by(|a, b| (a.least / a.usual.0).total_cmp(&(b.least / b.usual.0)));
     Some(match worst.filter(|worst| worst.usual.0 < worst.least) {
-        Some(Need { name, least, usual: (low, high) }) => format!(
+        Some(SpringNeed { name, least, usual: (low, high) }) => format!(
             "{OF_RIGID} With joints of {} … {} kN·m/rad (assumed, not stated) this law may resonate: {name} needs ≥ {} \
              kN·m/rad ({on}). State springs in [robot.transmission].",
             thousands(*low),
@@ -44,13 +45,13 @@ pub fn rigid_joints(study: &Study, gains: &Gains) -> Option<String> {
 const OF_RIGID: &str = "Bound of the rigid arm.";
 
 /// Stiffness of a joint \[N·m/rad\]: the least that a law bears, and the interval that is assumed.
-struct Need {
+struct SpringNeed {
     name: String,
     least: f64,
     usual: (f64, f64),
 }
 
-impl Need {
+impl SpringNeed {
     fn of((joint, least): (&Joint, f64)) -> Option<Self> {
         let usual = joint.spring.or_else(|| JointSpring::assumed(joint))?.stiffness;
         Some(Self { name: joint.name.clone(), least, usual })

@@ -1,5 +1,5 @@
-//! Jerk-limited motions towards positions that change at any instant: one of a class, drawn from a seed, and that to the
-//! setpoints of a study.
+//! Jerk-limited motions towards positions that change at any instant: one of a class, drawn from a seed, and that to
+//! the setpoints of a study.
 
 use phihat::{BoxedShaper, Braking, GainError, MotionLimits, Reference, Shaper};
 use phihat_study::MotionClass;

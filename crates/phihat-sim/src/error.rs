@@ -50,7 +50,7 @@ pub enum SimError {
     Setpoints {
         /// The joint.
         joint: String,
-        /// What is wrong with a limit, or with its travel.
+        /// Limit or travel that is wrong.
         why: phihat::GainError,
     },
     /// Friction, a spring or a wall is too stiff for the integration step.

@@ -44,7 +44,7 @@ pub(crate) fn rows(
     let name = node.word("file")?;
     let path = run.base.join(name);
     let shown = path.display().to_string();
-    let joints = Columns { names: &arm.joints.names, locked: &arm.joints.locked };
+    let joints = JointColumns { names: &arm.joints.names, locked: &arm.joints.locked };
     match opened(&path) {
         Ok(file) => SamplesTable::new(&shown, file, joints).read(Some(arm), between),
         Err(Unopened::TooLarge(message)) => Err(node.error(Kind::TooLarge, "file", message)),
@@ -63,13 +63,13 @@ pub type Samples = (Vec<f64>, Vec<Vec<f64>>);
 ///
 /// # Errors
 ///
-/// [`StudyError`] with file, line and column: the file cannot be read, a column is missing, a cell is no finite number, or
-/// the times do not begin at 0 and grow.
+/// [`StudyError`] with file, line and column: the file cannot be read, a column is missing, a cell is no finite
+/// number, or the times do not begin at 0 and grow.
 pub fn motion_samples(path: &Path, joints: &[String]) -> Result<Samples, StudyError> {
     let shown = path.display().to_string();
     match opened(path) {
         Ok(file) => {
-            let joints = Columns { names: joints, locked: &[] };
+            let joints = JointColumns { names: joints, locked: &[] };
             let read = SamplesTable::new(&shown, file, joints).read(None, Between::Moves)?;
             Ok((read.t, read.q))
         }
@@ -97,7 +97,7 @@ fn opened(path: &Path) -> Result<impl BufRead, Unopened> {
 
 /// Joints of the columns.
 #[derive(Debug, Clone, Copy)]
-struct Columns<'a> {
+struct JointColumns<'a> {
     names: &'a [String],
     /// Joints that no column may have.
     locked: &'a [String],
@@ -131,7 +131,7 @@ enum Column {
 /// A CSV file while it is read; knows the line it is at.
 struct SamplesTable<'f, R> {
     file: &'f str,
-    joints: Columns<'f>,
+    joints: JointColumns<'f>,
     reader: R,
     line: String,
     number: usize,
@@ -140,7 +140,7 @@ struct SamplesTable<'f, R> {
 }
 
 impl<'f, R: BufRead> SamplesTable<'f, R> {
-    fn new(file: &'f str, reader: R, joints: Columns<'f>) -> Self {
+    fn new(file: &'f str, reader: R, joints: JointColumns<'f>) -> Self {
         Self { file, joints, reader, line: String::new(), number: 0, start: 0 }
     }
 

@@ -2,18 +2,17 @@
 
 use super::expression::Expression;
 use super::functions;
-use super::value::{ENTRIES_MAX, TEXT_MAX, Value};
-
-pub(super) type Result<T> = core::result::Result<T, String>;
+use super::reason::{Reasoned, XacroReason, reason};
+use super::value::{ENTRIES_MAX, TEXT_MAX, XacroValue};
 
 /// Names and functions that only the file on its way can tell.
-pub(super) trait Names {
+pub(super) trait XacroNames {
     /// Value of a property.
     ///
     /// # Errors
     ///
     /// Its own text does not evaluate.
-    fn value(&mut self, name: &str) -> Result<Option<Value>>;
+    fn value(&mut self, name: &str) -> Reasoned<Option<XacroValue>>;
 
     /// Value of an argument of the file.
     fn argument(&mut self, name: &str) -> Option<String>;
@@ -23,14 +22,14 @@ pub(super) trait Names {
     /// # Errors
     ///
     /// It cannot be read.
-    fn yaml(&mut self, file: &str) -> Result<Value>;
+    fn yaml(&mut self, file: &str) -> Reasoned<XacroValue>;
 
     /// Counts a step.
     ///
     /// # Errors
     ///
     /// There were too many.
-    fn step(&mut self) -> Result<()>;
+    fn step(&mut self) -> Reasoned<()>;
 }
 
 /// Evaluates an expression.
@@ -38,23 +37,28 @@ pub(super) trait Names {
 /// # Errors
 ///
 /// Words that say what cannot be evaluated.
-pub(super) fn evaluate(expression: &Expression, names: &mut dyn Names) -> Result<Value> {
+pub(super) fn evaluate(
+    expression: &Expression,
+    names: &mut dyn XacroNames,
+) -> Reasoned<XacroValue> {
     names.step()?;
     match expression {
         Expression::Value(value) => Ok(value.clone()),
         Expression::Name(name) => match names.value(name)? {
             Some(value) => Ok(value),
-            None => functions::constant(name).ok_or_else(|| format!("`{name}` is not defined")),
+            None => functions::constant(name).ok_or_else(|| reason!("`{name}` is not defined")),
         },
-        Expression::List(list) => {
-            list.iter().map(|entry| evaluate(entry, names)).collect::<Result<_>>().map(Value::List)
-        }
+        Expression::List(list) => list
+            .iter()
+            .map(|entry| evaluate(entry, names))
+            .collect::<Reasoned<_>>()
+            .map(XacroValue::List),
         Expression::Table(table) => {
             let mut all = Vec::new();
             for (key, value) in table {
                 all.push((evaluate(key, names)?, evaluate(value, names)?));
             }
-            Ok(Value::Table(all))
+            Ok(XacroValue::Table(all))
         }
         Expression::Unary(mark, inner) => unary(mark, &evaluate(inner, names)?),
         Expression::Binary(mark @ ("and" | "or"), left, right) => {
@@ -80,61 +84,61 @@ pub(super) fn evaluate(expression: &Expression, names: &mut dyn Names) -> Result
         }
         Expression::Call(function, given, named) => {
             if **function != Expression::Name("dict".to_owned()) || !given.is_empty() {
-                return Err("named arguments are read of dict alone".to_owned());
+                return Err("named arguments are read of dict alone".into());
             }
             let one = |(name, value): &(String, Expression)| {
-                Ok((Value::Text(name.clone()), evaluate(value, names)?))
+                Ok((XacroValue::Text(name.clone()), evaluate(value, names)?))
             };
-            named.iter().map(one).collect::<Result<_>>().map(Value::Table)
+            named.iter().map(one).collect::<Reasoned<_>>().map(XacroValue::Table)
         }
     }
 }
 
-fn unary(mark: &str, value: &Value) -> Result<Value> {
+fn unary(mark: &str, value: &XacroValue) -> Reasoned<XacroValue> {
     if mark == "not" {
-        return Ok(Value::Bool(!value.truth()));
+        return Ok(XacroValue::Bool(!value.truth()));
     }
     let sign = if mark == "-" { -1 } else { 1 };
     if let Some(whole) = value.whole().and_then(|whole| whole.checked_mul(sign)) {
-        return Ok(Value::Int(whole));
+        return Ok(XacroValue::Int(whole));
     }
-    let number = value.number().ok_or_else(|| format!("{mark} of {}", value.kind()))?;
-    Ok(Value::Float(sign as f64 * number))
+    let number = value.number().ok_or_else(|| reason!("{mark} of {}", value.kind()))?;
+    Ok(XacroValue::Float(sign as f64 * number))
 }
 
-fn binary(mark: &str, left: Value, right: Value) -> Result<Value> {
+fn binary(mark: &str, left: XacroValue, right: XacroValue) -> Reasoned<XacroValue> {
     match (mark, left, right) {
-        ("+", Value::Text(a), Value::Text(b)) => text(a + &b),
-        ("+", Value::List(mut a), Value::List(b)) => {
+        ("+", XacroValue::Text(a), XacroValue::Text(b)) => text(a + &b),
+        ("+", XacroValue::List(mut a), XacroValue::List(b)) => {
             a.extend(b);
-            if a.len() > ENTRIES_MAX { Err(too_long()) } else { Ok(Value::List(a)) }
+            if a.len() > ENTRIES_MAX { Err(too_long()) } else { Ok(XacroValue::List(a)) }
         }
-        ("*", Value::Text(one), times) | ("*", times, Value::Text(one)) => {
+        ("*", XacroValue::Text(one), times) | ("*", times, XacroValue::Text(one)) => {
             let times = times.whole().ok_or("text times what is no whole number")?;
             let times = usize::try_from(times.max(0)).map_err(|_| too_long())?;
             if one.len().saturating_mul(times) > TEXT_MAX {
                 return Err(too_long());
             }
-            Ok(Value::Text(one.repeat(times)))
+            Ok(XacroValue::Text(one.repeat(times)))
         }
         (mark, left, right) => numbers(mark, &left, &right),
     }
 }
 
-fn too_long() -> String {
-    "a text or list longer than is read".to_owned()
+fn too_long() -> XacroReason {
+    "a text or list longer than is read".into()
 }
 
-fn text(text: String) -> Result<Value> {
-    if text.len() > TEXT_MAX { Err(too_long()) } else { Ok(Value::Text(text)) }
+fn text(text: String) -> Reasoned<XacroValue> {
+    if text.len() > TEXT_MAX { Err(too_long()) } else { Ok(XacroValue::Text(text)) }
 }
 
-fn numbers(mark: &str, left: &Value, right: &Value) -> Result<Value> {
+fn numbers(mark: &str, left: &XacroValue, right: &XacroValue) -> Reasoned<XacroValue> {
     let (Some(a), Some(b)) = (left.number(), right.number()) else {
-        return Err(format!("{} {mark} {}", left.kind(), right.kind()));
+        return Err(reason!("{} {mark} {}", left.kind(), right.kind()));
     };
     if matches!(mark, "/" | "//" | "%") && b.abs() <= 0.0 {
-        return Err("division by zero".to_owned());
+        return Err("division by zero".into());
     }
     // Whole numbers stay whole where Python has them so, and they fit.
     if let (Some(a), Some(b)) = (left.whole(), right.whole()) {
@@ -152,10 +156,10 @@ fn numbers(mark: &str, left: &Value, right: &Value) -> Result<Value> {
             _ => None,
         };
         if let Some(whole) = whole {
-            return Ok(Value::Int(whole));
+            return Ok(XacroValue::Int(whole));
         }
     }
-    Ok(Value::Float(match mark {
+    Ok(XacroValue::Float(match mark {
         "+" => a + b,
         "-" => a - b,
         "*" => a * b,
@@ -163,7 +167,7 @@ fn numbers(mark: &str, left: &Value, right: &Value) -> Result<Value> {
         "//" => divided(a, b).0,
         "%" => divided(a, b).1,
         "**" => libm::pow(a, b),
-        other => return Err(format!("`{other}` is not read")),
+        other => return Err(reason!("`{other}` is not read")),
     }))
 }
 
@@ -181,26 +185,26 @@ fn divided(a: f64, b: f64) -> (f64, f64) {
 fn chain(
     first: &Expression,
     others: &[(&'static str, Expression)],
-    names: &mut dyn Names,
-) -> Result<Value> {
+    names: &mut dyn XacroNames,
+) -> Reasoned<XacroValue> {
     let mut left = evaluate(first, names)?;
     for (mark, right) in others {
         let right = evaluate(right, names)?;
         if !compared(mark, &left, &right)? {
-            return Ok(Value::Bool(false));
+            return Ok(XacroValue::Bool(false));
         }
         left = right;
     }
-    Ok(Value::Bool(true))
+    Ok(XacroValue::Bool(true))
 }
 
-fn compared(mark: &str, left: &Value, right: &Value) -> Result<bool> {
+fn compared(mark: &str, left: &XacroValue, right: &XacroValue) -> Reasoned<bool> {
     let order = || match (left, right) {
-        (Value::Text(a), Value::Text(b)) => Some(a.cmp(b)),
+        (XacroValue::Text(a), XacroValue::Text(b)) => Some(a.cmp(b)),
         _ => left.number()?.partial_cmp(&right.number()?),
     };
     let ordered = |wanted: fn(core::cmp::Ordering) -> bool| {
-        let order = order().ok_or_else(|| format!("{} {mark} {}", left.kind(), right.kind()))?;
+        let order = order().ok_or_else(|| reason!("{} {mark} {}", left.kind(), right.kind()))?;
         Ok(wanted(order))
     };
     match mark {
@@ -214,34 +218,34 @@ fn compared(mark: &str, left: &Value, right: &Value) -> Result<bool> {
     }
 }
 
-fn contains(whole: &Value, part: &Value) -> Result<bool> {
+fn contains(whole: &XacroValue, part: &XacroValue) -> Reasoned<bool> {
     match (whole, part) {
-        (Value::Text(whole), Value::Text(part)) => Ok(whole.contains(part.as_str())),
-        (Value::List(list), part) => Ok(list.iter().any(|own| own.equals(part))),
-        (Value::Table(table), part) => Ok(table.iter().any(|(key, _)| key.equals(part))),
-        _ => Err(format!("{} in {}", part.kind(), whole.kind())),
+        (XacroValue::Text(whole), XacroValue::Text(part)) => Ok(whole.contains(part.as_str())),
+        (XacroValue::List(list), part) => Ok(list.iter().any(|own| own.equals(part))),
+        (XacroValue::Table(table), part) => Ok(table.iter().any(|(key, _)| key.equals(part))),
+        _ => Err(reason!("{} in {}", part.kind(), whole.kind())),
     }
 }
 
-fn entry(whole: &Value, index: &Value) -> Result<Value> {
+fn entry(whole: &XacroValue, index: &XacroValue) -> Reasoned<XacroValue> {
     let at = |length: usize| {
-        let index = index.whole().ok_or_else(|| format!("[{index}] of {}", whole.kind()))?;
+        let index = index.whole().ok_or_else(|| reason!("[{index}] of {}", whole.kind()))?;
         let length = i64::try_from(length).map_err(|_| too_long())?;
         let from_start = if index < 0 { index.saturating_add(length) } else { index };
-        usize::try_from(from_start).map_err(|_| format!("[{index}] is outside of {length} entries"))
+        usize::try_from(from_start).map_err(|_| reason!("[{index}] is outside of {length} entries"))
     };
-    let outside = || format!("[{index}] is not in {}", whole.kind());
+    let outside = || reason!("[{index}] is not in {}", whole.kind());
     match whole {
-        Value::List(list) => list.get(at(list.len())?).cloned().ok_or_else(outside),
-        Value::Text(text) => {
+        XacroValue::List(list) => list.get(at(list.len())?).cloned().ok_or_else(outside),
+        XacroValue::Text(text) => {
             let one = text.chars().nth(at(text.chars().count())?);
-            one.map(|c| Value::Text(c.to_string())).ok_or_else(outside)
+            one.map(|c| XacroValue::Text(c.to_string())).ok_or_else(outside)
         }
-        Value::Table(table) => {
+        XacroValue::Table(table) => {
             let own = table.iter().find(|(key, _)| key.equals(index));
             own.map(|(_, value)| value.clone()).ok_or_else(outside)
         }
-        _ => Err(format!("[{index}] of {}", whole.kind())),
+        _ => Err(reason!("[{index}] of {}", whole.kind())),
     }
 }
 
@@ -249,16 +253,16 @@ fn entry(whole: &Value, index: &Value) -> Result<Value> {
 const SPACES: [&str; 3] = ["math", "xacro", "python"];
 
 /// The namespace that an expression names, where no property has that name.
-fn space(expression: &Expression, names: &mut dyn Names) -> Result<Option<&'static str>> {
+fn space(expression: &Expression, names: &mut dyn XacroNames) -> Reasoned<Option<&'static str>> {
     let Expression::Name(name) = expression else { return Ok(None) };
     let space = SPACES.iter().copied().find(|space| space == name);
     Ok(if space.is_some() && names.value(name)?.is_none() { space } else { None })
 }
 
-fn member(whole: &Expression, name: &str, names: &mut dyn Names) -> Result<Value> {
+fn member(whole: &Expression, name: &str, names: &mut dyn XacroNames) -> Reasoned<XacroValue> {
     if let Some(space) = space(whole, names)? {
         let value = functions::constant(name).filter(|_| space == "math");
-        return value.ok_or_else(|| format!("`{space}.{name}` is not read"));
+        return value.ok_or_else(|| reason!("`{space}.{name}` is not read"));
     }
     // A property of a namespace of a file that was included.
     if let Expression::Name(before) = whole
@@ -267,12 +271,16 @@ fn member(whole: &Expression, name: &str, names: &mut dyn Names) -> Result<Value
         return Ok(value);
     }
     let whole = evaluate(whole, names)?;
-    entry(&whole, &Value::Text(name.to_owned()))
-        .map_err(|_| format!("{} has no `{name}`", whole.kind()))
+    entry(&whole, &XacroValue::Text(name.to_owned()))
+        .map_err(|_| reason!("{} has no `{name}`", whole.kind()))
 }
 
-fn call(function: &Expression, given: &[Expression], names: &mut dyn Names) -> Result<Value> {
-    let values = given.iter().map(|one| evaluate(one, names)).collect::<Result<Vec<_>>>();
+fn call(
+    function: &Expression,
+    given: &[Expression],
+    names: &mut dyn XacroNames,
+) -> Reasoned<XacroValue> {
+    let values = given.iter().map(|one| evaluate(one, names)).collect::<Reasoned<Vec<_>>>();
     match function {
         Expression::Name(name) => of_file(name, &values?, names),
         Expression::Member(whole, name) => {
@@ -282,22 +290,22 @@ fn call(function: &Expression, given: &[Expression], names: &mut dyn Names) -> R
             let whole = evaluate(whole, names)?;
             functions::method(&whole, name, &values?)
         }
-        _ => Err("only a name can be called".to_owned()),
+        _ => Err("only a name can be called".into()),
     }
 }
 
 /// Functions that need the file, and those that need nothing.
-fn of_file(name: &str, values: &[Value], names: &mut dyn Names) -> Result<Value> {
+fn of_file(name: &str, values: &[XacroValue], names: &mut dyn XacroNames) -> Reasoned<XacroValue> {
     let joined = || values.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
     match (name, values) {
-        ("load_yaml", [Value::Text(file)]) => names.yaml(file),
-        ("arg", [Value::Text(argument)]) => {
+        ("load_yaml", [XacroValue::Text(file)]) => names.yaml(file),
+        ("arg", [XacroValue::Text(argument)]) => {
             let value = names.argument(argument);
-            value.map(Value::Text).ok_or_else(|| format!("there is no argument `{argument}`"))
+            value.map(XacroValue::Text).ok_or_else(|| reason!("there is no argument `{argument}`"))
         }
         ("dotify", [value]) => Ok(value.clone()),
-        ("fatal" | "error", _) => Err(format!("the file refuses: {}", joined())),
-        ("message" | "warning" | "print_location", _) => Ok(Value::Text(String::new())),
+        ("fatal" | "error", _) => Err(reason!("the file refuses: {}", joined())),
+        ("message" | "warning" | "print_location", _) => Ok(XacroValue::Text(String::new())),
         _ => functions::call(name, values),
     }
 }

@@ -6,12 +6,13 @@ use std::rc::Rc;
 
 use roxmltree::Document;
 
-use super::evaluate::{Names, evaluate};
+use super::evaluate::{XacroNames, evaluate};
 use super::expression::parse;
-use super::scope::{Macro, Property, Scope, parameters};
+use super::reason::{Reasoned, reason};
+use super::scope::{Macro, Property, XacroScope, parameters};
 use super::text::{TextPart, parts};
-use super::tree::{Element, PREFIX, Part, Place};
-use super::value::{TEXT_MAX, Value};
+use super::tree::{PREFIX, XacroElement, XacroPart, XacroPlace};
+use super::value::{TEXT_MAX, XacroValue};
 use super::{packages, yaml};
 use crate::error::RobotError;
 use crate::robot_text::read_text;
@@ -55,8 +56,8 @@ pub struct Expanded {
 ///
 /// # Errors
 ///
-/// [`RobotError`] with file and line: it cannot be read, it is no XML, something in it is not defined, or not read here; an
-/// option names an argument that the file does not declare.
+/// [`RobotError`] with file and line: it cannot be read, it is no XML, something in it is not defined, or not read
+/// here; an option names an argument that the file does not declare.
 ///
 /// # Example
 ///
@@ -97,15 +98,15 @@ pub fn is_xacro(path: &Path) -> bool {
             || read_text(path).is_ok_and(|text| text.contains("<xacro:")))
 }
 
-/// What is wrong, and where.
+/// Refusal with its place.
 #[derive(Debug)]
 enum Wrong {
-    Here(Place, String),
+    Here(XacroPlace, String),
     File(RobotError),
 }
 
 impl Wrong {
-    fn error(self, calls: &[(String, Place)]) -> RobotError {
+    fn error(self, calls: &[(String, XacroPlace)]) -> RobotError {
         let (place, why) = match self {
             Self::Here(place, why) => (place, why),
             Self::File(error) => return error,
@@ -124,11 +125,11 @@ struct Expander<'o> {
     options: &'o XacroOptions,
     arguments: BTreeMap<String, String>,
     declared: BTreeSet<String>,
-    scopes: Vec<Scope>,
+    scopes: Vec<XacroScope>,
     files: Vec<PathBuf>,
     /// Macros that are being expanded, and where they were called.
-    calls: Vec<(String, Place)>,
-    here: Place,
+    calls: Vec<(String, XacroPlace)>,
+    here: XacroPlace,
     levels: usize,
     open: usize,
     steps: usize,
@@ -136,12 +137,12 @@ struct Expander<'o> {
 
 impl<'o> Expander<'o> {
     fn new(path: &Path, options: &'o XacroOptions) -> Self {
-        let here = Place { file: Rc::from(path.display().to_string()), line: 1 };
+        let here = XacroPlace { file: Rc::from(path.display().to_string()), line: 1 };
         Self {
             options,
             arguments: options.arguments.clone(),
             declared: BTreeSet::new(),
-            scopes: vec![Scope::default()],
+            scopes: vec![XacroScope::default()],
             files: Vec::new(),
             calls: Vec::new(),
             here,
@@ -152,7 +153,7 @@ impl<'o> Expander<'o> {
     }
 
     /// The root of a file.
-    fn file(&mut self, path: &Path) -> Result<Element, RobotError> {
+    fn file(&mut self, path: &Path) -> Result<XacroElement, RobotError> {
         let origin: Rc<str> = Rc::from(path.display().to_string());
         if self.files.len() >= FILES_MAX {
             let (origin, limit) = (origin.to_string(), FILES_MAX);
@@ -173,10 +174,10 @@ impl<'o> Expander<'o> {
             line: error.pos().row,
             why: error.to_string(),
         })?;
-        Ok(Element::of(&document, &origin))
+        Ok(XacroElement::of(&document, &origin))
     }
 
-    fn whole(&mut self, root: &Element) -> Result<Element> {
+    fn whole(&mut self, root: &XacroElement) -> Result<XacroElement> {
         self.element(root)
     }
 
@@ -190,27 +191,27 @@ impl<'o> Expander<'o> {
         Err(RobotError::Value { origin: path.display().to_string(), key: name.clone(), why })
     }
 
-    fn count(&mut self, steps: usize) -> Result<(), String> {
+    fn count(&mut self, steps: usize) -> Reasoned<()> {
         self.steps = self.steps.saturating_add(steps);
         if self.steps > STEPS_MAX {
-            Err("more is to be expanded than is read".to_owned())
+            Err("more is to be expanded than is read".into())
         } else {
             Ok(())
         }
     }
 
     /// Value of a text with its expressions, names from the first `depth` scopes.
-    fn evaluated(&mut self, text: &str, depth: usize) -> Result<Value, String> {
+    fn evaluated(&mut self, text: &str, depth: usize) -> Reasoned<XacroValue> {
         self.count(1 + text.len() / 16)?;
         let parts = parts(text);
         let mut made = String::new();
         let alone = parts.len() == 1;
         for part in parts {
             let value = match part {
-                TextPart::Plain(plain) => Value::Text(plain.to_owned()),
+                TextPart::Plain(plain) => XacroValue::Text(plain.to_owned()),
                 TextPart::Expression(inside) => {
                     let value = self.expression(inside, depth);
-                    value.map_err(|why| format!("${{{inside}}}: {why}"))?
+                    value.map_err(|why| reason!("${{{inside}}}: {why}"))?
                 }
                 TextPart::Extension(inside) => self.extension(inside, depth)?,
             };
@@ -220,19 +221,19 @@ impl<'o> Expander<'o> {
             made.push_str(&value.to_string());
             self.count(made.len() / 256)?;
             if made.len() > TEXT_MAX {
-                return Err("a text longer than is read".to_owned());
+                return Err("a text longer than is read".into());
             }
         }
-        Ok(Value::Text(made))
+        Ok(XacroValue::Text(made))
     }
 
-    fn expression(&mut self, inside: &str, depth: usize) -> Result<Value, String> {
+    fn expression(&mut self, inside: &str, depth: usize) -> Reasoned<XacroValue> {
         let text = self.evaluated(inside, depth)?.to_string();
         evaluate(&parse(&text)?, &mut ScopeNames { expander: self, depth })
     }
 
     /// Value of `$(…)`.
-    fn extension(&mut self, inside: &str, depth: usize) -> Result<Value, String> {
+    fn extension(&mut self, inside: &str, depth: usize) -> Reasoned<XacroValue> {
         let inside = self.evaluated(inside, depth)?.to_string();
         let (verb, rest) =
             inside.trim().split_once(char::is_whitespace).unwrap_or((inside.trim(), ""));
@@ -243,14 +244,14 @@ impl<'o> Expander<'o> {
         };
         let text = match verb {
             "arg" => self.arguments.get(rest).cloned().ok_or_else(|| {
-                format!("$(arg {rest}): there is no argument \"{rest}\"; state it as {rest}:=VALUE")
+                reason!("$(arg {rest}): there is no argument \"{rest}\"; state it as {rest}:=VALUE")
             })?,
             "find" => {
                 let found =
                     packages::find(rest, &self.options.packages, Path::new(&*self.here.file))?;
                 found.display().to_string()
             }
-            "env" => std::env::var(rest).map_err(|_| format!("$(env {rest}): it is not set"))?,
+            "env" => std::env::var(rest).map_err(|_| reason!("$(env {rest}): it is not set"))?,
             "optenv" => {
                 let (name, default) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
                 std::env::var(name).unwrap_or_else(|_| default.trim().to_owned())
@@ -259,34 +260,34 @@ impl<'o> Expander<'o> {
             "cwd" => ".".to_owned(),
             "eval" => return evaluate(&parse(rest)?, &mut ScopeNames { expander: self, depth }),
             _ => {
-                return Err(format!(
+                return Err(reason!(
                     "$({inside}) is not read; arg, find, env, optenv, eval and dirname are"
                 ));
             }
         };
-        Ok(Value::Text(text))
+        Ok(XacroValue::Text(text))
     }
 
     /// The text of a text with its expressions.
-    fn text(&mut self, text: &str, place: &Place) -> Result<String> {
+    fn text(&mut self, text: &str, place: &XacroPlace) -> Result<String> {
         self.value(text, place).map(|value| value.to_string())
     }
 
-    fn value(&mut self, text: &str, place: &Place) -> Result<Value> {
+    fn value(&mut self, text: &str, place: &XacroPlace) -> Result<XacroValue> {
         self.here = place.clone();
         let depth = self.scopes.len();
-        self.evaluated(text, depth).map_err(|why| Wrong::Here(place.clone(), why))
+        self.evaluated(text, depth).map_err(|why| Wrong::Here(place.clone(), why.0))
     }
 
     /// An attribute that must be there, evaluated.
-    fn needed(&mut self, element: &Element, key: &str) -> Result<String> {
+    fn needed(&mut self, element: &XacroElement, key: &str) -> Result<String> {
         match element.attribute(key) {
             Some(text) => self.text(text, &element.place),
             None => Err(wrong(element, format!("<{}> has no \"{key}\"", element.name))),
         }
     }
 
-    fn condition(&mut self, element: &Element, key: &str, default: bool) -> Result<bool> {
+    fn condition(&mut self, element: &XacroElement, key: &str, default: bool) -> Result<bool> {
         let Some(text) = element.attribute(key) else { return Ok(default) };
         let value = self.value(text, &element.place)?;
         value.condition().ok_or_else(|| {
@@ -295,13 +296,13 @@ impl<'o> Expander<'o> {
     }
 
     /// An element that xacro leaves, with what it expands to inside.
-    fn element(&mut self, element: &Element) -> Result<Element> {
-        self.count(1).map_err(|why| wrong(element, why))?;
+    fn element(&mut self, element: &XacroElement) -> Result<XacroElement> {
+        self.count(1).map_err(|why| wrong(element, why.0))?;
         self.levels += 1;
         if self.levels > LEVELS_MAX {
             return Err(wrong(element, format!("more than {LEVELS_MAX} levels inside each other")));
         }
-        let mut own = Element {
+        let mut own = XacroElement {
             name: element.name.clone(),
             attributes: Vec::new(),
             parts: Vec::new(),
@@ -319,25 +320,30 @@ impl<'o> Expander<'o> {
         Ok(own)
     }
 
-    /// What the parts of an element expand to; `parent` takes attributes.
-    fn parts(&mut self, parts: &[Part], parent: &mut Element) -> Result<Vec<Part>> {
+    /// Parts that those of an element expand to; `parent` takes attributes.
+    fn parts(&mut self, parts: &[XacroPart], parent: &mut XacroElement) -> Result<Vec<XacroPart>> {
         let mut out = Vec::new();
         for part in parts {
             match part {
-                Part::Text(text) => {
+                XacroPart::Text(text) => {
                     let place = parent.place.clone();
                     let text = self.text(text, &place)?;
-                    out.push(Part::Text(text));
+                    out.push(XacroPart::Text(text));
                 }
-                Part::Element(element) => self.one(element, parent, &mut out)?,
+                XacroPart::Element(element) => self.one(element, parent, &mut out)?,
             }
         }
         Ok(out)
     }
 
-    fn one(&mut self, element: &Element, parent: &mut Element, out: &mut Vec<Part>) -> Result<()> {
+    fn one(
+        &mut self,
+        element: &XacroElement,
+        parent: &mut XacroElement,
+        out: &mut Vec<XacroPart>,
+    ) -> Result<()> {
         let Some(verb) = element.name.strip_prefix(PREFIX) else {
-            out.push(Part::Element(self.element(element)?));
+            out.push(XacroPart::Element(self.element(element)?));
             return Ok(());
         };
         match verb {
@@ -364,7 +370,9 @@ impl<'o> Expander<'o> {
             }
             "element" => {
                 let name = self.needed(element, "xacro:name")?;
-                out.push(Part::Element(self.element(&Element { name, ..element.clone() })?));
+                out.push(XacroPart::Element(
+                    self.element(&XacroElement { name, ..element.clone() })?,
+                ));
                 Ok(())
             }
             "attribute" => {
@@ -382,7 +390,7 @@ impl<'o> Expander<'o> {
         }
     }
 
-    fn property(&mut self, element: &Element) -> Result<()> {
+    fn property(&mut self, element: &XacroElement) -> Result<()> {
         let name = self.needed(element, "name")?;
         let top = self.scopes.len() - 1;
         if self.condition(element, "remove", false)? {
@@ -415,7 +423,7 @@ impl<'o> Expander<'o> {
         Ok(())
     }
 
-    fn define(&mut self, element: &Element) -> Result<()> {
+    fn define(&mut self, element: &XacroElement) -> Result<()> {
         let name = self.needed(element, "name")?;
         let text = element.attribute("params").unwrap_or_default();
         let own = Macro { parameters: parameters(text), body: element.clone() };
@@ -425,7 +433,7 @@ impl<'o> Expander<'o> {
         Ok(())
     }
 
-    fn argument(&mut self, element: &Element) -> Result<()> {
+    fn argument(&mut self, element: &XacroElement) -> Result<()> {
         let name = self.needed(element, "name")?;
         if !self.arguments.contains_key(&name) {
             let default = self.needed(element, "default")?;
@@ -437,9 +445,9 @@ impl<'o> Expander<'o> {
 
     fn include(
         &mut self,
-        element: &Element,
-        parent: &mut Element,
-        out: &mut Vec<Part>,
+        element: &XacroElement,
+        parent: &mut XacroElement,
+        out: &mut Vec<XacroPart>,
     ) -> Result<()> {
         if element.attribute("ns").is_some() {
             return Err(wrong(element, "<xacro:include ns=…> is not read".to_owned()));
@@ -467,7 +475,7 @@ impl<'o> Expander<'o> {
     }
 
     /// A block by its name, the nearest scope first.
-    fn block(&self, name: &str) -> Option<Rc<Vec<Part>>> {
+    fn block(&self, name: &str) -> Option<Rc<Vec<XacroPart>>> {
         let keys = [format!("**{name}"), format!("*{name}")];
         let near = self.scopes.iter().rev();
         near.flat_map(|scope| keys.iter().filter_map(|key| scope.blocks.get(key))).next().cloned()
@@ -476,9 +484,9 @@ impl<'o> Expander<'o> {
     fn call(
         &mut self,
         name: &str,
-        element: &Element,
-        parent: &mut Element,
-        out: &mut Vec<Part>,
+        element: &XacroElement,
+        parent: &mut XacroElement,
+        out: &mut Vec<XacroPart>,
     ) -> Result<()> {
         let own = self.scopes.iter().rev().find_map(|scope| scope.macros.get(name)).cloned();
         let own = own.ok_or_else(|| wrong(element, format!("there is no macro \"{name}\"")))?;
@@ -495,8 +503,8 @@ impl<'o> Expander<'o> {
     }
 
     /// The scope of a macro's call: its parameters and blocks, all evaluated where it is called.
-    fn given(&mut self, name: &str, own: &Macro, element: &Element) -> Result<Scope> {
-        let mut scope = Scope::default();
+    fn given(&mut self, name: &str, own: &Macro, element: &XacroElement) -> Result<XacroScope> {
+        let mut scope = XacroScope::default();
         let stars = |name: &str| name.starts_with('*');
         let known = |key: &str| own.parameters.iter().any(|p| p.name == key && !stars(key));
         for (key, text) in &element.attributes {
@@ -509,9 +517,9 @@ impl<'o> Expander<'o> {
             let value = literal(self.value(text, &element.place)?);
             scope.properties.insert(key.clone(), Property::Value(value));
         }
-        let mut holder = Element { parts: Vec::new(), ..element.clone() };
+        let mut holder = XacroElement { parts: Vec::new(), ..element.clone() };
         let inside = self.parts(&element.parts, &mut holder)?;
-        let mut blocks = inside.into_iter().filter(|part| matches!(part, Part::Element(_)));
+        let mut blocks = inside.into_iter().filter(|part| matches!(part, XacroPart::Element(_)));
         for parameter in &own.parameters {
             if stars(&parameter.name) {
                 let missing = || {
@@ -522,7 +530,7 @@ impl<'o> Expander<'o> {
                 };
                 let block = blocks.next().ok_or_else(missing)?;
                 let content = match block {
-                    Part::Element(block) if parameter.name.starts_with("**") => block.parts,
+                    XacroPart::Element(block) if parameter.name.starts_with("**") => block.parts,
                     block => vec![block],
                 };
                 scope.blocks.insert(parameter.name.clone(), Rc::new(content));
@@ -532,7 +540,7 @@ impl<'o> Expander<'o> {
             }
         }
         match blocks.next() {
-            Some(Part::Element(block)) => Err(wrong(
+            Some(XacroPart::Element(block)) => Err(wrong(
                 element,
                 format!("the macro \"{name}\" has no use for the block <{}>", block.name),
             )),
@@ -544,13 +552,13 @@ impl<'o> Expander<'o> {
         &mut self,
         name: &str,
         parameter: &super::scope::Parameter,
-        element: &Element,
-    ) -> Result<Value> {
+        element: &XacroElement,
+    ) -> Result<XacroValue> {
         let place = &element.place;
         if parameter.forward {
             let depth = self.scopes.len();
             let value = ScopeNames { expander: self, depth }.value(&parameter.name);
-            if let Some(value) = value.map_err(|why| Wrong::Here(place.clone(), why))? {
+            if let Some(value) = value.map_err(|why| Wrong::Here(place.clone(), why.0))? {
                 return Ok(value);
             }
         }
@@ -563,13 +571,13 @@ impl<'o> Expander<'o> {
     }
 }
 
-fn wrong(element: &Element, why: String) -> Wrong {
+fn wrong(element: &XacroElement, why: String) -> Wrong {
     Wrong::Here(element.place.clone(), why)
 }
 
-/// What is text, and reads as a number or a bool, is one.
-fn literal(value: Value) -> Value {
-    if let Value::Text(text) = &value { Value::literal(text) } else { value }
+/// Number or bool that a text reads as; all else as it is.
+fn literal(value: XacroValue) -> XacroValue {
+    if let XacroValue::Text(text) = &value { XacroValue::literal(text) } else { value }
 }
 
 /// Names as the first scopes have them.
@@ -578,8 +586,8 @@ struct ScopeNames<'e, 'o> {
     depth: usize,
 }
 
-impl Names for ScopeNames<'_, '_> {
-    fn value(&mut self, name: &str) -> Result<Option<Value>, String> {
+impl XacroNames for ScopeNames<'_, '_> {
+    fn value(&mut self, name: &str) -> Reasoned<Option<XacroValue>> {
         for scope in (0..self.depth).rev() {
             let Some(property) = self.expander.scopes[scope].properties.get_mut(name) else {
                 continue;
@@ -590,15 +598,15 @@ impl Names for ScopeNames<'_, '_> {
                     self.expander.count(value.size() / 16)?;
                     return Ok(Some(value));
                 }
-                Property::Open => return Err(format!("the property \"{name}\" needs itself")),
+                Property::Open => return Err(reason!("the property \"{name}\" needs itself")),
                 Property::Text(text) => {
                     self.expander.open += 1;
                     if self.expander.open > OPEN_MAX {
-                        return Err(format!("more than {OPEN_MAX} properties need each other"));
+                        return Err(reason!("more than {OPEN_MAX} properties need each other"));
                     }
                     let value = self.expander.evaluated(&text, scope + 1);
                     let value =
-                        literal(value.map_err(|why| format!("property \"{name}\": {why}"))?);
+                        literal(value.map_err(|why| reason!("property \"{name}\": {why}"))?);
                     self.expander.open -= 1;
                     let properties = &mut self.expander.scopes[scope].properties;
                     properties.insert(name.to_owned(), Property::Value(value.clone()));
@@ -613,16 +621,16 @@ impl Names for ScopeNames<'_, '_> {
         self.expander.arguments.get(name).cloned()
     }
 
-    fn yaml(&mut self, file: &str) -> Result<Value, String> {
+    fn yaml(&mut self, file: &str) -> Reasoned<XacroValue> {
         let folder =
             Path::new(&*self.expander.here.file).parent().unwrap_or(Path::new("")).to_owned();
         let path = folder.join(file);
         let text = read_text(&path).map_err(|why| why.to_string())?;
         self.expander.files.push(path.clone());
-        yaml::read(&text).map_err(|why| format!("{}: {why}", path.display()))
+        yaml::read(&text).map_err(|why| reason!("{}: {why}", path.display()))
     }
 
-    fn step(&mut self) -> Result<(), String> {
+    fn step(&mut self) -> Reasoned<()> {
         self.expander.count(1)
     }
 }

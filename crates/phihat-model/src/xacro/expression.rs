@@ -1,6 +1,7 @@
 //! Expressions of xacro, a part of Python's: from text to a tree.
 
-use super::value::Value;
+use super::reason::{Reasoned, reason};
+use super::value::XacroValue;
 
 /// Deepest nesting of an expression, and its longest text \[bytes\].
 const DEPTH_MAX: usize = 48;
@@ -9,7 +10,7 @@ const LENGTH_MAX: usize = 16_384;
 /// Tree of an expression.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Expression {
-    Value(Value),
+    Value(XacroValue),
     Name(String),
     List(Vec<Expression>),
     Table(Vec<(Expression, Expression)>),
@@ -36,27 +37,25 @@ pub(super) enum Expression {
 /// A word of an expression.
 #[derive(Debug, Clone, PartialEq)]
 enum Token {
-    Value(Value),
+    Value(XacroValue),
     Name(String),
     Mark(&'static str),
 }
-
-type Result<T> = core::result::Result<T, String>;
 
 /// Reads an expression.
 ///
 /// # Errors
 ///
 /// Words that say what is not read.
-pub(super) fn parse(text: &str) -> Result<Expression> {
+pub(super) fn parse(text: &str) -> Reasoned<Expression> {
     if text.len() > LENGTH_MAX {
-        return Err(format!("an expression longer than {LENGTH_MAX} bytes"));
+        return Err(reason!("an expression longer than {LENGTH_MAX} bytes"));
     }
     let mut parser = Parser { tokens: tokens(text)?, at: 0, depth: 0 };
     let expression = parser.choice()?;
     match parser.peek() {
         None => Ok(expression),
-        Some(token) => Err(format!("{} is not expected there", shown(token))),
+        Some(token) => Err(reason!("{} is not expected there", shown(token))),
     }
 }
 
@@ -66,7 +65,7 @@ const MARKS: [&str; 23] = [
 ];
 const WORDS: [&str; 7] = ["not", "and", "or", "in", "if", "else", "is"];
 
-fn tokens(text: &str) -> Result<Vec<Token>> {
+fn tokens(text: &str) -> Reasoned<Vec<Token>> {
     let mut all = Vec::new();
     let mut rest = text.trim();
     while let Some(first) = rest.chars().next() {
@@ -78,7 +77,7 @@ fn tokens(text: &str) -> Result<Vec<Token>> {
             word(rest)
         } else {
             let mark = MARKS.iter().find(|mark| rest.starts_with(**mark));
-            let mark = mark.ok_or_else(|| format!("`{first}` is not read"))?;
+            let mark = mark.ok_or_else(|| reason!("`{first}` is not read"))?;
             (Token::Mark(mark), mark.len())
         };
         all.push(token);
@@ -91,12 +90,12 @@ fn starts_fraction(text: &str) -> bool {
     text.strip_prefix('.').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
 }
 
-fn number(text: &str) -> Result<(Token, usize)> {
+fn number(text: &str) -> Reasoned<(Token, usize)> {
     if let Some(digits) = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
         let length = digits.find(|c: char| !c.is_ascii_hexdigit()).unwrap_or(digits.len());
         let whole = i64::from_str_radix(&digits[..length], 16);
-        let whole = whole.map_err(|why| format!("0x{}: {why}", &digits[..length]))?;
-        return Ok((Token::Value(Value::Int(whole)), length + 2));
+        let whole = whole.map_err(|why| reason!("0x{}: {why}", &digits[..length]))?;
+        return Ok((Token::Value(XacroValue::Int(whole)), length + 2));
     }
     let mut length = 0;
     let mut before = ' ';
@@ -109,13 +108,15 @@ fn number(text: &str) -> Result<(Token, usize)> {
     }
     let plain = text[..length].replace('_', "");
     let value = match plain.parse() {
-        Ok(whole) => Value::Int(whole),
-        Err(_) => Value::Float(plain.parse().map_err(|_| format!("`{plain}` is not a number"))?),
+        Ok(whole) => XacroValue::Int(whole),
+        Err(_) => {
+            XacroValue::Float(plain.parse().map_err(|_| reason!("`{plain}` is not a number"))?)
+        }
     };
     Ok((Token::Value(value), length))
 }
 
-fn quoted(text: &str, quote: char) -> Result<(Token, usize)> {
+fn quoted(text: &str, quote: char) -> Reasoned<(Token, usize)> {
     let mut inside = String::new();
     let mut rest = text.char_indices().skip(1);
     while let Some((at, c)) = rest.next() {
@@ -126,11 +127,11 @@ fn quoted(text: &str, quote: char) -> Result<(Token, usize)> {
                 Some(c) => inside.push(c),
                 None => break,
             },
-            c if c == quote => return Ok((Token::Value(Value::Text(inside)), at + 1)),
+            c if c == quote => return Ok((Token::Value(XacroValue::Text(inside)), at + 1)),
             c => inside.push(c),
         }
     }
-    Err(format!("a text that {quote} begins and nothing ends"))
+    Err(reason!("a text that {quote} begins and nothing ends"))
 }
 
 fn word(text: &str) -> (Token, usize) {
@@ -138,9 +139,9 @@ fn word(text: &str) -> (Token, usize) {
     let length = text.find(|c| !inside(c)).unwrap_or(text.len());
     let name = &text[..length];
     let token = match name {
-        "True" => Token::Value(Value::Bool(true)),
-        "False" => Token::Value(Value::Bool(false)),
-        "None" => Token::Value(Value::None),
+        "True" => Token::Value(XacroValue::Bool(true)),
+        "False" => Token::Value(XacroValue::Bool(false)),
+        "None" => Token::Value(XacroValue::None),
         _ => match WORDS.iter().find(|word| **word == name) {
             Some(word) => Token::Mark(word),
             None => Token::Name(name.to_owned()),
@@ -179,18 +180,18 @@ impl Parser {
         Some(mark)
     }
 
-    fn expect(&mut self, mark: &'static str) -> Result<()> {
+    fn expect(&mut self, mark: &'static str) -> Reasoned<()> {
         if self.mark(&[mark]).is_some() {
             return Ok(());
         }
         let there = self.peek().map_or_else(|| "the end".to_owned(), shown);
-        Err(format!("`{mark}` is missing before {there}"))
+        Err(reason!("`{mark}` is missing before {there}"))
     }
 
-    fn choice(&mut self) -> Result<Expression> {
+    fn choice(&mut self) -> Reasoned<Expression> {
         self.depth += 1;
         if self.depth > DEPTH_MAX {
-            return Err(format!("more than {DEPTH_MAX} levels inside each other"));
+            return Err(reason!("more than {DEPTH_MAX} levels inside each other"));
         }
         let yes = self.or()?;
         let whole = if self.mark(&["if"]).is_some() {
@@ -205,7 +206,7 @@ impl Parser {
         Ok(whole)
     }
 
-    fn or(&mut self) -> Result<Expression> {
+    fn or(&mut self) -> Reasoned<Expression> {
         let mut left = self.and()?;
         while self.mark(&["or"]).is_some() {
             left = Expression::Binary("or", Box::new(left), Box::new(self.and()?));
@@ -213,7 +214,7 @@ impl Parser {
         Ok(left)
     }
 
-    fn and(&mut self) -> Result<Expression> {
+    fn and(&mut self) -> Reasoned<Expression> {
         let mut left = self.not()?;
         while self.mark(&["and"]).is_some() {
             left = Expression::Binary("and", Box::new(left), Box::new(self.not()?));
@@ -221,7 +222,7 @@ impl Parser {
         Ok(left)
     }
 
-    fn not(&mut self) -> Result<Expression> {
+    fn not(&mut self) -> Reasoned<Expression> {
         let mut turned = 0;
         while self.mark(&["not"]).is_some() {
             turned += 1;
@@ -234,7 +235,7 @@ impl Parser {
         Ok(inner)
     }
 
-    fn comparison(&mut self) -> Result<Expression> {
+    fn comparison(&mut self) -> Reasoned<Expression> {
         let first = self.level(0)?;
         let mut others = Vec::new();
         loop {
@@ -257,7 +258,7 @@ impl Parser {
         })
     }
 
-    fn level(&mut self, at: usize) -> Result<Expression> {
+    fn level(&mut self, at: usize) -> Reasoned<Expression> {
         let Some(marks) = LEVELS.get(at) else { return self.signed() };
         let mut left = self.level(at + 1)?;
         while let Some(mark) = self.mark(marks) {
@@ -266,18 +267,18 @@ impl Parser {
         Ok(left)
     }
 
-    fn signed(&mut self) -> Result<Expression> {
+    fn signed(&mut self) -> Reasoned<Expression> {
         let Some(mark) = self.mark(&["-", "+"]) else { return self.power() };
         self.depth += 1;
         if self.depth > DEPTH_MAX {
-            return Err(format!("more than {DEPTH_MAX} levels inside each other"));
+            return Err(reason!("more than {DEPTH_MAX} levels inside each other"));
         }
         let inner = self.signed()?;
         self.depth -= 1;
         Ok(Expression::Unary(mark, Box::new(inner)))
     }
 
-    fn power(&mut self) -> Result<Expression> {
+    fn power(&mut self) -> Reasoned<Expression> {
         let base = self.postfix()?;
         if self.mark(&["**"]).is_none() {
             return Ok(base);
@@ -286,7 +287,7 @@ impl Parser {
         Ok(Expression::Binary("**", Box::new(base), Box::new(self.signed()?)))
     }
 
-    fn postfix(&mut self) -> Result<Expression> {
+    fn postfix(&mut self) -> Reasoned<Expression> {
         let mut whole = self.atom()?;
         for _ in 0..DEPTH_MAX {
             match self.mark(&["[", "(", "."]) {
@@ -301,7 +302,7 @@ impl Parser {
                 }
                 Some(_) => {
                     let Some(Token::Name(name)) = self.peek().cloned() else {
-                        return Err("a name is missing after `.`".to_owned());
+                        return Err("a name is missing after `.`".into());
                     };
                     self.at += 1;
                     whole = Expression::Member(Box::new(whole), name);
@@ -309,22 +310,22 @@ impl Parser {
                 None => return Ok(whole),
             }
         }
-        Err(format!("more than {DEPTH_MAX} brackets and points in a row"))
+        Err(reason!("more than {DEPTH_MAX} brackets and points in a row"))
     }
 
-    fn atom(&mut self) -> Result<Expression> {
+    fn atom(&mut self) -> Reasoned<Expression> {
         let Some(token) = self.peek().cloned() else {
-            return Err("a value is missing at the end".to_owned());
+            return Err("a value is missing at the end".into());
         };
         self.at += 1;
         match token {
-            Token::Value(Value::Text(mut text)) => {
+            Token::Value(XacroValue::Text(mut text)) => {
                 // Texts in a row are one.
-                while let Some(Token::Value(Value::Text(more))) = self.peek() {
+                while let Some(Token::Value(XacroValue::Text(more))) = self.peek() {
                     text.push_str(more);
                     self.at += 1;
                 }
-                Ok(Expression::Value(Value::Text(text)))
+                Ok(Expression::Value(XacroValue::Text(text)))
             }
             Token::Value(value) => Ok(Expression::Value(value)),
             Token::Name(name) => Ok(Expression::Name(name)),
@@ -341,13 +342,13 @@ impl Parser {
             }
             Token::Mark("[") => Ok(Expression::List(self.until("]")?)),
             Token::Mark("{") => self.table(),
-            mark @ Token::Mark(_) => Err(format!("{} is not expected there", shown(&mark))),
+            mark @ Token::Mark(_) => Err(reason!("{} is not expected there", shown(&mark))),
         }
     }
 
-    /// What a function is given, to the end of its bracket.
+    /// Values that a function is given, to the end of its bracket.
     #[expect(clippy::type_complexity, reason = "two lists")]
-    fn given(&mut self) -> Result<(Vec<Expression>, Vec<(String, Expression)>)> {
+    fn given(&mut self) -> Reasoned<(Vec<Expression>, Vec<(String, Expression)>)> {
         let (mut given, mut named) = (Vec::new(), Vec::new());
         while self.mark(&[")"]).is_none() {
             let name = match (self.peek(), self.tokens.get(self.at + 1)) {
@@ -369,7 +370,7 @@ impl Parser {
         Ok((given, named))
     }
 
-    fn until(&mut self, end: &'static str) -> Result<Vec<Expression>> {
+    fn until(&mut self, end: &'static str) -> Reasoned<Vec<Expression>> {
         let mut all = Vec::new();
         while self.mark(&[end]).is_none() {
             all.push(self.choice()?);
@@ -381,7 +382,7 @@ impl Parser {
         Ok(all)
     }
 
-    fn table(&mut self) -> Result<Expression> {
+    fn table(&mut self) -> Reasoned<Expression> {
         let mut all = Vec::new();
         while self.mark(&["}"]).is_none() {
             let key = self.choice()?;

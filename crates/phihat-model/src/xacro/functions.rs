@@ -1,11 +1,11 @@
 //! Functions and constants of expressions.
 
-use super::evaluate::Result;
-use super::value::{ENTRIES_MAX, TEXT_MAX, Value};
+use super::reason::{Reasoned, XacroReason, reason};
+use super::value::{ENTRIES_MAX, TEXT_MAX, XacroValue};
 
 /// Constants of Python's `math`.
-pub(super) fn constant(name: &str) -> Option<Value> {
-    Some(Value::Float(match name {
+pub(super) fn constant(name: &str) -> Option<XacroValue> {
+    Some(XacroValue::Float(match name {
         "pi" => core::f64::consts::PI,
         "e" => core::f64::consts::E,
         "tau" => core::f64::consts::TAU,
@@ -51,13 +51,13 @@ fn of_two(name: &str) -> Option<fn(f64, f64) -> f64> {
 }
 
 /// A whole number of a rounded one.
-fn rounded(number: f64) -> Result<Value> {
+fn rounded(number: f64) -> Reasoned<XacroValue> {
     const LARGEST: f64 = 9.0e18;
     if number.abs() < LARGEST {
         #[expect(clippy::cast_possible_truncation, reason = "whole, and within i64")]
-        return Ok(Value::Int(number as i64));
+        return Ok(XacroValue::Int(number as i64));
     }
-    Err(format!("{number} is no whole number that is read"))
+    Err(reason!("{number} is no whole number that is read"))
 }
 
 /// Value of a function.
@@ -65,21 +65,21 @@ fn rounded(number: f64) -> Result<Value> {
 /// # Errors
 ///
 /// It is not read, or not for such values.
-pub(super) fn call(name: &str, values: &[Value]) -> Result<Value> {
-    let numbers: Option<Vec<f64>> = values.iter().map(Value::number).collect();
+pub(super) fn call(name: &str, values: &[XacroValue]) -> Reasoned<XacroValue> {
+    let numbers: Option<Vec<f64>> = values.iter().map(XacroValue::number).collect();
     if let (Some(numbers), Some(function)) = (&numbers, of_one(name))
         && let [x] = numbers[..]
     {
         let value = function(x);
         if value.is_nan() && !x.is_nan() {
-            return Err(format!("{name}({x}) is not a number"));
+            return Err(reason!("{name}({x}) is not a number"));
         }
-        return Ok(Value::Float(value));
+        return Ok(XacroValue::Float(value));
     }
     if let (Some(numbers), Some(function)) = (&numbers, of_two(name))
         && let [x, y] = numbers[..]
     {
-        return Ok(Value::Float(function(x, y)));
+        return Ok(XacroValue::Float(function(x, y)));
     }
     match name {
         "abs" | "floor" | "ceil" | "trunc" | "round" => rounding(name, values),
@@ -89,13 +89,14 @@ pub(super) fn call(name: &str, values: &[Value]) -> Result<Value> {
 }
 
 /// Numbers without their sign or their fraction.
-fn rounding(name: &str, values: &[Value]) -> Result<Value> {
+fn rounding(name: &str, values: &[XacroValue]) -> Reasoned<XacroValue> {
     match (name, values) {
         ("abs", [value]) => match value.whole().and_then(i64::checked_abs) {
-            Some(whole) => Ok(Value::Int(whole)),
-            None => {
-                value.number().map(|x| Value::Float(x.abs())).ok_or_else(|| unread(name, values))
-            }
+            Some(whole) => Ok(XacroValue::Int(whole)),
+            None => value
+                .number()
+                .map(|x| XacroValue::Float(x.abs()))
+                .ok_or_else(|| unread(name, values)),
         },
         ("floor" | "ceil" | "trunc" | "round", [value]) => {
             let x = value.number().ok_or_else(|| unread(name, values))?;
@@ -110,59 +111,63 @@ fn rounding(name: &str, values: &[Value]) -> Result<Value> {
             let x = value.number().ok_or_else(|| unread(name, values))?;
             let digits = digits.whole().filter(|d| (0..=15).contains(d));
             let digits = usize::try_from(digits.ok_or_else(|| unread(name, values))?).unwrap_or(0);
-            format!("{x:.digits$}").parse().map(Value::Float).map_err(|_| unread(name, values))
+            format!("{x:.digits$}").parse().map(XacroValue::Float).map_err(|_| unread(name, values))
         }
         _ => Err(unread(name, values)),
     }
 }
 
 /// Functions of a list.
-fn of_list(name: &str, values: &[Value]) -> Result<Value> {
+fn of_list(name: &str, values: &[XacroValue]) -> Reasoned<XacroValue> {
     match (name, values) {
-        ("min" | "max", [Value::List(list)]) => extreme(name, list),
+        ("min" | "max", [XacroValue::List(list)]) => extreme(name, list),
         ("min" | "max", list) => extreme(name, list),
-        ("sum", [Value::List(list)]) => {
-            let all: Option<Vec<f64>> = list.iter().map(Value::number).collect();
+        ("sum", [XacroValue::List(list)]) => {
+            let all: Option<Vec<f64>> = list.iter().map(XacroValue::number).collect();
             let sum = all.ok_or_else(|| unread(name, values))?.iter().sum::<f64>();
             let whole = list.iter().all(|value| value.whole().is_some());
-            if whole { rounded(sum) } else { Ok(Value::Float(sum)) }
+            if whole { rounded(sum) } else { Ok(XacroValue::Float(sum)) }
         }
-        ("any", [Value::List(list)]) => Ok(Value::Bool(list.iter().any(Value::truth))),
-        ("all", [Value::List(list)]) => Ok(Value::Bool(list.iter().all(Value::truth))),
+        ("any", [XacroValue::List(list)]) => {
+            Ok(XacroValue::Bool(list.iter().any(XacroValue::truth)))
+        }
+        ("all", [XacroValue::List(list)]) => {
+            Ok(XacroValue::Bool(list.iter().all(XacroValue::truth)))
+        }
         ("len", [value]) => length(value).ok_or_else(|| unread(name, values)),
-        ("list" | "tuple", [Value::List(list)]) => Ok(Value::List(list.clone())),
-        ("list" | "tuple", []) => Ok(Value::List(Vec::new())),
+        ("list" | "tuple", [XacroValue::List(list)]) => Ok(XacroValue::List(list.clone())),
+        ("list" | "tuple", []) => Ok(XacroValue::List(Vec::new())),
         _ => Err(unread(name, values)),
     }
 }
 
 /// Functions from one type to another.
-fn conversion(name: &str, values: &[Value]) -> Result<Value> {
+fn conversion(name: &str, values: &[XacroValue]) -> Reasoned<XacroValue> {
     match (name, values) {
-        ("str", [value]) => Ok(Value::Text(value.to_string())),
-        ("bool", [value]) => Ok(Value::Bool(value.truth())),
+        ("str", [value]) => Ok(XacroValue::Text(value.to_string())),
+        ("bool", [value]) => Ok(XacroValue::Bool(value.truth())),
         ("float", [value]) => {
             let text = |text: &str| text.trim().parse().ok();
-            let number = if let Value::Text(own) = value { text(own) } else { value.number() };
-            number.map(Value::Float).ok_or_else(|| unread(name, values))
+            let number = if let XacroValue::Text(own) = value { text(own) } else { value.number() };
+            number.map(XacroValue::Float).ok_or_else(|| unread(name, values))
         }
-        ("int", [Value::Text(text)]) => {
-            text.trim().parse().map(Value::Int).map_err(|_| unread(name, values))
+        ("int", [XacroValue::Text(text)]) => {
+            text.trim().parse().map(XacroValue::Int).map_err(|_| unread(name, values))
         }
         ("int", [value]) => rounded(value.number().ok_or_else(|| unread(name, values))?.trunc()),
-        ("dict", []) => Ok(Value::Table(Vec::new())),
+        ("dict", []) => Ok(XacroValue::Table(Vec::new())),
         ("range", bounds) => range(bounds).ok_or_else(|| unread(name, values)),
         _ => Err(unread(name, values)),
     }
 }
 
-fn unread(name: &str, values: &[Value]) -> String {
-    let kinds: Vec<&str> = values.iter().map(Value::kind).collect();
-    format!("the function {name}({}) is not read", kinds.join(", "))
+fn unread(name: &str, values: &[XacroValue]) -> XacroReason {
+    let kinds: Vec<&str> = values.iter().map(XacroValue::kind).collect();
+    reason!("the function {name}({}) is not read", kinds.join(", "))
 }
 
-fn extreme(name: &str, list: &[Value]) -> Result<Value> {
-    let mut best: Option<(f64, &Value)> = None;
+fn extreme(name: &str, list: &[XacroValue]) -> Reasoned<XacroValue> {
+    let mut best: Option<(f64, &XacroValue)> = None;
     for value in list {
         let x = value.number().ok_or_else(|| unread(name, list))?;
         if best.is_none_or(|(own, _)| if name == "min" { x < own } else { x > own }) {
@@ -172,25 +177,25 @@ fn extreme(name: &str, list: &[Value]) -> Result<Value> {
     best.map(|(_, value)| value.clone()).ok_or_else(|| unread(name, list))
 }
 
-fn length(value: &Value) -> Option<Value> {
+fn length(value: &XacroValue) -> Option<XacroValue> {
     let length = match value {
-        Value::Text(text) => text.chars().count(),
-        Value::List(list) => list.len(),
-        Value::Table(table) => table.len(),
+        XacroValue::Text(text) => text.chars().count(),
+        XacroValue::List(list) => list.len(),
+        XacroValue::Table(table) => table.len(),
         _ => return None,
     };
-    i64::try_from(length).ok().map(Value::Int)
+    i64::try_from(length).ok().map(XacroValue::Int)
 }
 
-fn range(bounds: &[Value]) -> Option<Value> {
-    let whole: Vec<i64> = bounds.iter().map(Value::whole).collect::<Option<_>>()?;
+fn range(bounds: &[XacroValue]) -> Option<XacroValue> {
+    let whole: Vec<i64> = bounds.iter().map(XacroValue::whole).collect::<Option<_>>()?;
     let (from, to) = match whole[..] {
         [to] => (0, to),
         [from, to] => (from, to),
         _ => return None,
     };
     let count = usize::try_from(to.checked_sub(from)?.max(0)).ok()?;
-    (count <= ENTRIES_MAX).then(|| Value::List((from..to).map(Value::Int).collect()))
+    (count <= ENTRIES_MAX).then(|| XacroValue::List((from..to).map(XacroValue::Int).collect()))
 }
 
 /// Value of a method of a text, list or table.
@@ -198,42 +203,46 @@ fn range(bounds: &[Value]) -> Option<Value> {
 /// # Errors
 ///
 /// It is not read, or not for such values.
-pub(super) fn method(whole: &Value, name: &str, values: &[Value]) -> Result<Value> {
+pub(super) fn method(
+    whole: &XacroValue,
+    name: &str,
+    values: &[XacroValue],
+) -> Reasoned<XacroValue> {
     match (whole, name, values) {
-        (Value::Text(text), _, _) => of_text(text, name, values),
-        (Value::Table(table), "keys", []) => {
-            Ok(Value::List(table.iter().map(|(key, _)| key.clone()).collect()))
+        (XacroValue::Text(text), _, _) => of_text(text, name, values),
+        (XacroValue::Table(table), "keys", []) => {
+            Ok(XacroValue::List(table.iter().map(|(key, _)| key.clone()).collect()))
         }
-        (Value::Table(table), "values", []) => {
-            Ok(Value::List(table.iter().map(|(_, value)| value.clone()).collect()))
+        (XacroValue::Table(table), "values", []) => {
+            Ok(XacroValue::List(table.iter().map(|(_, value)| value.clone()).collect()))
         }
-        (Value::Table(table), "get", [key, otherwise @ ..]) if otherwise.len() < 2 => {
+        (XacroValue::Table(table), "get", [key, otherwise @ ..]) if otherwise.len() < 2 => {
             let own = table.iter().find(|(own, _)| own.equals(key)).map(|(_, value)| value.clone());
-            Ok(own.or_else(|| otherwise.first().cloned()).unwrap_or(Value::None))
+            Ok(own.or_else(|| otherwise.first().cloned()).unwrap_or(XacroValue::None))
         }
-        (Value::List(list), "index", [value]) => {
+        (XacroValue::List(list), "index", [value]) => {
             let at = list.iter().position(|own| own.equals(value));
             let at = at.and_then(|at| i64::try_from(at).ok());
-            at.map(Value::Int).ok_or_else(|| format!("{value} is not in the list"))
+            at.map(XacroValue::Int).ok_or_else(|| reason!("{value} is not in the list"))
         }
-        _ => Err(format!("the method {name} of {} is not read", whole.kind())),
+        _ => Err(reason!("the method {name} of {} is not read", whole.kind())),
     }
 }
 
-fn of_text(text: &str, name: &str, values: &[Value]) -> Result<Value> {
+fn of_text(text: &str, name: &str, values: &[XacroValue]) -> Reasoned<XacroValue> {
     let words: Option<Vec<&str>> = values
         .iter()
-        .map(|value| if let Value::Text(word) = value { Some(word.as_str()) } else { None })
+        .map(|value| if let XacroValue::Text(word) = value { Some(word.as_str()) } else { None })
         .collect();
-    let words = words.ok_or_else(|| format!("the method {name} of text is read for text only"))?;
+    let words = words.ok_or_else(|| reason!("the method {name} of text is read for text only"))?;
     let list = |parts: Vec<&str>| {
-        Value::List(parts.into_iter().map(|part| Value::Text(part.to_owned())).collect())
+        XacroValue::List(parts.into_iter().map(|part| XacroValue::Text(part.to_owned())).collect())
     };
     let made = |made: String| {
         if made.len() > TEXT_MAX {
-            Err("a text longer than is read".to_owned())
+            Err("a text longer than is read".into())
         } else {
-            Ok(Value::Text(made))
+            Ok(XacroValue::Text(made))
         }
     };
     match (name, &words[..]) {
@@ -242,15 +251,15 @@ fn of_text(text: &str, name: &str, values: &[Value]) -> Result<Value> {
         ("strip", []) => made(text.trim().to_owned()),
         ("split", []) => Ok(list(text.split_whitespace().collect())),
         ("split", [by]) if !by.is_empty() => Ok(list(text.split(by).collect())),
-        ("startswith", [start]) => Ok(Value::Bool(text.starts_with(start))),
-        ("endswith", [end]) => Ok(Value::Bool(text.ends_with(end))),
+        ("startswith", [start]) => Ok(XacroValue::Bool(text.starts_with(start))),
+        ("endswith", [end]) => Ok(XacroValue::Bool(text.ends_with(end))),
         ("replace", [from, to]) => {
             let grown = text.matches(from).count().saturating_mul(to.len());
             if grown > TEXT_MAX {
-                return Err("a text longer than is read".to_owned());
+                return Err("a text longer than is read".into());
             }
             made(text.replace(from, to))
         }
-        _ => Err(format!("the method {name} of text is not read")),
+        _ => Err(reason!("the method {name} of text is not read")),
     }
 }

@@ -5,29 +5,31 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::reason::{Reasoned, reason};
+
 /// Folders above a file that are looked into.
 const ABOVE_MAX: usize = 8;
 
 /// Folders of a path of the environment that are looked into.
 const LISTED_MAX: usize = 2000;
 
-/// The folder of a package: as stated; installed (`AMENT_PREFIX_PATH`, `ROS_PACKAGE_PATH`); above the file, or beside a folder
-/// above it.
+/// The folder of a package: as stated; installed (`AMENT_PREFIX_PATH`, `ROS_PACKAGE_PATH`); above the file, or
+/// beside a folder above it.
 pub(super) fn find(
     name: &str,
     stated: &BTreeMap<String, PathBuf>,
     file: &Path,
-) -> Result<PathBuf, String> {
+) -> Reasoned<PathBuf> {
     let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
     if name.is_empty() || name.starts_with('.') || !name.chars().all(plain) {
-        return Err(format!("$(find {name}): this is no package's name"));
+        return Err(reason!("$(find {name}): this is no package's name"));
     }
     if let Some(folder) = stated.get(name) {
         return Ok(folder.clone());
     }
     let found = installed(name).or_else(|| above(name, file));
     found.ok_or_else(|| {
-        format!("$(find {name}): no such package is installed or near the file; state its folder: --package {name}=FOLDER")
+        reason!("$(find {name}): no such package is installed or near the file; state its folder: --package {name}=FOLDER")
     })
 }
 

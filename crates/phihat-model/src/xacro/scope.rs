@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use super::tree::{Element, Part};
-use super::value::Value;
+use super::tree::{XacroElement, XacroPart};
+use super::value::XacroValue;
 
 /// A property.
 #[derive(Debug, Clone)]
@@ -13,7 +13,7 @@ pub(super) enum Property {
     Text(String),
     /// It is being evaluated.
     Open,
-    Value(Value),
+    Value(XacroValue),
 }
 
 /// Parameter of a macro.
@@ -30,15 +30,15 @@ pub(super) struct Parameter {
 #[derive(Debug)]
 pub(super) struct Macro {
     pub(super) parameters: Vec<Parameter>,
-    pub(super) body: Element,
+    pub(super) body: XacroElement,
 }
 
-/// What is defined in one scope.
+/// Definitions of one scope.
 #[derive(Debug, Default)]
-pub(super) struct Scope {
+pub(super) struct XacroScope {
     pub(super) properties: BTreeMap<String, Property>,
     /// Blocks, by name with its stars.
-    pub(super) blocks: BTreeMap<String, Rc<Vec<Part>>>,
+    pub(super) blocks: BTreeMap<String, Rc<Vec<XacroPart>>>,
     pub(super) macros: BTreeMap<String, Rc<Macro>>,
 }
 

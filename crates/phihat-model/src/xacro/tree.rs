@@ -10,29 +10,29 @@ pub(super) const PREFIX: &str = "xacro:";
 
 /// A file, and a line of it from 1.
 #[derive(Debug, Clone)]
-pub(super) struct Place {
+pub(super) struct XacroPlace {
     pub(super) file: Rc<str>,
     pub(super) line: u32,
 }
 
 /// An element or a text.
 #[derive(Debug, Clone)]
-pub(super) enum Part {
-    Element(Element),
+pub(super) enum XacroPart {
+    Element(XacroElement),
     Text(String),
 }
 
 /// An element with its place.
 #[derive(Debug, Clone)]
-pub(super) struct Element {
+pub(super) struct XacroElement {
     /// Name; of what xacro reads, with [`PREFIX`].
     pub(super) name: String,
     pub(super) attributes: Vec<(String, String)>,
-    pub(super) parts: Vec<Part>,
-    pub(super) place: Place,
+    pub(super) parts: Vec<XacroPart>,
+    pub(super) place: XacroPlace,
 }
 
-impl Element {
+impl XacroElement {
     /// The root of a document.
     pub(super) fn of(document: &Document<'_>, file: &Rc<str>) -> Self {
         Self::copied(document.root_element(), file)
@@ -45,8 +45,8 @@ impl Element {
             if xacro { format!("{PREFIX}{name}") } else { name.to_owned() }
         };
         let parts = node.children().filter_map(|child| match child {
-            child if child.is_element() => Some(Part::Element(Self::copied(child, file))),
-            child if child.is_text() => Some(Part::Text(child.text()?.to_owned())),
+            child if child.is_element() => Some(XacroPart::Element(Self::copied(child, file))),
+            child if child.is_text() => Some(XacroPart::Text(child.text()?.to_owned())),
             _ => None,
         });
         let attributes = node.attributes().map(|attribute| {
@@ -56,7 +56,7 @@ impl Element {
             name: qualified(node.tag_name().namespace(), node.tag_name().name()),
             attributes: attributes.collect(),
             parts: parts.collect(),
-            place: Place {
+            place: XacroPlace {
                 file: Rc::clone(file),
                 line: node.document().text_pos_at(node.range().start).row,
             },
@@ -79,8 +79,8 @@ impl Element {
     /// Elements among its parts.
     pub(super) fn elements(&self) -> impl Iterator<Item = &Self> {
         self.parts.iter().filter_map(|part| match part {
-            Part::Element(element) => Some(element),
-            Part::Text(_) => None,
+            XacroPart::Element(element) => Some(element),
+            XacroPart::Text(_) => None,
         })
     }
 
@@ -94,7 +94,9 @@ impl Element {
         let text: String = self
             .parts
             .iter()
-            .filter_map(|part| if let Part::Text(text) = part { Some(text.trim()) } else { None })
+            .filter_map(
+                |part| if let XacroPart::Text(text) = part { Some(text.trim()) } else { None },
+            )
             .collect();
         let mut elements = self.elements().peekable();
         if elements.peek().is_none() && text.is_empty() {

@@ -8,18 +8,18 @@ pub(super) const ENTRIES_MAX: usize = 10_000;
 
 /// Value of an expression.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Value {
+pub(super) enum XacroValue {
     None,
     Bool(bool),
     Int(i64),
     Float(f64),
     Text(String),
-    List(Vec<Value>),
+    List(Vec<XacroValue>),
     /// Keys and values in the order of the file.
-    Table(Vec<(Value, Value)>),
+    Table(Vec<(XacroValue, XacroValue)>),
 }
 
-impl Value {
+impl XacroValue {
     /// A number, bool or quoted text that is written as a literal; else the text itself.
     pub(super) fn literal(text: &str) -> Self {
         if let Some(inside) = text.strip_prefix('\'').and_then(|rest| rest.strip_suffix('\'')) {
@@ -131,7 +131,7 @@ impl Value {
     }
 }
 
-impl fmt::Display for Value {
+impl fmt::Display for XacroValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::None => f.write_str("None"),

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use saphyr_parser::{Event, Parser, ScalarStyle, Tag};
 
-use super::value::Value;
+use super::reason::{Reasoned, reason};
+use super::value::XacroValue;
 
 /// Deepest nesting.
 const DEPTH_MAX: usize = 32;
@@ -13,17 +14,17 @@ const DEPTH_MAX: usize = 32;
 const SIZE_MAX: usize = 1 << 20;
 
 /// A list or table on its way, and its anchor, 0 for none.
-enum Open {
-    List(Vec<Value>, usize),
-    Table(Vec<(Value, Value)>, Option<Value>, usize),
+enum OpenYaml {
+    List(Vec<XacroValue>, usize),
+    Table(Vec<(XacroValue, XacroValue)>, Option<XacroValue>, usize),
 }
 
 /// A file on its way.
 #[derive(Default)]
-struct Reader {
-    open: Vec<Open>,
-    anchors: BTreeMap<usize, Value>,
-    whole: Option<Value>,
+struct YamlReader {
+    open: Vec<OpenYaml>,
+    anchors: BTreeMap<usize, XacroValue>,
+    whole: Option<XacroValue>,
     size: usize,
 }
 
@@ -32,36 +33,38 @@ struct Reader {
 /// # Errors
 ///
 /// Words that say what is not read.
-pub(super) fn read(text: &str) -> Result<Value, String> {
-    let mut reader = Reader::default();
+pub(super) fn read(text: &str) -> Reasoned<XacroValue> {
+    let mut reader = YamlReader::default();
     for event in Parser::new_from_str(text) {
         let (event, span) = event.map_err(|why| why.to_string())?;
-        reader.take(event).map_err(|why| format!("line {}: {why}", span.start.line()))?;
+        reader.take(event).map_err(|why| reason!("line {}: {why}", span.start.line()))?;
     }
-    Ok(reader.whole.unwrap_or(Value::None))
+    Ok(reader.whole.unwrap_or(XacroValue::None))
 }
 
-impl Reader {
-    fn take(&mut self, event: Event<'_>) -> Result<(), String> {
+impl YamlReader {
+    fn take(&mut self, event: Event<'_>) -> Reasoned<()> {
         self.size += 16;
         if self.size > SIZE_MAX || self.open.len() > DEPTH_MAX {
-            return Err("more entries or levels than are read".to_owned());
+            return Err("more entries or levels than are read".into());
         }
         let (done, anchor) = match event {
             Event::Scalar(word, style, anchor, tag) => {
                 (scalar(&word, style, tag.as_deref())?, anchor)
             }
             Event::SequenceStart(anchor, _) => {
-                self.open.push(Open::List(Vec::new(), anchor));
+                self.open.push(OpenYaml::List(Vec::new(), anchor));
                 return Ok(());
             }
             Event::MappingStart(anchor, _) => {
-                self.open.push(Open::Table(Vec::new(), None, anchor));
+                self.open.push(OpenYaml::Table(Vec::new(), None, anchor));
                 return Ok(());
             }
             Event::SequenceEnd | Event::MappingEnd => match self.open.pop() {
-                Some(Open::List(list, anchor)) => (Value::List(list), anchor),
-                Some(Open::Table(table, _, anchor)) => (Value::Table(merged(table)), anchor),
+                Some(OpenYaml::List(list, anchor)) => (XacroValue::List(list), anchor),
+                Some(OpenYaml::Table(table, _, anchor)) => {
+                    (XacroValue::Table(merged(table)), anchor)
+                }
                 None => return Ok(()),
             },
             Event::Alias(anchor) => {
@@ -75,8 +78,8 @@ impl Reader {
             self.anchors.insert(anchor, done.clone());
         }
         match self.open.last_mut() {
-            Some(Open::List(list, _)) => list.push(done),
-            Some(Open::Table(table, key, _)) => match key.take() {
+            Some(OpenYaml::List(list, _)) => list.push(done),
+            Some(OpenYaml::Table(table, key, _)) => match key.take() {
                 None => *key = Some(done),
                 Some(key) => put(table, key, done),
             },
@@ -87,7 +90,7 @@ impl Reader {
 }
 
 /// Puts an entry into a table; of two with one key the last counts.
-fn put(table: &mut Vec<(Value, Value)>, key: Value, value: Value) {
+fn put(table: &mut Vec<(XacroValue, XacroValue)>, key: XacroValue, value: XacroValue) {
     match table.iter_mut().find(|(own, _)| own.equals(&key)) {
         Some((_, own)) => *own = value,
         None => table.push((key, value)),
@@ -95,15 +98,15 @@ fn put(table: &mut Vec<(Value, Value)>, key: Value, value: Value) {
 }
 
 /// A table with what its keys `<<` stand for; its own keys come first.
-fn merged(table: Vec<(Value, Value)>) -> Vec<(Value, Value)> {
-    let is_merge = |key: &Value| matches!(key, Value::Text(text) if text == "<<");
+fn merged(table: Vec<(XacroValue, XacroValue)>) -> Vec<(XacroValue, XacroValue)> {
+    let is_merge = |key: &XacroValue| matches!(key, XacroValue::Text(text) if text == "<<");
     let (merge, mut own): (Vec<_>, Vec<_>) = table.into_iter().partition(|(key, _)| is_merge(key));
     let tables = merge.into_iter().flat_map(|(_, value)| match value {
-        Value::List(list) => list,
+        XacroValue::List(list) => list,
         one => vec![one],
     });
     for more in tables {
-        let Value::Table(more) = more else { continue };
+        let XacroValue::Table(more) = more else { continue };
         for (key, value) in more {
             if !own.iter().any(|(own, _)| own.equals(&key)) {
                 own.push((key, value));
@@ -123,23 +126,23 @@ const UNITS: [(&str, f64); 6] = [
     ("inches", 0.0254),
 ];
 
-fn scalar(word: &str, style: ScalarStyle, tag: Option<&Tag>) -> Result<Value, String> {
+fn scalar(word: &str, style: ScalarStyle, tag: Option<&Tag>) -> Reasoned<XacroValue> {
     if let Some(tag) = tag {
         let unit = UNITS.iter().find(|(name, _)| *name == tag.suffix);
         let Some((_, factor)) = unit else {
-            return Err(format!("the tag !{} is not read", tag.suffix));
+            return Err(reason!("the tag !{} is not read", tag.suffix));
         };
         let number: f64 =
-            word.trim().parse().map_err(|_| format!("!{} {word}: not a number", tag.suffix))?;
-        return Ok(Value::Float(factor * number));
+            word.trim().parse().map_err(|_| reason!("!{} {word}: not a number", tag.suffix))?;
+        return Ok(XacroValue::Float(factor * number));
     }
     if style != ScalarStyle::Plain {
-        return Ok(Value::Text(word.to_owned()));
+        return Ok(XacroValue::Text(word.to_owned()));
     }
     Ok(match word {
-        "" | "~" | "null" | "Null" | "NULL" => Value::None,
-        "true" | "True" | "TRUE" | "yes" | "Yes" | "on" | "On" => Value::Bool(true),
-        "false" | "False" | "FALSE" | "no" | "No" | "off" | "Off" => Value::Bool(false),
-        _ => Value::literal(word),
+        "" | "~" | "null" | "Null" | "NULL" => XacroValue::None,
+        "true" | "True" | "TRUE" | "yes" | "Yes" | "on" | "On" => XacroValue::Bool(true),
+        "false" | "False" | "FALSE" | "no" | "No" | "off" | "Off" => XacroValue::Bool(false),
+        _ => XacroValue::literal(word),
     })
 }

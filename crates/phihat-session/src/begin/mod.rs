@@ -24,8 +24,8 @@ mod torque;
 
 use std::path::{Path, PathBuf};
 
-use phihat_model::JointKind;
 use phihat_model::xacro::{expand, is_xacro};
+use phihat_model::{Joint, JointKind};
 use phihat_study::Study;
 use tempfile::TempDir;
 
@@ -65,14 +65,14 @@ pub struct Begun {
 ///
 /// # Errors
 ///
-/// [`SessionError`]: the arm cannot be used, or a file is there already. That no gains exist is an answer, as it is that
-/// a description has no masses: then the study asks for each joint's inertia.
+/// [`SessionError`]: the arm cannot be used, or a file is there already. That no gains exist is an answer, as it is
+/// that a description has no masses: then the study asks for each joint's inertia.
 pub fn begin(options: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, SessionError> {
     let folder = folder_of(&options.out);
     let name = options.study_name()?;
     let (_expanded, options) = &expanded(options)?;
     if let Some(joints) = motion_only::joints_of(options) {
-        return motion_only::begin(options, joints);
+        return motion_only(options, joints);
     }
     let mut chosen = ChosenArm::of(options, folder, &name)?;
     let scratch = tempfile::tempdir().map_err(SessionError::other)?;
@@ -100,6 +100,25 @@ pub fn begin(options: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, Ses
     let BeginResult { error_bound, simulated, infeasible, .. } = found;
     let study = options.out.clone();
     Ok(Begun { study, files, joints, slides, notes, error_bound, simulated, infeasible })
+}
+
+/// Writes the study of an arm whose description has no masses.
+fn motion_only(
+    options: &BeginOptions,
+    joints: (String, Vec<Joint>),
+) -> Result<Begun, SessionError> {
+    let own = motion_only::study_of(options, joints)?;
+    write(&[(options.out.clone(), own.text)], options.replace)?;
+    Ok(Begun {
+        study: options.out.clone(),
+        files: vec![options.out.clone()],
+        joints: own.joints.iter().map(|joint| joint.name.clone()).collect(),
+        slides: own.joints.iter().map(|joint| joint.kind == JointKind::Prismatic).collect(),
+        notes: Vec::new(),
+        error_bound: vec![own.error_bound; own.joints.len()],
+        simulated: None,
+        infeasible: Some(own.lacks),
+    })
 }
 
 /// The options with a URDF in a folder of its own in place of a file of xacro.

@@ -6,14 +6,13 @@ use std::path::Path;
 use phihat_model::{Joint, JointKind, Part, Robot, RobotError};
 
 use super::options::BeginOptions;
-use super::{Begun, write};
 use crate::error::SessionError;
 
 /// Error that is allowed where none is stated \[rad, m\].
 const ERROR_BOUND: f64 = 5e-3;
 
-/// Amplitude of the motion \[rad\], \[m\], and as a share of the travel; its frequency \[Hz\], and the share of a largest
-/// speed that it takes.
+/// Amplitude of the motion \[rad\], \[m\], and as a share of the travel; its frequency \[Hz\], and the share of a
+/// largest speed that it takes.
 const AMPLITUDE: f64 = 0.2;
 const AMPLITUDE_M: f64 = 0.02;
 const SHARE: f64 = 0.2;
@@ -53,31 +52,31 @@ pub(super) fn joints_of(options: &BeginOptions) -> Option<(String, Vec<Joint>)> 
     without_mass(&Part { base: Some(chain.base), tip: Some(chain.tip), ..Part::default() })
 }
 
-/// Writes the study of such an arm.
-pub(super) fn begin(
+/// Study of such an arm.
+pub(super) struct MotionOnlyStudy {
+    pub(super) text: String,
+    pub(super) joints: Vec<Joint>,
+    pub(super) error_bound: f64,
+    /// Reason why no gains can be designed yet.
+    pub(super) lacks: String,
+}
+
+/// The study of such an arm.
+pub(super) fn study_of(
     options: &BeginOptions,
     (name, mut joints): (String, Vec<Joint>),
-) -> Result<Begun, SessionError> {
+) -> Result<MotionOnlyStudy, SessionError> {
     limit(&mut joints, &options.arm.torque_max_nm)?;
     let text = study(options, &name, &joints);
-    write(&[(options.out.clone(), text)], options.replace)?;
     let keys = OPEN.map(|(key, _)| key).join(", ");
-    let why = format!(
+    let lacks = format!(
         "{} has no masses, so no gains can be designed yet: fill in {keys} of each [[joint]] in {}; `phihat identify` finds them \
          from records of the arm",
         options.arm.arm,
         options.out.display()
     );
-    Ok(Begun {
-        study: options.out.clone(),
-        files: vec![options.out.clone()],
-        joints: joints.iter().map(|joint| joint.name.clone()).collect(),
-        slides: joints.iter().map(slides).collect(),
-        notes: Vec::new(),
-        error_bound: vec![options.error_bound.unwrap_or(ERROR_BOUND); joints.len()],
-        simulated: None,
-        infeasible: Some(why),
-    })
+    let error_bound = options.error_bound.unwrap_or(ERROR_BOUND);
+    Ok(MotionOnlyStudy { text, joints, error_bound, lacks })
 }
 
 /// Torque limits that the options state in place of the file's.
