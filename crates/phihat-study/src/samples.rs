@@ -245,14 +245,20 @@ impl<'f, R: BufRead> SamplesTable<'f, R> {
         let other = |i: &usize| columns[*i] == Column::Other;
         let others: Vec<usize> = (0..columns.len()).filter(other).collect();
         let near = nearest(name, others.iter().map(|i| cells[*i]));
-        if let Some(i) = others.into_iter().find(|i| near == Some(cells[*i])) {
+        if let Some(i) = others.iter().copied().find(|i| near == Some(cells[*i])) {
             let message = format!("no joint `{}`", clip(cells[i]));
             let help = format!("did you mean `{name}`?");
             return Err(self.error(Kind::UnknownName, i, message).with_help(help));
         }
-        Err(self
-            .error(Kind::WrongLength, 0, format!("no column `{name}`"))
-            .with_help(format!("the first line is `t_s,{}`, in any order", names.join(","))))
+        let others: Vec<String> =
+            others.iter().map(|i| format!(", `{}`", clip(cells[*i]))).collect();
+        let others = match &others[..] {
+            [] => String::new(),
+            some => format!("; no joint's: {}", some.concat().trim_start_matches(", ")),
+        };
+        let first = names.join(",");
+        let help = format!("the first line is `t_s,{first}`, in any order{others}");
+        Err(self.error(Kind::WrongLength, 0, format!("no column `{name}`")).with_help(help))
     }
 
     fn column(&self, i: usize, cell: &str) -> Result<Column, StudyError> {
