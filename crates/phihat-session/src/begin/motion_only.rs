@@ -122,6 +122,12 @@ fn study(options: &BeginOptions, name: &str, joints: &[Joint]) -> String {
         for (key, doc) in OPEN {
             let _ = writeln!(text, "# {key} =        # {doc}");
         }
+        if joint.torque_max.is_none() {
+            let _ = writeln!(
+                text,
+                "# torque_max_nm =        # the drive's largest torque at the joint"
+            );
+        }
         let travel = joint.position;
         for (key, value) in [
             ("torque_max_nm", joint.torque_max),
@@ -181,6 +187,7 @@ mod tests {
 
     use phihat_study::Study;
 
+    use super::OPEN;
     use crate::begin::{ArmOptions, BeginOptions, begin};
 
     /// Two joints without masses: the first turns within a degree either way more than a radian, the second slides.
@@ -212,17 +219,15 @@ mod tests {
         assert!(begin(&options, &mut ()).is_err());
         let text = fs::read_to_string(&out).unwrap();
         let filled =
-            ["inertia_min_kg_m2", "inertia_max_kg_m2", "phi_rate_max_nm_s", "phi_jump_max_nm"]
-                .iter()
-                .fold(text, |text, key| {
-                    text.replace(&format!("# {key} ="), &format!("{key} = 0.5"))
-                });
+            OPEN.iter().map(|(key, _)| *key).chain(["torque_max_nm"]).fold(text, |text, key| {
+                text.replace(&format!("# {key} ="), &format!("{key} = 0.5"))
+            });
         fs::write(&out, filled).unwrap();
         let study = Study::read(&out).unwrap();
         let [swing, lift] = &study.robot.joints[..] else { panic!() };
         assert_eq!(
             (swing.position, swing.torque_max, swing.velocity_max),
-            (Some((-1.0, 2.0)), None, Some(0.1))
+            (Some((-1.0, 2.0)), Some(0.5), Some(0.1))
         );
         assert_eq!((lift.position, lift.torque_max), (Some((0.0, 0.4)), Some(50.0)));
     }
