@@ -35,6 +35,7 @@ __all__ = [
     "Supervisor",
     "Trace",
     "Worlds",
+    "bound",
     "design",
     "drive",
     "faults",
