@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use phihat_certificate::extremes::{Extremes as _, hull, larger, smaller};
 
 use crate::bounded::{BoundedCoefficient, UNEXPLAINED, basis, bounded, orthogonal};
-use crate::smoothed::{RecordedJoint, Smoothed};
+use crate::smoothed::{FOURTH_VARIANCE, RecordedJoint, Smoothed, fourth_differences, near_turns};
 use crate::trace::{EstimateError, InertiaEstimate, JointSignals};
 use crate::undetermined::{ROWS_LEAST, Undetermined};
 
@@ -114,19 +114,12 @@ pub fn enclose_dry_friction(
     let moves: Vec<bool> = joints.iter().map(moving).collect();
     let signals = record.signals();
     let joint = signals.get(of)?;
-    let rows = one_way(joint.dq, record.reach() / 2);
-    if rows.len() < ROWS_LEAST {
-        return None;
-    }
-    let step = (rows.len() / ROWS).max(1);
-    let rows: Vec<usize> = rows.into_iter().step_by(step).collect();
-    let pick = |x: &[f64]| DVector::from_iterator(rows.len(), rows.iter().map(|k| x[*k]));
+    let rows = rows(joint.dq, record)?;
     let ends = [false, true].map(|richer| {
         let mut columns = columns(&signals, of, (&rows, &moves), richer);
-        let sign = core::mem::replace(&mut columns[SIGN], pick(joint.ddq));
-        let fit = bounded(&columns, &sign, &pick(joint.tau));
-        let half = UNEXPLAINED * fit.half;
-        (larger(fit.value - half, 0.0), larger(fit.value + half, 0.0))
+        let sign = core::mem::replace(&mut columns[SIGN], pick(&rows, joint.ddq));
+        let (low, high) = bounded(&columns, &sign, &pick(&rows, joint.tau)).interval();
+        (larger(low, 0.0), larger(high, 0.0))
     });
     let (low, high) = hull(ends.into_iter());
     high.is_finite().then_some((low, high))
@@ -160,11 +153,12 @@ impl PositionNoise {
         let steps = q.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|x| *x > 1e-12);
         let quantum = steps.fold(f64::INFINITY, smaller);
         let quantum = if quantum.is_finite() { quantum } else { 0.0 };
-        // Of white noise of variance 1 a fourth difference has 70 = 1 + 16 + 36 + 16 + 1.
-        let fourth = |x: &[f64]| x[0] - 4.0 * x[1] + 6.0 * x[2] - 4.0 * x[3] + x[4];
-        let sum: f64 = q.windows(5).map(|x| fourth(x).powi(2)).sum();
+        let sum: f64 = fourth_differences(q).map(|x| x.powi(2)).sum();
         let count = q.len().saturating_sub(4).max(1) as f64;
-        Self { quantum, rms: larger(quantum / 12.0_f64.sqrt(), (sum / count / 70.0).sqrt()) }
+        Self {
+            quantum,
+            rms: larger(quantum / 12.0_f64.sqrt(), (sum / count / FOURTH_VARIANCE).sqrt()),
+        }
     }
 
     /// From the least to the largest position \[rad\], and true if the joint moves.
@@ -190,21 +184,16 @@ fn acceleration_gain(samples: usize, period_ns: u64) -> f64 {
 /// One joint in a record that went through one filter; `noise` on its acceleration \[rad/s²\].
 fn enclosed(record: &Smoothed, of: usize, moves: &[bool], noise: f64) -> Enclosed {
     let signals = record.signals();
-    let rows = one_way(signals[of].dq, record.reach() / 2);
-    if rows.len() < ROWS_LEAST {
-        return Err(Undetermined::Short);
-    }
-    let step = (rows.len() / ROWS).max(1);
-    let rows: Vec<usize> = rows.into_iter().step_by(step).collect();
+    let rows = rows(signals[of].dq, record).ok_or(Undetermined::Short)?;
     let advice = ExcitationAdvice::of(signals[of].dq, record.period_ns);
     let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
     for richer in [false, true] {
         let fit = Fit::of(&signals, of, (&rows, moves), richer);
-        let (share, half) = (NOISE * noise / fit.own_rms, UNEXPLAINED * fit.half);
+        let share = NOISE * noise / fit.inertia.own_rms;
         if share.is_nan() || share > NOISE_SHARE {
             return Err(advice.noise(&fit, NOISE * noise));
         }
-        let (a, b) = (fit.inertia - half, fit.inertia + half);
+        let (a, b) = fit.inertia.interval();
         low = smaller(low, a / (1.0 + share));
         high = larger(high, b / (1.0 - share));
         let answers = low > 0.0 && high <= WIDEST * low;
@@ -215,29 +204,24 @@ fn enclosed(record: &Smoothed, of: usize, moves: &[bool], noise: f64) -> Enclose
     Ok(InertiaEstimate { low_kg_m2: low, high_kg_m2: high, records: 1 })
 }
 
-/// Rows that are further than so many from where the joint turns round: the filter mixes both directions there.
-fn one_way(dq: &[f64], reach: usize) -> Vec<usize> {
-    let mut good = vec![true; dq.len()];
-    for (k, pair) in dq.windows(2).enumerate() {
-        if pair[0] * pair[1] < 0.0 {
-            let (from, to) = (k.saturating_sub(reach), (k + reach + 1).min(dq.len()));
-            good[from..to].fill(false);
-        }
-    }
-    good.iter().enumerate().filter_map(|(k, good)| good.then_some(k)).collect()
+/// Rows of a fit of a joint, evenly spread over the samples in which it moves one way; `None`: too few.
+fn rows(dq: &[f64], record: &Smoothed) -> Option<Vec<usize>> {
+    let near = near_turns(dq, record.reach() / 2);
+    let good: Vec<usize> = (0..dq.len()).filter(|k| !near[*k]).collect();
+    let step = (good.len() / ROWS).max(1);
+    (good.len() >= ROWS_LEAST).then(|| good.into_iter().step_by(step).collect())
+}
+
+/// These rows of a signal.
+fn pick(rows: &[usize], x: &[f64]) -> DVector<f64> {
+    DVector::from_iterator(rows.len(), rows.iter().map(|k| x[*k]))
 }
 
 /// Result of (R1) for one joint.
 struct Fit {
     /// `M̂_ii` \[kg·m²\].
-    inertia: f64,
-    /// Largest error of it by a torque that is as large as the largest residual \[kg·m²\].
-    half: f64,
-    /// Largest residual \[N·m\].
-    unexplained: f64,
-    /// Root mean square of the part of `q̈_i` that is its own \[rad/s²\].
-    own_rms: f64,
-    /// The same without the other joints, as a share of `q̈_i`: the rest beside its position and velocity.
+    inertia: BoundedCoefficient,
+    /// Root mean square of the part of `q̈_i` that neither its position nor its velocity explains, as a share of `q̈_i`.
     alone: f64,
 }
 
@@ -249,14 +233,12 @@ impl Fit {
         richer: bool,
     ) -> Self {
         let joint = &signals[of];
-        let pick = |x: &[f64]| DVector::from_iterator(rows.len(), rows.iter().map(|k| x[*k]));
-        let own = pick(joint.ddq);
+        let own = pick(rows, joint.ddq);
         let columns = columns(signals, of, (rows, moves), richer);
-        let BoundedCoefficient { value, half, unexplained, own_rms } =
-            bounded(&columns, &own, &pick(joint.tau));
-        let still = [DVector::repeat(rows.len(), 1.0), pick(joint.q), pick(joint.dq)];
+        let inertia = bounded(&columns, &own, &pick(rows, joint.tau));
+        let still = [DVector::repeat(rows.len(), 1.0), pick(rows, joint.q), pick(rows, joint.dq)];
         let alone = orthogonal(&basis(&still), &own).norm() / own.norm().max(f64::MIN_POSITIVE);
-        Self { inertia: value, half, unexplained, own_rms, alone }
+        Self { inertia, alone }
     }
 }
 
@@ -270,7 +252,7 @@ fn columns(
     (rows, moves): (&[usize], &[bool]),
     richer: bool,
 ) -> Vec<DVector<f64>> {
-    let pick = |x: &[f64]| DVector::from_iterator(rows.len(), rows.iter().map(|k| x[*k]));
+    let pick = |x: &[f64]| pick(rows, x);
     let moving: Vec<usize> = (0..signals.len()).filter(|j| moves[*j]).collect();
     let off = |j: &usize| {
         let q = pick(signals[*j].q);
@@ -324,20 +306,20 @@ impl ExcitationAdvice {
         if fit.alone < ONE_SINE {
             return Undetermined::OneSine { frequency_hz: self.frequency_hz, add_hz, add_rad };
         }
-        Undetermined::Noise { own_rad_s2: fit.own_rms, noise_rad_s2, add_hz, add_rad }
+        Undetermined::Noise { own_rad_s2: fit.inertia.own_rms, noise_rad_s2, add_hz, add_rad }
     }
 
     /// The torque that is left could be inertia.
     fn unexplained(&self, fit: &Fit) -> Undetermined {
         // At ± 20 % it would be useful.
-        let times = larger(UNEXPLAINED * fit.half / (0.2 * fit.inertia.abs()), 1.5);
-        let (add_hz, add_rad) = self.sine(times * fit.own_rms);
+        let times = larger(UNEXPLAINED * fit.inertia.half / (0.2 * fit.inertia.value.abs()), 1.5);
+        let (add_hz, add_rad) = self.sine(times * fit.inertia.own_rms);
         if fit.alone < ONE_SINE {
             return Undetermined::OneSine { frequency_hz: self.frequency_hz, add_hz, add_rad };
         }
         Undetermined::Unexplained {
-            unexplained_nm: fit.unexplained,
-            own_rad_s2: fit.own_rms,
+            unexplained_nm: fit.inertia.unexplained,
+            own_rad_s2: fit.inertia.own_rms,
             times,
             add_hz,
             add_rad,

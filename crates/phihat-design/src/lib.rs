@@ -125,6 +125,6 @@ pub use phihat_certificate::{
 pub use positions::{PositionEstimate, PositionSearch, TubeParts};
 pub use request::requested_gains;
 pub use reversals::DryFriction;
-pub use smoothed::{RecordedJoint, Smoothed};
+pub use smoothed::{FOURTH_VARIANCE, RecordedJoint, Smoothed, fourth_differences, near_turns};
 pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia_of};
 pub use undetermined::Undetermined;

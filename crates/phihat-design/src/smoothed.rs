@@ -13,6 +13,25 @@ pub struct RecordedJoint {
     pub tau: Vec<f64>,
 }
 
+/// Samples within `reach` of one between which and the next a joint turns round: a filter mixes both directions there.
+pub fn near_turns(dq: &[f64], reach: usize) -> Vec<bool> {
+    let mut near = vec![false; dq.len()];
+    for (k, pair) in dq.windows(2).enumerate() {
+        if pair[0] * pair[1] < 0.0 {
+            near[k.saturating_sub(reach)..(k + reach + 1).min(dq.len())].fill(true);
+        }
+    }
+    near
+}
+
+/// Variance of a fourth difference of white noise of variance 1: `1 + 16 + 36 + 16 + 1`.
+pub const FOURTH_VARIANCE: f64 = 70.0;
+
+/// Fourth differences: what they leave of a motion is as fast as its samples.
+pub fn fourth_differences(x: &[f64]) -> impl Iterator<Item = f64> + '_ {
+    x.windows(5).map(|x| x[0] - 4.0 * x[1] + 6.0 * x[2] - 4.0 * x[3] + x[4])
+}
+
 /// The joints of a record with the derivatives that an estimate needs.
 ///
 /// # Method

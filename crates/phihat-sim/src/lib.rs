@@ -17,7 +17,6 @@
 mod abreast;
 mod apart;
 mod batch;
-mod class_motion;
 mod columnar;
 mod control;
 mod curve;
@@ -30,6 +29,7 @@ mod feedforward;
 mod forecast;
 mod in_force;
 mod integrator;
+mod jerk_limited;
 mod metrics;
 mod motion;
 mod motion_extent;

@@ -4,9 +4,9 @@ use core::f64::consts::TAU;
 
 use phihat_study::{ReferenceRequest, Sine, Study};
 
-use crate::class_motion::ClassMotion;
 use crate::curve;
 use crate::error::SimError;
+use crate::jerk_limited::JerkLimitedMotion;
 use crate::spline::{Jet, Spline, quintic_step};
 
 /// A C² motion of all joints.
@@ -55,7 +55,7 @@ enum Path {
     Sines { center: Vec<f64>, terms: Vec<Sine>, fade_in: f64 },
     Waypoints { t: Vec<f64>, q: Vec<Vec<f64>> },
     Splines(Vec<Spline>),
-    OfClass(Vec<ClassMotion>),
+    JerkLimited(Vec<JerkLimitedMotion>),
 }
 
 impl Motion {
@@ -78,20 +78,20 @@ impl Motion {
             ReferenceRequest::Samples { t, q, .. } => Path::Splines(per_joint(t, q)),
             ReferenceRequest::Any { class, seed } => {
                 let joints = 0..class.center.len();
-                let draw = |joint| ClassMotion::draw(class, joint, *seed, duration);
-                Path::OfClass(joints.map(draw).collect())
+                let draw = |joint| JerkLimitedMotion::draw(class, joint, *seed, duration);
+                Path::JerkLimited(joints.map(draw).collect())
             }
             ReferenceRequest::Setpoints { t, q, limits, .. } => {
                 let joint = |(j, limits): (usize, &[f64; 3])| {
                     let targets = t.iter().zip(q).map(|(t, q)| (*t, q[j]));
-                    ClassMotion::towards(targets, *limits, robot.joints[j].position, duration)
+                    JerkLimitedMotion::towards(targets, *limits, robot.joints[j].position, duration)
                         .map_err(|why| SimError::Setpoints {
                             joint: robot.joints[j].name.clone(),
                             why,
                         })
                 };
                 let motions = limits.iter().enumerate().map(joint);
-                Path::OfClass(motions.collect::<Result<_, _>>()?)
+                Path::JerkLimited(motions.collect::<Result<_, _>>()?)
             }
             ReferenceRequest::Cartesian { .. } => {
                 let (t, q) = curve::joint_samples(reference, robot, duration)?;
@@ -135,7 +135,7 @@ impl Motion {
             }
             Path::Waypoints { t: times, q } => waypoints(times, q, joint, t),
             Path::Splines(splines) => splines[joint].at(t),
-            Path::OfClass(motions) => motions[joint].at(t),
+            Path::JerkLimited(motions) => motions[joint].at(t),
         }
     }
 }

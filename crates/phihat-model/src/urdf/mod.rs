@@ -16,7 +16,7 @@ mod tree;
 
 pub(crate) use scan::{XACRO_ATTRIBUTES_MAX, scanned};
 
-pub(crate) use read::{chains, joints, read, readable};
+pub(crate) use read::{chains, declared, joints, read, readable};
 
 /// Largest description that is read \[bytes\].
 pub(crate) const BYTES_MAX: usize = 4 << 20;

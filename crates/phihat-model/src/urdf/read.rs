@@ -140,18 +140,20 @@ pub(crate) fn readable<'t>(text: &'t str, origin: &str) -> Result<Cow<'t, str>> 
         let declared: String = text[start..end].chars().map(blank).collect();
         text = Cow::Owned(format!("{}{declared}{}", &text[..start], &text[end..]));
     }
+    Ok(declared(text))
+}
+
+/// The text of a description with the prefixes declared on its root that nobody declared.
+pub(crate) fn declared(mut text: Cow<'_, str>) -> Cow<'_, str> {
     for _ in 0..PREFIXES_MAX {
-        let Err(roxmltree::Error::UnknownNamespace(prefix, at)) = Document::parse(&text) else {
+        let Err(roxmltree::Error::UnknownNamespace(prefix, _)) = Document::parse(&text) else {
             break;
         };
-        if prefix == "xacro" && text.contains("${") {
-            return Err(xacro(at.row, origin));
-        }
         let Some(start) = text.find("<robot") else { break };
         let (before, after) = text.split_at(start + "<robot".len());
         text = Cow::Owned(format!("{before} xmlns:{prefix}=\"undeclared:{prefix}\"{after}"));
     }
-    Ok(text)
+    text
 }
 
 fn xacro(line: u32, origin: &str) -> RobotError {

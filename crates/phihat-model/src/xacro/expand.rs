@@ -1,5 +1,6 @@
 //! From a file of xacro to the text of a URDF.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -16,7 +17,7 @@ use super::value::{TEXT_MAX, XacroValue};
 use super::{packages, yaml};
 use crate::error::RobotError;
 use crate::robot_text::read_text;
-use crate::urdf::{XACRO_ATTRIBUTES_MAX, scanned};
+use crate::urdf::{XACRO_ATTRIBUTES_MAX, declared, scanned};
 
 /// Most steps: parts of expressions, elements, and sixteenths of the bytes that they make.
 const STEPS_MAX: usize = 4_000_000;
@@ -28,9 +29,6 @@ const OPEN_MAX: usize = 32;
 
 /// Most files that are included.
 const FILES_MAX: usize = 500;
-
-/// Most prefixes that are declared for a file that forgot to.
-const PREFIXES_MAX: usize = 8;
 
 /// Options of an expansion.
 #[derive(Debug, Clone, Default)]
@@ -82,7 +80,7 @@ pub struct Expanded {
 pub fn expand(path: &Path, options: &XacroOptions) -> Result<Expanded, RobotError> {
     let mut expander = Expander::new(path, options);
     let root = expander.file(path).map_err(RobotError::plain)?;
-    let root = expander.whole(&root).map_err(|own| own.error(&expander.calls).plain())?;
+    let root = expander.element(&root).map_err(|own| own.error(&expander.calls).plain())?;
     expander.all_declared(path).map_err(RobotError::plain)?;
     let mut urdf = String::from("<?xml version=\"1.0\"?>\n");
     root.write(0, &mut urdf);
@@ -159,26 +157,16 @@ impl<'o> Expander<'o> {
             let (origin, limit) = (origin.to_string(), FILES_MAX);
             return Err(RobotError::TooMuch { origin, what: "files", found: limit + 1, limit });
         }
-        let mut text = read_text(path)?;
+        let text = read_text(path)?;
         scanned(&text, &origin, XACRO_ATTRIBUTES_MAX)?;
         self.files.push(path.to_owned());
-        for _ in 0..PREFIXES_MAX {
-            let Err(roxmltree::Error::UnknownNamespace(prefix, _)) = Document::parse(&text) else {
-                break;
-            };
-            let Some(at) = text.find("<robot").map(|at| at + "<robot".len()) else { break };
-            text.insert_str(at, &format!(" xmlns:{prefix}=\"undeclared:{prefix}\""));
-        }
+        let text = declared(Cow::Owned(text));
         let document = Document::parse(&text).map_err(|error| RobotError::Xml {
             origin: origin.to_string(),
             line: error.pos().row,
             why: error.to_string(),
         })?;
         Ok(XacroElement::of(&document, &origin))
-    }
-
-    fn whole(&mut self, root: &XacroElement) -> Result<XacroElement> {
-        self.element(root)
     }
 
     /// Refuses values of arguments that the file does not have.

@@ -228,8 +228,9 @@ impl Parser {
             turned += 1;
         }
         let mut inner = self.comparison()?;
-        // Two of them make a bool of what is inside.
-        for _ in 0..turned.min(2 + turned % 2) {
+        // Two of them make a bool of what is inside, and more of them nothing else.
+        let times = if turned == 0 { 0 } else { 2 - turned % 2 };
+        for _ in 0..times {
             inner = Expression::Unary("not", Box::new(inner));
         }
         Ok(inner)
@@ -251,11 +252,10 @@ impl Parser {
             };
             others.push((mark, self.level(0)?));
         }
-        let whole = Expression::Chain(Box::new(first.clone()), others);
-        Ok(match whole {
-            Expression::Chain(_, others) if others.is_empty() => first,
-            whole => whole,
-        })
+        if others.is_empty() {
+            return Ok(first);
+        }
+        Ok(Expression::Chain(Box::new(first), others))
     }
 
     fn level(&mut self, at: usize) -> Reasoned<Expression> {

@@ -1,7 +1,10 @@
 //! The arm: rotors, dry friction and payload, from the torque that the study's model leaves.
 
 use phihat_certificate::extremes::{Extremes as _, larger};
-use phihat_design::{BoundedCoefficient, Smoothed, bounded_coefficients};
+use phihat_design::{
+    BoundedCoefficient, FOURTH_VARIANCE, Smoothed, bounded_coefficients, fourth_differences,
+    near_turns,
+};
 use phihat_model::{Body, Model, Workspace};
 
 use super::Audited;
@@ -155,7 +158,7 @@ impl Audited<'_> {
         let signals = record.signals();
         let (n, count) = (signals.len(), signals.first()?.q.len());
         let turned: Vec<Vec<bool>> =
-            signals.iter().map(|joint| turns_near(joint.dq, record.reach() / 2)).collect();
+            signals.iter().map(|joint| near_turns(joint.dq, record.reach() / 2)).collect();
         let empty = || TorqueLeft {
             torque: Vec::new(),
             own: Default::default(),
@@ -244,22 +247,10 @@ fn interval(of: &BoundedCoefficient) -> (f64, f64) {
     (of.value - of.half, of.value + of.half)
 }
 
-/// Samples near one at which a joint turns round.
-fn turns_near(dq: &[f64], reach: usize) -> Vec<bool> {
-    let mut near = vec![false; dq.len()];
-    for (k, pair) in dq.windows(2).enumerate() {
-        if pair[0] * pair[1] < 0.0 {
-            near[k.saturating_sub(reach)..(k + reach + 1).min(dq.len())].fill(true);
-        }
-    }
-    near
-}
-
 /// Bound on the noise of a filtered acceleration \[rad/s²\], from fourth differences of the positions.
 fn noise(q: &[f64], period: f64) -> f64 {
-    let fourth = |x: &[f64]| x[0] - 4.0 * x[1] + 6.0 * x[2] - 4.0 * x[3] + x[4];
-    let sum: f64 = q.windows(5).map(|x| fourth(x).powi(2)).sum();
-    let white = (sum / q.len().max(1) as f64 / 70.0).sqrt();
+    let sum: f64 = fourth_differences(q).map(|x| x.powi(2)).sum();
+    let white = (sum / q.len().max(1) as f64 / FOURTH_VARIANCE).sqrt();
     // Two differences over a box of n samples, and two means: white noise of 1 becomes √(8/3) / (w² √n).
     3.0 * 1.64 * white / (WIDTH * WIDTH * (WIDTH / period).max(1.0).sqrt())
 }

@@ -3,6 +3,7 @@
 use core::f64::consts::TAU;
 
 use phihat_certificate::extremes::Extremes as _;
+use phihat_design::{FOURTH_VARIANCE, fourth_differences};
 
 use super::Audited;
 use super::row::{Assumption, AuditRow, largest_beyond};
@@ -207,15 +208,14 @@ impl Audited<'_> {
     }
 
     fn noise_row(&self, q: &[f64], (quantum, stated): (f64, f64), i: usize) -> AuditRow {
-        // Fourth differences leave of a motion what is as fast as the samples; their median leaves out lost ones.
-        let fourth = |x: &[f64]| (x[0] - 4.0 * x[1] + 6.0 * x[2] - 4.0 * x[3] + x[4]).abs();
-        let mut sizes: Vec<f64> = q.windows(5).map(fourth).collect();
+        // The median leaves out lost samples.
+        let mut sizes: Vec<f64> = fourth_differences(q).map(f64::abs).collect();
         if sizes.len() < 100 {
             return AuditRow::not_told(Assumption::Noise, "the record is too short");
         }
         let middle = sizes.len() / 2;
         let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-        let found = *median / (0.6745 * 70.0_f64.sqrt());
+        let found = *median / (0.6745 * FOURTH_VARIANCE.sqrt());
         let assumed = NOISE * (quantum * quantum / 12.0 + stated * stated).sqrt() + SILENT;
         let time = (found > assumed).then(|| self.time(self.tracked.start));
         let more = (found * found - quantum * quantum / 12.0).max(0.0).sqrt();

@@ -132,18 +132,7 @@ impl ChosenArm {
 pub fn described(options: &ArmOptions) -> Result<(Robot, Part, Vec<String>), SessionError> {
     let (mut robot, part, notes) = read(options)?;
     let n = robot.joints.len();
-    match &options.torque_max_nm[..] {
-        [] => {}
-        [one] => robot.joints.iter_mut().for_each(|joint| joint.torque_max = Some(*one)),
-        all if all.len() == n => {
-            let joints = robot.joints.iter_mut().zip(all);
-            joints.for_each(|(joint, torque)| joint.torque_max = Some(*torque));
-        }
-        all => {
-            let why = format!("--torque-max has {} values; the arm has {n} joints", all.len());
-            return Err(SessionError::other(why));
-        }
-    }
+    options.limit(&mut robot.joints)?;
     let without = robot.without_torque_limit();
     if without.is_empty() || robot.files.len() == 1 {
         return Ok((robot, part, notes));

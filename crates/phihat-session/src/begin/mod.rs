@@ -25,7 +25,7 @@ mod torque;
 use std::path::{Path, PathBuf};
 
 use phihat_model::xacro::{expand, is_xacro};
-use phihat_model::{Joint, JointKind};
+use phihat_model::{Joint, JointKind, Robot, RobotError};
 use phihat_study::Study;
 use tempfile::TempDir;
 
@@ -67,12 +67,12 @@ pub struct Begun {
 ///
 /// [`SessionError`]: the arm cannot be used, or a file is there already. That no gains exist is an answer, as it is
 /// that a description has no masses: then the study asks for each joint's inertia.
-pub fn begin(options: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, SessionError> {
-    let folder = folder_of(&options.out);
-    let name = options.study_name()?;
-    let (_expanded, options) = &expanded(options)?;
+pub fn begin(given: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, SessionError> {
+    let folder = folder_of(&given.out);
+    let name = given.study_name()?;
+    let (_expanded, options) = &expanded(given)?;
     if let Some(joints) = motion_only::joints_of(options) {
-        return motion_only(options, joints);
+        return motion_only((options, &given.arm.arm), joints);
     }
     let mut chosen = ChosenArm::of(options, folder, &name)?;
     let scratch = tempfile::tempdir().map_err(SessionError::other)?;
@@ -102,12 +102,12 @@ pub fn begin(options: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, Ses
     Ok(Begun { study, files, joints, slides, notes, error_bound, simulated, infeasible })
 }
 
-/// Writes the study of an arm whose description has no masses.
+/// Writes the study of an arm whose description, the file `named`, has no masses.
 fn motion_only(
-    options: &BeginOptions,
+    (options, named): (&BeginOptions, &str),
     joints: (String, Vec<Joint>),
 ) -> Result<Begun, SessionError> {
-    let own = motion_only::study_of(options, joints)?;
+    let own = motion_only::study_of((options, named), joints)?;
     write(&[(options.out.clone(), own.text)], options.replace)?;
     Ok(Begun {
         study: options.out.clone(),
@@ -134,6 +134,11 @@ fn expanded(options: &BeginOptions) -> Result<(Option<TempDir>, BeginOptions), S
         };
     }
     let text = expand(path, &options.arm.xacro).map_err(SessionError::other)?.urdf;
+    // What is wrong with the arm is said of the file that somebody has.
+    match Robot::part_of_text(&text, &options.arm.part, &options.arm.arm) {
+        Ok(_) | Err(RobotError::NoInertia { .. } | RobotError::SeveralArms { .. }) => {}
+        Err(why) => return Err(SessionError::other(why)),
+    }
     let folder = tempfile::tempdir().map_err(SessionError::other)?;
     let stem =
         path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
@@ -178,7 +183,7 @@ pub fn write_arm(
 ) -> Result<Vec<String>, SessionError> {
     let (robot, part, urdf, notes) = arm::to_write(options, out)?;
     write(&[(out.to_owned(), robot.arm_file(&urdf, &part))], replace)?;
-    phihat_model::Robot::read(out).map_err(|why| SessionError::at(out, why))?;
+    Robot::read(out).map_err(|why| SessionError::at(out, why))?;
     Ok(notes)
 }
 

@@ -63,38 +63,19 @@ pub(super) struct MotionOnlyStudy {
 
 /// The study of such an arm.
 pub(super) fn study_of(
-    options: &BeginOptions,
+    (options, named): (&BeginOptions, &str),
     (name, mut joints): (String, Vec<Joint>),
 ) -> Result<MotionOnlyStudy, SessionError> {
-    limit(&mut joints, &options.arm.torque_max_nm)?;
+    options.arm.limit(&mut joints)?;
     let text = study(options, &name, &joints);
     let keys = OPEN.map(|(key, _)| key).join(", ");
     let lacks = format!(
-        "{} has no masses, so no gains can be designed yet: fill in {keys} of each [[joint]] in {}; `phihat identify` finds them \
+        "{named} has no masses, so no gains can be designed yet: fill in {keys} of each [[joint]] in {}; `phihat identify` finds them \
          from records of the arm",
-        options.arm.arm,
         options.out.display()
     );
     let error_bound = options.error_bound.unwrap_or(ERROR_BOUND);
     Ok(MotionOnlyStudy { text, joints, error_bound, lacks })
-}
-
-/// Torque limits that the options state in place of the file's.
-fn limit(joints: &mut [Joint], torque_max_nm: &[f64]) -> Result<(), SessionError> {
-    let n = joints.len();
-    match torque_max_nm {
-        [] => {}
-        [one] => joints.iter_mut().for_each(|joint| joint.torque_max = Some(*one)),
-        all if all.len() == n => {
-            let each = joints.iter_mut().zip(all);
-            each.for_each(|(joint, torque)| joint.torque_max = Some(*torque));
-        }
-        all => {
-            let why = format!("--torque-max has {} values; the arm has {n} joints", all.len());
-            return Err(SessionError::other(why));
-        }
-    }
-    Ok(())
 }
 
 fn slides(joint: &Joint) -> bool {

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use phihat_model::Part;
 use phihat_model::xacro::XacroOptions;
+use phihat_model::{Joint, Part};
 
 use crate::error::SessionError;
 
@@ -18,6 +18,26 @@ pub struct ArmOptions {
     pub xacro: XacroOptions,
     /// Torque limits \[N·m\]: one for all joints or one each, in place of those of the description; empty: those.
     pub torque_max_nm: Vec<f64>,
+}
+
+impl ArmOptions {
+    /// Puts the torque limits that are stated in place of those of a description.
+    pub(super) fn limit(&self, joints: &mut [Joint]) -> Result<(), SessionError> {
+        let n = joints.len();
+        match &self.torque_max_nm[..] {
+            [] => {}
+            [one] => joints.iter_mut().for_each(|joint| joint.torque_max = Some(*one)),
+            all if all.len() == n => {
+                let each = joints.iter_mut().zip(all);
+                each.for_each(|(joint, torque)| joint.torque_max = Some(*torque));
+            }
+            all => {
+                let why = format!("--torque-max has {} values; the arm has {n} joints", all.len());
+                return Err(SessionError::other(why));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Options of a new study.

@@ -27,11 +27,11 @@ const SHARE: f64 = 1.0 - 1e-9;
 
 /// Motion of one joint in steps of constant jerk.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ClassMotion {
+pub(crate) struct JerkLimitedMotion {
     jets: Vec<Jet>,
 }
 
-impl ClassMotion {
+impl JerkLimitedMotion {
     /// Draws the motion of a joint, at rest at the centre of the class first.
     ///
     /// # Method
