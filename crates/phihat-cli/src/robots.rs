@@ -148,8 +148,9 @@ impl Robots {
             return Ok((Robot::named(name), Vec::new()));
         };
         let (chains, robot) = if is_xacro(path) {
-            let text = expand(path, &xacro).map_err(Failure::plain)?.urdf;
-            (Robot::chains_of_text(&text, name), Robot::part_of_text(&text, &part, name))
+            let own = expand(path, &xacro).map_err(Failure::plain)?;
+            let (text, origin) = (&own.urdf, &own.origin);
+            (Robot::chains_of_text(text, origin), Robot::part_of_text(text, &part, origin))
         } else if let Some(argument) = xacro.arguments.keys().next() {
             let why =
                 format!("{argument}:= is an argument of xacro, and {name} is no file of xacro");

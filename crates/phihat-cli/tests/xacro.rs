@@ -55,6 +55,12 @@ fn a_file_of_xacro_is_shown_and_written_with_its_arguments() {
         (&["robots", "arm.urdf.xacro", "joints=3"], ["joints=3", "NAME:=VALUE"]),
         (&["robots", "arm.urdf", "joints:=3"], ["joints:=", "no file of xacro"]),
         (&["robots", "arm.urdf.xacro", "--package", "a=nowhere"], ["a=nowhere", "no folder"]),
+        (
+            &["robots", "arm.urdf.xacro", "mass:=nan"],
+            ["arm.urdf.xacro, expanded:", "finite number"],
+        ),
+        (&["new", "arm.urdf.xacro", "mass:=nan"], ["arm.urdf.xacro, expanded:", "finite number"]),
+        (&["robots", "none.xacro", "joints:=3"], ["none.xacro", "cannot be read"]),
     ] {
         fails(&phihat(&folder, line), &clues);
     }
@@ -68,7 +74,10 @@ fn more_joints_than_an_arm_has_are_listed_as_chains() {
     let folder = folder("xacro-many");
     fs::write(folder.join("many.xacro"), ARM).unwrap();
     let shown = passes(phihat(&folder, &["robots", "many.xacro", "joints:=35"]));
-    assert!(shown.contains("joint19") && shown.contains("note: many.xacro: 35 joints"), "{shown}");
+    assert!(
+        shown.contains("joint19") && shown.contains("note: many.xacro, expanded: 35 joints"),
+        "{shown}"
+    );
 }
 
 #[test]

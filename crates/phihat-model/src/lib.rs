@@ -92,7 +92,7 @@ pub use lockstep::{Lockstep, LockstepError};
 pub use look::{LinkShape, Look};
 pub use model::{FrameId, GRAVITY, Model};
 pub use outline::Outline;
-pub use part::{Chain, Part};
+pub use part::{Chain, MotionOnly, Part};
 pub use profile::Profile;
 pub use robot::Robot;
 pub use scalar::{Four, Scalar};

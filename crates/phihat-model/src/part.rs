@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::joint::Joint;
+
 /// Part of a description that is the arm; all of it by default.
 ///
 /// The rest stands still: at the position stated for it, else as near to 0 as its limits permit.
@@ -50,6 +52,17 @@ impl Part {
     pub fn is_stated(&self) -> bool {
         self.base.is_some() || self.tip.is_some() || self.joints.is_some()
     }
+}
+
+/// Joints of a description whose links may be without mass.
+#[derive(Debug, Clone)]
+pub struct MotionOnly {
+    /// The robot's name.
+    pub name: String,
+    /// Its joints with their limits, in order.
+    pub joints: Vec<Joint>,
+    /// Oddities of the description that do not prevent its use.
+    pub warnings: Vec<String>,
 }
 
 /// A chain of joints that could be an arm.

@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 
 use crate::error::RobotError;
 use crate::input::plain;
-use crate::joint::Joint;
 use crate::robot_text::read_text;
-use crate::{Chain, Model, Part, Robot, extras, urdf};
+use crate::{Chain, Model, MotionOnly, Part, Robot, extras, urdf};
 
 /// Files of the arms that come with the crate: name, URDF, TOML.
 macro_rules! arms {
@@ -106,13 +105,12 @@ impl Robot {
         urdf::chains(urdf, origin).map_err(RobotError::plain)
     }
 
-    /// Joints of a part of a URDF with their limits, in order, and the robot's name; the links may be without mass
-    /// ([`RobotError::NoInertia`]).
+    /// Joints of a part of a URDF with their limits; the links may be without mass ([`RobotError::NoInertia`]).
     ///
     /// # Errors
     ///
     /// [`RobotError`], as for [`read_part`](Self::read_part).
-    pub fn joints_of(path: &Path, part: &Part) -> Result<(String, Vec<Joint>), RobotError> {
+    pub fn joints_of(path: &Path, part: &Part) -> Result<MotionOnly, RobotError> {
         let (text, origin) = (read_text(path)?, path.display().to_string());
         urdf::joints(&text, part, &origin).map_err(RobotError::plain)
     }

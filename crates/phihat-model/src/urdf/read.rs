@@ -13,8 +13,9 @@ use super::{Result, Urdf, scan};
 use crate::body::{Body, LumpedBody};
 use crate::description::{JointMotion, JointOf};
 use crate::error::RobotError;
+use crate::input::plain;
 use crate::joint::{Joint, JointKind};
-use crate::part::{Chain, Part};
+use crate::part::{Chain, MotionOnly, Part};
 use crate::placement::{dot, mul, normalised, transpose};
 use crate::{Model, Workspace};
 
@@ -74,18 +75,20 @@ pub(crate) fn read(text: &str, part: &Part, origin: &str) -> Result<Urdf> {
     Ok(Urdf { name, model, joints: driven, held, warnings })
 }
 
-/// Joints of a part of a URDF with their limits, in the order of their links, whatever its links weigh; and its name.
-pub(crate) fn joints(text: &str, part: &Part, origin: &str) -> Result<(String, Vec<Joint>)> {
+/// Joints of a part of a URDF with their limits, in the order of their links, whatever its links weigh.
+pub(crate) fn joints(text: &str, part: &Part, origin: &str) -> Result<MotionOnly> {
     let text = &readable(text, origin)?;
     let document = document(text, origin)?;
     let root = robot_element(&document, origin)?;
-    let (mut unread, source) = (Vec::new(), ElementSource::of(origin));
-    let (links, joints) = elements(root, &source, &mut unread)?;
+    let (mut warnings, source) = (Vec::new(), ElementSource::of(origin));
+    let (links, joints) = elements(root, &source, &mut warnings)?;
     let tree = Tree::of(&links, &joints, origin)?;
     let whole = WholeDescription { links: &links, joints: &joints, tree: &tree, origin };
-    let cut = whole.cut(part, &mut unread)?;
+    let cut = whole.cut(part, &mut warnings)?;
     let name = root.attribute("name").unwrap_or("robot").to_owned();
-    Ok((name, driven_joints((&joints, &tree), &cut.driven, &mut unread)?))
+    let joints = driven_joints((&joints, &tree), &cut.driven, &mut warnings)?;
+    warnings.extend(source.notes());
+    Ok(MotionOnly { name, joints, warnings: warnings.iter().map(|own| plain(own)).collect() })
 }
 
 /// Joints that are driven, with their limits, in the order of their links.

@@ -44,6 +44,8 @@ pub struct XacroOptions {
 pub struct Expanded {
     /// The text of the URDF.
     pub urdf: String,
+    /// Words that stand for that text in errors, whose lines are its own.
+    pub origin: String,
     /// Files that were read, that of the description first.
     pub files: Vec<PathBuf>,
     /// Arguments that the file declares, with the values that they had.
@@ -86,14 +88,14 @@ pub fn expand(path: &Path, options: &XacroOptions) -> Result<Expanded, RobotErro
     root.write(0, &mut urdf);
     let Expander { files, mut arguments, declared, .. } = expander;
     arguments.retain(|name, _| declared.contains(name));
-    Ok(Expanded { urdf, files, arguments })
+    let origin = format!("{}, expanded", path.display());
+    Ok(Expanded { urdf, origin, files, arguments })
 }
 
 /// Returns true if a file is one of xacro: by its name, or by an element of xacro in it.
 pub fn is_xacro(path: &Path) -> bool {
-    path.is_file()
-        && (path.extension().is_some_and(|extension| extension == "xacro")
-            || read_text(path).is_ok_and(|text| text.contains("<xacro:")))
+    path.extension().is_some_and(|extension| extension == "xacro")
+        || (path.is_file() && read_text(path).is_ok_and(|text| text.contains("<xacro:")))
 }
 
 /// Refusal with its place.

@@ -25,7 +25,7 @@ mod torque;
 use std::path::{Path, PathBuf};
 
 use phihat_model::xacro::{expand, is_xacro};
-use phihat_model::{Joint, JointKind, Robot, RobotError};
+use phihat_model::{JointKind, MotionOnly, Robot, RobotError};
 use phihat_study::Study;
 use tempfile::TempDir;
 
@@ -105,7 +105,7 @@ pub fn begin(given: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, Sessi
 /// Writes the study of an arm whose description, the file `named`, has no masses.
 fn motion_only(
     (options, named): (&BeginOptions, &str),
-    joints: (String, Vec<Joint>),
+    joints: MotionOnly,
 ) -> Result<Begun, SessionError> {
     let own = motion_only::study_of((options, named), joints)?;
     write(&[(options.out.clone(), own.text)], options.replace)?;
@@ -114,7 +114,7 @@ fn motion_only(
         files: vec![options.out.clone()],
         joints: own.joints.iter().map(|joint| joint.name.clone()).collect(),
         slides: own.joints.iter().map(|joint| joint.kind == JointKind::Prismatic).collect(),
-        notes: Vec::new(),
+        notes: own.warnings,
         error_bound: vec![own.error_bound; own.joints.len()],
         simulated: None,
         infeasible: Some(own.lacks),
@@ -133,9 +133,10 @@ fn expanded(options: &BeginOptions) -> Result<(Option<TempDir>, BeginOptions), S
             }
         };
     }
-    let text = expand(path, &options.arm.xacro).map_err(SessionError::other)?.urdf;
+    let expanded = expand(path, &options.arm.xacro).map_err(SessionError::other)?;
+    let text = expanded.urdf;
     // What is wrong with the arm is said of the file that somebody has.
-    match Robot::part_of_text(&text, &options.arm.part, &options.arm.arm) {
+    match Robot::part_of_text(&text, &options.arm.part, &expanded.origin) {
         Ok(_) | Err(RobotError::NoInertia { .. } | RobotError::SeveralArms { .. }) => {}
         Err(why) => return Err(SessionError::other(why)),
     }

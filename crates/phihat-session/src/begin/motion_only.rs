@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use phihat_model::{Joint, JointKind, Part, Robot, RobotError};
+use phihat_model::{Joint, JointKind, MotionOnly, Part, Robot, RobotError};
 
 use super::options::BeginOptions;
 use crate::error::SessionError;
@@ -34,7 +34,7 @@ const OPEN: [(&str, &str); 4] = [
 ];
 
 /// Joints of the file that describes motion only; `None`: it has masses, or cannot be read at all.
-pub(super) fn joints_of(options: &BeginOptions) -> Option<(String, Vec<Joint>)> {
+pub(super) fn joints_of(options: &BeginOptions) -> Option<MotionOnly> {
     let path = Path::new(&options.arm.arm);
     let without_mass = |part: &Part| {
         let read = Robot::read_part(path, part);
@@ -59,12 +59,13 @@ pub(super) struct MotionOnlyStudy {
     pub(super) error_bound: f64,
     /// Reason why no gains can be designed yet.
     pub(super) lacks: String,
+    pub(super) warnings: Vec<String>,
 }
 
 /// The study of such an arm.
 pub(super) fn study_of(
     (options, named): (&BeginOptions, &str),
-    (name, mut joints): (String, Vec<Joint>),
+    MotionOnly { name, mut joints, warnings }: MotionOnly,
 ) -> Result<MotionOnlyStudy, SessionError> {
     options.arm.limit(&mut joints)?;
     let text = study(options, &name, &joints);
@@ -75,7 +76,7 @@ pub(super) fn study_of(
         options.out.display()
     );
     let error_bound = options.error_bound.unwrap_or(ERROR_BOUND);
-    Ok(MotionOnlyStudy { text, joints, error_bound, lacks })
+    Ok(MotionOnlyStudy { text, joints, error_bound, lacks, warnings })
 }
 
 fn slides(joint: &Joint) -> bool {
@@ -176,7 +177,7 @@ mod tests {
         <joint name="swing" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/>
         <limit lower="-1" upper="2" effort="0" velocity="0.1"/></joint>
         <joint name="lift" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
-        <limit lower="0" upper="0.4" effort="50" velocity="1"/></joint></robot>"#;
+        <limit lower="0" upper="0.4" effort="50" velocity="-1"/></joint></robot>"#;
 
     /// Fails where the study does not ask for what is missing, or where filling that in does not make it a study.
     #[test]
@@ -192,6 +193,7 @@ mod tests {
             (&begun.joints[..], &begun.slides[..]),
             (&["swing".into(), "lift".into()][..], &[false, true][..])
         );
+        assert!(begun.notes.iter().any(|note| note.contains("lift") && note.contains("-1")));
         let why = begun.infeasible.unwrap();
         assert!(why.contains("no masses") && why.contains("inertia_min_kg_m2"), "{why}");
         let why = Study::read(&out).unwrap_err().to_string();
