@@ -221,7 +221,8 @@ fn pick(rows: &[usize], x: &[f64]) -> DVector<f64> {
 struct Fit {
     /// `M̂_ii` \[kg·m²\].
     inertia: BoundedCoefficient,
-    /// Root mean square of the part of `q̈_i` that neither its position nor its velocity explains, as a share of `q̈_i`.
+    /// Root mean square of the part of `q̈_i` that neither its position nor its velocity explains, as a share of that
+    /// of `q̈_i`.
     alone: f64,
 }
 
