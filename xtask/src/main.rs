@@ -13,6 +13,7 @@ mod browser;
 mod check;
 mod dependencies;
 mod dist;
+mod exact;
 mod files;
 mod franka;
 mod fuzz;
@@ -65,6 +66,8 @@ const USAGE: &str = "usage:
   cargo xtask verbs [--beside PROGRAM] [--rounds N]
                                what the verbs that people wait for take, and another program's beside them, in turns (a minute)
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
+  cargo xtask exact [LAWS]     linear claims of so many random laws (1,000: minutes): where the kernel says that each ends, decided
+                               again in FLINT's exact and ball arithmetic, on both sides
   cargo xtask stops [N]        N stops of random coupled arms and N of the repository's arms, under pushes, drops, lost samples, lies and reversed drives (10,000: six minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
   cargo xtask table1           the full comparison of rivals, kept in docs/comparison (half an hour; resumes)
@@ -126,6 +129,7 @@ fn main() -> ExitCode {
             let bench = ["bench", "--quiet", "-p", "phihat", "--bench", "soak", "--", samples];
             shell::cargo(&shell::root(), &bench)
         }
+        Some((verb, rest)) if verb == "exact" => exact::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "stops" => stops::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "mutants" => mutants::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "twice" => {

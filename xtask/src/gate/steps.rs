@@ -73,6 +73,7 @@ pub(super) const STAGES: [&[GateStep]; 5] = [
         all("attack, longer", attack::longer),
         all("browser, every check", browser::every),
         all("screenshots", |root| crate::screenshots::run(root, &[])),
+        all("exact claims", |root| crate::exact::run(root, &[])),
         all("benches, briefly", benches),
         all("every test", every_test),
         all("documentation", documentation),
