@@ -138,6 +138,95 @@ fn newton_finds_minimum_gains_of_every_order() {
     ));
 }
 
+/// Rows of (44) at m = 2 by elimination, in other code: for a given K_p, row 1 gives b_0 K̃/(K̃ − 2b_0), row 4 then b_0,
+/// row 3 K_d (the larger root; the other is negative); what is left of row 2 changes its sign at a root.
+fn roots_by_elimination(phi: f64, x: [f64; 4], with_term: bool) -> Vec<[f64; 4]> {
+    let row_2 = |kp: f64| -> [f64; 4] {
+        let beta = x[3] / (kp * x[0]);
+        let kd_of = |b: f64| {
+            let c = x[3] / x[2];
+            0.5 * (c + (c * c + 4.0 * (2.0 * kp + c * b - beta * b)).sqrt())
+        };
+        let row_4 = |b: f64| {
+            let kd = kd_of(b);
+            let sum = b * kp * x[0] + (kp + b * kd) * x[1] + (kd + b) * x[2] + x[3];
+            phi * (beta / b - 1.0) - b * x[3] - if with_term { beta * sum } else { 0.0 }
+        };
+        // It falls from +∞ to below 0 at b_0 = β, where K̃ has no limit.
+        let (mut low, mut high) = (1e-12 * beta, beta);
+        for _ in 0..80 {
+            let middle = (low * high).sqrt();
+            if row_4(middle) > 0.0 { low = middle } else { high = middle }
+        }
+        // Where K_d stops being real, the halves end without a root of row 4.
+        let solved = row_4(low).abs() < 1e-6 * phi * beta / low;
+        let (b, kd) = (low, if solved { kd_of(low) } else { f64::NAN });
+        let left = (kp * kp + beta * b * (kd * kd - 2.0 * kp)) * x[1] - (kp + b * kd) * x[3];
+        [left, 2.0 * b * beta / (beta - b), kd, b]
+    };
+    let grid: Vec<f64> =
+        (0..=8000).map(|i| 10_f64.powf(-3.000_123 + f64::from(i) * 1.25e-3)).collect();
+    let changes = grid.windows(2).filter(|two| row_2(two[0])[0] * row_2(two[1])[0] < 0.0);
+    let refined = changes.map(|two| {
+        let (mut low, mut high) = (two[0], two[1]);
+        let sign = row_2(low)[0].signum();
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            if row_2(middle)[0] * sign > 0.0 { low = middle } else { high = middle }
+        }
+        let [_, k_tilde, kd, b] = row_2(low);
+        [k_tilde, low, kd, b]
+    });
+    let mut roots: Vec<[f64; 4]> = refined.collect();
+    roots.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    roots
+}
+
+/// (44) at (49) and φ_max = 22.2 has three roots; the gains of least K̃ have the printed K_p and K_d of Table 2 (B).
+#[test]
+fn every_root_of_the_second_order() {
+    let x = [1e-4, 1e-3, 1e-2, 1e-1];
+    for (feedback, least) in
+        [(Feedback::Ignored, [463.17, 9.586]), (Feedback::Included, [57.58, 7.422])]
+    {
+        let limits = ErrorLimits { phi_max: 22.2, x_max: x.to_vec() };
+        let roots = MinimalGains::roots(&limits, feedback).unwrap();
+        let want = roots_by_elimination(22.2, x, feedback == Feedback::Included);
+        println!("{feedback:?}: {roots:?}, by elimination {want:?}");
+        assert_eq!((roots.len(), want.len()), (3, 3));
+        for (root, want) in roots.iter().zip(&want) {
+            let is = [root.k_tilde, root.kp, root.kd, root.b[0]];
+            for (is, want) in is.iter().zip(want) {
+                near(is / want, 1.0, 1e-6);
+            }
+        }
+        near(roots[0].k_tilde, least[0], 0.01);
+        near(roots[0].b[0], least[1], 1e-3);
+        near(roots[0].kp, 100.0, 1e-3);
+        near(roots[0].kd, 20.0, 1e-3);
+        assert_eq!(MinimalGains::newton(&limits, feedback).unwrap(), roots[0]);
+    }
+}
+
+/// Other limits: as many roots as elimination has.
+#[test]
+fn roots_at_other_limits() {
+    let mut counts = [0; 4];
+    for (k, phi) in [0.4, 3.0, 22.2, 100.0].into_iter().enumerate() {
+        for ratio in [6.0, 10.0, 20.0] {
+            let x = [1e-4, 1e-3, 1e-3 * ratio, 1e-2 * ratio];
+            for (feedback, term) in [(Feedback::Ignored, false), (Feedback::Included, true)] {
+                let limits = ErrorLimits { phi_max: phi, x_max: x.to_vec() };
+                let roots = MinimalGains::roots(&limits, feedback).map_or(0, |roots| roots.len());
+                let want = roots_by_elimination(phi, x, term).len();
+                assert_eq!(roots, want, "{phi} {ratio} {feedback:?}");
+                counts[k] += roots;
+            }
+        }
+    }
+    println!("roots at each φ: {counts:?}");
+}
+
 #[test]
 fn outer_loop_from_times() {
     // Textbook: critically damped, 2 % after 5.834/ω, 10–90 % in 3.358/ω.

@@ -38,9 +38,18 @@ pub(crate) fn second_h4() -> UnitLaw {
     law(&[34.8 * 34.8, 69.6])
 }
 
-/// m = 1 and the three hypotheses of m = 2, with their names.
-pub(crate) fn all() -> [(&'static str, UnitLaw); 4] {
-    [("m = 1", first()), ("H1", second_h1()), ("H2", second_h2()), ("H3", second_h3())]
+/// Names of [`all`], in their order.
+pub(crate) const NAMES: &str = "m = 1, H1, H2, H3, H4";
+
+/// m = 1 and the four hypotheses of m = 2, with their names.
+pub(crate) fn all() -> [(&'static str, UnitLaw); 5] {
+    [
+        ("m = 1", first()),
+        ("H1", second_h1()),
+        ("H2", second_h2()),
+        ("H3", second_h3()),
+        ("H4", second_h4()),
+    ]
 }
 
 /// `K̃` of Table 2 (C).

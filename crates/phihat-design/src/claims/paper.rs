@@ -10,6 +10,15 @@ use crate::claims::weights::q_diagonal;
 
 const CLAIM: &str = "minimum gains";
 
+/// Number of points around the first one at which Newton's method starts.
+const STARTS: usize = 400;
+
+/// Distance in the logarithms of the gains below which two roots are one.
+const SAME_ROOT: f64 = 1e-6;
+
+/// Least singular value of the Jacobian (relative residuals by logarithms of gains) at a root.
+const LEAST_SLOPE: f64 = 1e-6;
+
 /// Limits on the errors, and size of the unknown dynamics.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorLimits {
@@ -110,41 +119,51 @@ impl MinimalGains {
         Ok(Self { k_tilde, kp, kd, b: Vec::new(), from })
     }
 
-    /// Every row of (44) as an equality, any order, by Newton's method from `D(s)g(s) = (s + ω)^{m+1}`,
-    /// `ω = ė_max/e_max`, in the logarithms of the gains.
+    /// The root of least `K̃` of [`MinimalGains::roots`].
     ///
     /// # Errors
     ///
     /// [`PaperError`], for limits that make no sense, or without a solution in positive gains.
     pub fn newton(limits: &ErrorLimits, feedback: Feedback) -> Result<Self, PaperError> {
+        let mut roots = Self::roots(limits, feedback)?;
+        Ok(roots.swap_remove(0))
+    }
+
+    /// Every row of (44) as an equality, any order: all positive gains that Newton's method in the logarithms of
+    /// the gains reaches, by increasing `K̃`. At least one.
+    ///
+    /// It starts at `D(s)g(s) = (s + ω)^{m+1}`, `ω = ė_max/e_max`, and at 400 points spread evenly up to `e^{±6}`
+    /// around it. m = 1 has one root in closed form; nothing proves that no other exists for m ≥ 2. Left out are gains
+    /// that the rows hardly determine (least singular value of the Jacobian below 1e-6).
+    ///
+    /// # Errors
+    ///
+    /// [`PaperError`], for limits that make no sense, or without a solution in positive gains.
+    pub fn roots(limits: &ErrorLimits, feedback: Feedback) -> Result<Vec<Self>, PaperError> {
         let m = limits.check()?;
-        let mut y = start(limits, m);
-        let mut now = residual(&y, limits, feedback);
-        for _ in 0..200 {
-            if now.amax() < 1e-12 {
-                break;
-            }
-            let slope = jacobian(&y, limits, feedback);
-            let Some(step) = slope.lu().solve(&now) else { break };
-            let mut share = 1.0;
-            loop {
-                let next = &y - share * &step;
-                let there = residual(&next, limits, feedback);
-                if there.norm() < now.norm() {
-                    (y, now) = (next, there);
-                    break;
-                }
-                share *= 0.5;
-                if share < 1e-10 {
-                    return Err(PaperError::NoSolution { residual: now.amax() });
-                }
+        let center = start(limits, m);
+        let (mut roots, mut nearest) = (Vec::<DVector<f64>>::new(), f64::INFINITY);
+        for k in 0..=STARTS {
+            let (y, residual) = root_from(&center + spread(k, m + 2), limits, feedback);
+            nearest = nearest.min(residual);
+            let new = roots.iter().all(|root| (root - &y).amax() > SAME_ROOT);
+            let solves = || gains(&y, feedback).verify(limits, feedback).is_ok();
+            if new && solves() && is_finite_root(&y, limits, feedback) {
+                roots.push(y);
             }
         }
-        let found = gains(&y, feedback);
-        match found.verify(limits, feedback) {
-            Ok(()) => Ok(found),
-            Err(_) => Err(PaperError::NoSolution { residual: now.amax() }),
+        if roots.is_empty() {
+            return Err(PaperError::NoSolution { residual: nearest });
         }
+        roots.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let label = |mut gains: Self| {
+            if roots.len() > 1 {
+                let of = format!("{}, the least K̃ of {} roots", gains.from[0], roots.len());
+                gains.from.fill(of);
+            }
+            gains
+        };
+        Ok(roots.iter().map(|y| label(gains(y, feedback))).collect())
     }
 
     /// The law with these gains, with `a_{m−1} = K̃` (γ → ∞).
@@ -196,6 +215,40 @@ fn jacobian(y: &DVector<f64>, limits: &ErrorLimits, feedback: Feedback) -> DMatr
         (residual(&up, limits, feedback) - residual(&down, limits, feedback)) / (2.0 * h)
     };
     DMatrix::from_columns(&(0..y.len()).map(column).collect::<Vec<_>>())
+}
+
+/// Newton's method with halved steps from `y`, and the largest relative residual where it ends.
+fn root_from(mut y: DVector<f64>, limits: &ErrorLimits, feedback: Feedback) -> (DVector<f64>, f64) {
+    let mut now = residual(&y, limits, feedback);
+    for _ in 0..200 {
+        if now.amax() < 1e-12 {
+            break;
+        }
+        let Some(step) = jacobian(&y, limits, feedback).lu().solve(&now) else { break };
+        let shares = (0..34).map(|k| 0.5_f64.powi(k));
+        let mut next = shares.map(|share| &y - share * &step);
+        let better = next.find_map(|next| {
+            let there = residual(&next, limits, feedback);
+            (there.norm() < now.norm()).then_some((next, there))
+        });
+        let Some(better) = better else { break };
+        (y, now) = better;
+    }
+    let largest = now.amax();
+    (y, largest)
+}
+
+/// Returns true if the rows determine every gain. Towards `K̃ → 0` and `K_p → ∞` their residual falls to zero as
+/// well, and no root is there.
+fn is_finite_root(y: &DVector<f64>, limits: &ErrorLimits, feedback: Feedback) -> bool {
+    jacobian(y, limits, feedback).singular_values().min() > LEAST_SLOPE
+}
+
+/// Point `k` of an evenly spread sequence in `[−6, 6]^count` (Kronecker's, of the roots of 2, 3, 5, …); 0 is the middle.
+fn spread(k: usize, count: usize) -> DVector<f64> {
+    let primes = [2.0_f64, 3.0, 5.0, 7.0, 11.0, 13.0];
+    let along = |prime: f64| 12.0 * ((0.5 + k as f64 * prime.sqrt()).fract() - 0.5);
+    DVector::from_iterator(count, primes.into_iter().take(count).map(along))
 }
 
 /// `y = ln (K̃, K_p, K_d, b_0 … b_{m−2})`.

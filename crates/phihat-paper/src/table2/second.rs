@@ -9,7 +9,7 @@ use crate::compose::{number, three};
 use crate::gains::{PHI_MAX, second_h1, second_h2, second_h3};
 use crate::part::PartError;
 use crate::published::Published;
-use crate::record::{Statement, Verdict};
+use crate::record::{PaperNumber, Statement, Verdict};
 
 /// b_0 = 0.
 pub(super) fn a2() -> Result<Statement, PartError> {
@@ -19,7 +19,8 @@ pub(super) fn a2() -> Result<Statement, PartError> {
     let shown = refused.as_ref().map_or_else(|| "certified".to_owned(), ToString::to_string);
     let phi: Vec<_> = column.phi_of_rows(Feedback::Ignored).into_iter().map(three).collect();
     let limits = ErrorLimits { phi_max: PHI_MAX, x_max: limits(2) };
-    let ours = MinimalGains::newton(&limits, Feedback::Ignored)?;
+    let roots = MinimalGains::roots(&limits, Feedback::Ignored)?;
+    let same = |root: &MinimalGains| (root.k_tilde - column.k_tilde).abs() < 1.0;
     Ok(Published {
         id: "table2-a2",
         place: "Table 2 (A), m = 2",
@@ -28,22 +29,17 @@ pub(super) fn a2() -> Result<Statement, PartError> {
     }
     .found(
         format!(
-            "{shown}; rows need φ_max = {}; Newton at {PHI_MAX}: {:.0}, {:.1}, {:.1}, {:.2}",
+            "{shown}; rows need φ_max = {}; at {PHI_MAX} the roots are {}",
             phi.join(", "),
-            ours.k_tilde,
-            ours.kp,
-            ours.kd,
-            ours.b.first().copied().unwrap_or(f64::NAN)
+            listed(&roots)
         ),
-        Verdict::of(refused.is_none() && (ours.k_tilde - column.k_tilde).abs() < 1.0, false),
+        Verdict::of(refused.is_none() && roots.iter().any(same), false),
         "b_0 = 0 violates A1: Q and S are singular, (40) is infinite, and a_0 = 0 makes it an estimator of order 1 with \
-         an idle state. No single φ_max gives the four numbers.",
-        vec![
-            number("Q_11", "", refused.map(|r| r.value), 1e-9),
-            number("K̃ by Newton", "1/s", ours.k_tilde, 1e-6),
-            number("K_p by Newton", "1/s²", ours.kp, 1e-6),
-            number("K_d by Newton", "1/s", ours.kd, 1e-6),
-        ],
+         an idle state. No single φ_max gives the four numbers, and no root at 22.2 is near them.",
+        [number("Q_11", "", refused.map(|r| r.value), 1e-9)]
+            .into_iter()
+            .chain(numbers_of(&roots))
+            .collect(),
     )
     .assuming(&["phi-max"]))
 }
@@ -58,7 +54,7 @@ pub(super) fn b2() -> Result<Statement, PartError> {
     let [low, high] = [f64::min as fn(f64, f64) -> f64, f64::max]
         .map(|f| rows.iter().copied().reduce(f).unwrap_or(f64::NAN));
     let limits = ErrorLimits { phi_max: PHI_MAX, x_max: limits(2) };
-    let ours = MinimalGains::newton(&limits, Feedback::Included)?;
+    let roots = MinimalGains::roots(&limits, Feedback::Included)?;
     let same = high / low < 1.01 && (low / PHI_MAX - 1.0).abs() < 0.01;
     Ok(Published {
         id: "table2-b2",
@@ -68,19 +64,18 @@ pub(super) fn b2() -> Result<Statement, PartError> {
     }
     .found(
         format!(
-            "rows need φ_max = {} … {}; Newton at {PHI_MAX}: {:.1}, {:.1}, {:.1}, {:.2}",
+            "rows need φ_max = {} … {}; at {PHI_MAX} the roots are {}",
             three(low.into()),
             three(high.into()),
-            ours.k_tilde,
-            ours.kp,
-            ours.kd,
-            ours.b.first().copied().unwrap_or(f64::NAN)
+            listed(&roots)
         ),
         Verdict::of(same, false),
         format!(
             "{} The first row is an equality at φ_max = 44.4, twice 22.2, to the last printed digit; the other rows \
-             then fall short by up to {:.0} %. K_p = 100 and K_d = 20 are what m = 1 gives. All rows hold for \
-             φ_max up to {}.",
+             then fall short by up to {:.0} %. All rows hold for φ_max up to {}. One root has exactly the printed K_p and K_d, \
+             with another K̃ and b_0; it may be the one that the paper had. Its K̃ and b_0 are the least and its K_p \
+             and K_d the largest of the roots: none is the least in every gain, and the paper does not say which one it \
+             takes. `design --method paper` takes the least K̃.",
             if refused.is_none() { "The only column of m = 2 that satisfies A1 to A3." } else { "No certificate." },
             100.0 * (1.0 - low / high),
             three(low.into())
@@ -88,12 +83,33 @@ pub(super) fn b2() -> Result<Statement, PartError> {
         vec![
             number("least φ_max of a row", "", low, 1e-9),
             number("largest φ_max of a row", "", high, 1e-9),
-            number("K̃ by Newton", "1/s", ours.k_tilde, 1e-6),
-            number("K_p by Newton", "1/s²", ours.kp, 1e-6),
-            number("K_d by Newton", "1/s", ours.kd, 1e-6),
-        ],
+        ]
+        .into_iter()
+        .chain(numbers_of(&roots))
+        .collect(),
     )
     .assuming(&["phi-max"]))
+}
+
+/// `(K̃, K_p, K_d, b_0)` of each root.
+fn listed(roots: &[MinimalGains]) -> String {
+    let one = |root: &MinimalGains| {
+        let b_0 = root.b.first().copied().unwrap_or(f64::NAN);
+        format!("({:.1}, {:.1}, {:.2}, {b_0:.2})", root.k_tilde, root.kp, root.kd)
+    };
+    roots.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// Their count, and the gains of the one of least K̃.
+fn numbers_of(roots: &[MinimalGains]) -> impl Iterator<Item = PaperNumber> {
+    let gain = |of: fn(&MinimalGains) -> f64| roots.first().map(of);
+    [
+        number("roots of (44)", "", roots.len() as f64, 0.0),
+        number("least K̃ of a root", "1/s", gain(|root| root.k_tilde), 1e-6),
+        number("K_p of that root", "1/s²", gain(|root| root.kp), 1e-6),
+        number("K_d of that root", "1/s", gain(|root| root.kd), 1e-6),
+    ]
+    .into_iter()
 }
 
 /// (C), m = 2.

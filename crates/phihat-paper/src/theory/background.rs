@@ -4,7 +4,7 @@ use phihat_design::claims::{UnitLaw, polynomial};
 
 use crate::compose::{number, three};
 use crate::draw::Draw;
-use crate::gains::all;
+use crate::gains::{NAMES, all};
 use crate::joint::largest;
 use crate::published::Published;
 use crate::record::{Section, Statement, Verdict};
@@ -89,7 +89,7 @@ fn feedback() -> Statement {
         paper: "K = a_1[b_0K_p, K_p + b_0K_d, K_d + b_0, I]",
     }
     .found(
-        format!("coefficients differ by {worst:.0e} at most (m = 1, H1, H2, H3)"),
+        format!("coefficients differ by {worst:.0e} at most ({NAMES})"),
         Verdict::of(worst < 1e-12, false),
         "(19) is φ̂^{(m)} = −(a_{m−1}s^{m−1} + … + a_0)(s² + K_ds + K_p)e, and the product of the two polynomials has the \
          coefficients of (16).",
@@ -148,7 +148,7 @@ fn extra_term() -> Statement {
         paper: "not needed",
     }
     .found(
-        format!("the loop without it is stable at {stable} of {} laws (m = 1, H1, H2, H3)", all().len()),
+        format!("the loop without it is stable at {stable} of {} laws ({NAMES})", all().len()),
         Verdict::of(stable == all().len(), false),
         "At M = M̄ its polynomial is D(s)A_o(s), stable exactly where (4) and (8) are. The paper's proof asks for A1 to \
          A3 besides, which H1 and H2 do not meet.",

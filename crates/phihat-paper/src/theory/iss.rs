@@ -9,7 +9,7 @@ use super::alpha;
 use super::printed::{Q33, Scalars};
 use crate::compose::{number, three, words};
 use crate::draw::Draw;
-use crate::gains::{K_TILDE, K_TILDE_H3, PHI_MAX, all, second_h1, second_h2, second_h3};
+use crate::gains::{K_TILDE, K_TILDE_H3, NAMES, PHI_MAX, all, second_h1, second_h2, second_h3};
 use crate::joint::{PaperForm, PhiCourse, largest, length, outer, run};
 use crate::part::PartError;
 use crate::published::Published;
@@ -29,7 +29,7 @@ pub(super) fn theorem_3(draws: usize) -> Result<Section, PartError> {
         id: "theorem-3".to_owned(),
         title: "Theorem 3: input-to-state stability".to_owned(),
         text: words(&[
-            "V = ½xᵀSx with S of (18) needs A1 to A3, of the three hypotheses of m = 2 only H3 meets them: what depends on that S is \
+            "V = ½xᵀSx with S of (18) needs A1 to A3, which H3 and H4 meet and H1 and H2 do not: what depends on that S is \
              computed at H3. The loops of m = 1, H1 and H2 are stable and input-to-state stable too, with another S. \
              The constants are large because |x| of the paper adds rad·s², rad·s, rad and rad/s.",
         ]),
@@ -115,7 +115,7 @@ fn dissipation(law: &UnitLaw, iss: &Iss, any: &[(&str, UnitLaw, Iss)], draws: us
     }
     .found(
         format!(
-            "H3: broken at {own} of {draws} random (x, φ); m = 1, H1, H2, H3 with another S: at {others} of {}",
+            "H3: broken at {own} of {draws} random (x, φ); {NAMES} with another S: at {others} of {}",
             draws * any.len()
         ),
         Verdict::of(own == 0, false),
@@ -267,7 +267,9 @@ fn sign_of_39() -> Statement {
         paper: "φ̂ = +(K̃ + I/γ²)x_Δ",
     }
     .found(
-        format!("stable at {printed} of {laws} laws with plus, at {corrected} with minus (m = 1, H1, H2, H3)"),
+        format!(
+            "stable at {printed} of {laws} laws with plus, at {corrected} with minus ({NAMES})"
+        ),
         Verdict::of(printed == laws, corrected == laws),
         "The minus of (29) and (36) is missing.",
         vec![

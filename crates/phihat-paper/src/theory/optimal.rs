@@ -8,7 +8,7 @@ use phihat_design::prelude::*;
 use super::printed::{Q33, Scalars, q22, residual_13};
 use crate::compose::{number, three, words};
 use crate::draw::Draw;
-use crate::gains::{K_TILDE, K_TILDE_H3, equal_rate, second_h1, second_h2, second_h3};
+use crate::gains::{K_TILDE, K_TILDE_H3, equal_rate, second_h1, second_h2, second_h3, second_h4};
 use crate::part::PartError;
 use crate::published::Published;
 use crate::record::{Section, Statement, Table, Verdict};
@@ -52,7 +52,7 @@ fn residuals(law: &UnitLaw, k_tilde: f64) -> [f64; 3] {
 fn q33() -> Result<Statement, PartError> {
     let law = second_h3();
     let [printed, corrected, gamma] = residuals(&law, K_TILDE_H3);
-    let [h1, h2] = [second_h1(), second_h2()].map(|law| residuals(&law, K_TILDE));
+    let [h1, h2, h4] = [second_h1(), second_h2(), second_h4()].map(|law| residuals(&law, K_TILDE));
     let scalars = Scalars::of(&law, K_TILDE_H3);
     let (q, s) = (scalars.q(Q33::Corrected), scalars.s());
     let definite = q.iter().all(|q_i| *q_i > 0.0) && failing_pivot(&s).is_none();
@@ -60,7 +60,7 @@ fn q33() -> Result<Statement, PartError> {
     let same = certified.certified().is_some_and(|c| {
         c.q.iter().zip(&q).all(|(ours, theirs)| (ours / theirs - 1.0).abs() < 1e-12)
     });
-    let every = |i: usize| [printed, corrected][i].max(h1[i]).max(h2[i]);
+    let every = |i: usize| [printed, corrected][i].max(h1[i]).max(h2[i]).max(h4[i]);
     Ok(Published {
         id: "erratum-q33",
         place: "Theorem 2, (18)",
@@ -69,9 +69,10 @@ fn q33() -> Result<Statement, PartError> {
     }
     .found(
         format!(
-            "residual of (13), relative: {printed:.2}, {:.2}, {:.2} as printed (H3, H1, H2); at most {:.0e} with K̃ b_0²",
+            "residual of (13), relative: {printed:.2}, {:.2}, {:.2}, {:.2} as printed (H3, H1, H2, H4); at most {:.0e} with K̃ b_0²",
             h1[0],
             h2[0],
+            h4[0],
             every(1)
         ),
         Verdict::of(every(0) < ROUNDING && definite, every(1) < ROUNDING && definite && same),
@@ -207,18 +208,35 @@ fn every_order() -> Result<(Statement, Table), PartError> {
     Ok((statement, table))
 }
 
-/// A2 is an artefact of the diagonal Q, and even there it is not necessary.
-fn damping_is_not_necessary() -> Result<Statement, PartError> {
-    let with = |kd: f64| UnitLaw { kd, ..second_h3() };
-    let diagonal = |kd: f64| q_diagonal(&with(kd), K_TILDE_H3).iter().all(|q_i| *q_i > 0.0);
+/// H3 with another `K_d`.
+fn with(kd: f64) -> UnitLaw {
+    UnitLaw { kd, ..second_h3() }
+}
+
+/// Least `K_d` at which H3 has a diagonal `Q ≻ 0` at this `K̃` \[1/s\].
+fn least_kd(k_tilde: f64) -> f64 {
     let (mut low, mut high) = (1e-6, 40.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if diagonal(middle) { high = middle } else { low = middle }
+        let positive = q_diagonal(&with(middle), k_tilde).iter().all(|q_i| *q_i > 0.0);
+        if positive { high = middle } else { low = middle }
     }
+    high
+}
+
+/// A2 is an artefact of the diagonal Q, and even there it is not necessary.
+fn damping_is_not_necessary() -> Result<Statement, PartError> {
+    let high = least_kd(K_TILDE_H3);
+    // A3 asks for K̃ > 2b_0, γ > 0 for K̃ < a_1.
+    let (b_0, a_1) = (second_h3().a[0] / second_h3().a_top(), second_h3().a_top());
+    let grid = (1..2000).map(|k| 2.0 * b_0 + (a_1 - 2.0 * b_0) * f64::from(k) / 2000.0);
+    let (any, at) = grid
+        .map(|k_tilde| (least_kd(k_tilde), k_tilde))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .unwrap_or((f64::NAN, f64::NAN));
     let a2 = (2.0 * second_h3().kp).sqrt();
     let light = with(0.5);
-    let stable = [second_h1(), second_h2(), second_h3()]
+    let stable = [second_h1(), second_h2(), second_h3(), second_h4()]
         .iter()
         .all(|law| polynomial::is_hurwitz(&UnitLaw { kd: 0.5, ..law.clone() }.denominator(1.0)));
     let gamma = Attenuation::of(&light)?.gamma_return_difference;
@@ -230,7 +248,8 @@ fn damping_is_not_necessary() -> Result<Statement, PartError> {
     }
     .found(
         format!(
-            "A2: K_d > {}; K_d = 0.5: {} at H1, H2 and H3; H3: diagonal Q ≻ 0 from K_d = {} and, at K_d = 0.5, γ = {} with another Q",
+            "A2: K_d > {}; K_d = 0.5: {} at H1, H2, H3 and H4; H3: diagonal Q ≻ 0 from K_d = {} at K̃ = 100, from {any:.2} at K̃ = {at:.0}, and, at \
+             K_d = 0.5, γ = {} with another Q",
             three(a2.into()),
             if stable { "stable" } else { "not stable everywhere" },
             three(high.into()),
@@ -241,7 +260,8 @@ fn damping_is_not_necessary() -> Result<Statement, PartError> {
          |(jω)^m + K̃g|² ≥ ω^{2m}, in which K_p and K_d do not occur: H3 keeps it, H1 and H2 do not (Table 2 (C)).",
         vec![
             number("K_d by A2", "1/s", a2, 1e-9),
-            number("least K_d with a diagonal Q, H3", "1/s", high, 1e-6),
+            number("least K_d with a diagonal Q, H3 at K̃ = 100", "1/s", high, 1e-6),
+            number("least K_d with a diagonal Q, H3 at any K̃", "1/s", any, 1e-4),
             number("γ at K_d = 0.5, H3", "", gamma, 1e-6),
         ],
     )

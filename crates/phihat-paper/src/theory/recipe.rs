@@ -252,9 +252,9 @@ fn step_three() -> Statement {
     }
     .found(
         listed.collect::<Vec<_>>().join("; "),
-        Verdict::of(found.iter().all(|(_, ratio)| (3.0..=5.0).contains(ratio)), false),
-        "The paper does not say what the gain of (47) is. As a_0^{1/m}/√K_p the recipe agrees with m = 1 and with all three \
-         hypotheses of m = 2; as a_0/K_p it agrees with none of them.",
+        Verdict::assumed(found.iter().all(|(_, ratio)| (3.0..=5.0).contains(ratio)), false),
+        "The paper does not say what the gain of (47) is. As a_0^{1/m}/√K_p the recipe agrees with m = 1, H1, H2 and H3, and \
+         not with H4; as a_0/K_p it agrees with none of them.",
         found.iter().map(|(name, ratio)| number(&format!("a_0^(1/m)/√K_p, {name}"), "", *ratio, 1e-9)).collect(),
     )
     .assuming(&["gains"])
