@@ -32,6 +32,7 @@
 #![allow(clippy::inline_always, reason = "the recursions are one loop body each; measured")]
 
 mod arm_file;
+mod as_urdf;
 mod body;
 mod choice;
 mod columns;
@@ -54,7 +55,9 @@ mod kinematics;
 mod lanes;
 mod lockstep;
 mod look;
+mod markup;
 mod mass_matrix;
+mod mjcf;
 mod model;
 mod outline;
 mod part;
@@ -67,11 +70,13 @@ mod robot_text;
 mod scalar;
 mod segment;
 mod shape;
+mod source;
 mod straight;
 mod trig;
 mod uncoupled;
 mod urdf;
 mod vector;
+mod whole;
 mod workspace;
 #[cfg(test)]
 mod written;

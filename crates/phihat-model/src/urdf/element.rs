@@ -4,9 +4,9 @@ use std::cell::RefCell;
 
 use roxmltree::Node;
 
-use super::Result;
 use crate::error::RobotError;
 use crate::placement::{Placement, from_rpy};
+use crate::whole::{NamedElement, Result};
 
 /// Longest name \[bytes\].
 const NAME_MAX: usize = 1024;
@@ -33,6 +33,13 @@ impl<'s> ElementSource<'s> {
     pub(super) fn notes(&self) -> Vec<String> {
         self.notes.take()
     }
+
+    /// What `read` returns, and the notes that it alone makes.
+    pub(super) fn apart<T>(&self, read: impl FnOnce() -> T) -> (T, Vec<String>) {
+        let before = self.notes.take();
+        let read = read();
+        (read, self.notes.replace(before))
+    }
 }
 
 /// A link or joint element, and what its errors say about it.
@@ -55,18 +62,22 @@ impl<'a, 'x> Element<'a, 'x> {
         }
     }
 
-    /// The error `why`, with file, line and name.
-    pub(super) fn error(&self, why: String) -> RobotError {
-        let (origin, name) = (self.source.origin.to_owned(), self.name.to_owned());
-        let line = self.line();
-        if self.node.has_tag_name("link") {
-            RobotError::Link { origin, line, link: name, why }
-        } else {
-            RobotError::Joint { origin, line, joint: name, why }
+    /// Its name and its place.
+    pub(super) fn named(&self) -> NamedElement {
+        NamedElement {
+            name: self.name.to_owned(),
+            origin: self.source.origin.into(),
+            line: self.line(),
+            is_link: self.node.has_tag_name("link"),
         }
     }
 
-    pub(super) fn line(&self) -> u32 {
+    /// The error `why`, with file, line and name.
+    pub(super) fn error(&self, why: String) -> RobotError {
+        self.named().error(why)
+    }
+
+    fn line(&self) -> u32 {
         self.node.document().text_pos_at(self.node.range().start).row
     }
 

@@ -1,7 +1,7 @@
 //! Chains of a tree that could be arms.
 
+use super::Moves;
 use super::part::WholeDescription;
-use super::travel::Moves;
 use crate::part::Chain;
 
 /// Words in the names of what grasps: it ends an arm.
@@ -20,7 +20,7 @@ const FINGER_MAX: usize = 5;
 /// An arm of so many joints can end in fingers without a name.
 const ARM_MIN: usize = 3;
 
-impl WholeDescription<'_, '_, '_> {
+impl WholeDescription<'_> {
     /// Chains from the root to a link that only fingers continue; the longest first, else in the order of the
     /// file.
     pub(super) fn chains(&self) -> Vec<Chain> {
@@ -87,13 +87,13 @@ impl WholeDescription<'_, '_, '_> {
         };
         let before = path.len();
         // What is a finger from its root on carries none: it is the arm, joint after joint.
-        if before > 0 && path.iter().all(|at| has(self.joints[*at].element.name, &FINGERS)) {
+        if before > 0 && path.iter().all(|at| has(&self.joints[*at].element.name, &FINGERS)) {
             return false;
         }
         // A wrist may carry a link that is called gripper, but none that is called finger.
         let named = |at: usize| {
-            has(self.joints[at].element.name, &GRASPS)
-                || has(self.links[child(at)].element.name, &FINGERS)
+            has(&self.joints[at].element.name, &GRASPS)
+                || has(&self.links[child(at)].element.name, &FINGERS)
                 || matches!(self.joints[at].moves, Moves::Follows { .. })
         };
         let short = |at: usize| counts[child(at)] + usize::from(self.moves(at)) <= FINGER_MAX;
@@ -104,7 +104,7 @@ impl WholeDescription<'_, '_, '_> {
 
     fn chain(&self, path: &[usize]) -> Option<Chain> {
         let (first, last) = (*path.first()?, *path.last()?);
-        let name = |link: usize| self.links[link].element.name;
+        let name = |link: usize| &*self.links[link].element.name;
         let moved = self.tree.child_of_joint[last];
         // All that is welded to the link that moves last.
         let (mut welded, mut next) = (Vec::new(), vec![moved]);
@@ -120,7 +120,7 @@ impl WholeDescription<'_, '_, '_> {
         Some(Chain {
             base: name(self.tree.parent_of_joint[first]).to_owned(),
             tip: name(*works.unwrap_or(&moved)).to_owned(),
-            joints: path.iter().map(|at| self.joints[*at].element.name.to_owned()).collect(),
+            joints: path.iter().map(|at| self.joints[*at].element.name.clone()).collect(),
         })
     }
 }
