@@ -64,8 +64,8 @@ impl Robot {
         self
     }
 
-    /// The text of a TOML file that says of the URDF `urdf`, beside it, what this robot knows beyond it; it reads back.
-    /// `part` is what of the URDF it is.
+    /// The text of a TOML file that says of the URDF or MJCF `urdf`, beside it, what this robot knows beyond it; it reads
+    /// back. `part` is what of the description it is.
     pub fn arm_file(&self, urdf: &str, part: &Part) -> String {
         let mut text = String::new();
         self.write_head(&mut text, (urdf, part));
@@ -88,10 +88,11 @@ impl Robot {
         );
         line(
             text,
-            "# [robot] file = \"THIS FILE\". Only `urdf` is needed; what is estimated says so, and what to measure.",
+            "# [robot] file = \"THIS FILE\". Only the description is needed; what is estimated says so, and what to measure.",
         );
         line(text, &format!("name = {}", q(&self.name)));
-        line(text, &format!("urdf = {}", q(urdf)));
+        let is_mjcf = [".xml", ".mjcf"].iter().any(|ending| urdf.ends_with(ending));
+        line(text, &format!("{} = {}", if is_mjcf { "mjcf" } else { "urdf" }, q(urdf)));
         if part.is_stated() {
             line(
                 text,

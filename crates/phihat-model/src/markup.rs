@@ -32,20 +32,44 @@ pub(crate) struct MarkupElement {
     pub(crate) place: MarkupPlace,
 }
 
+/// Places of the line ends of a text, to tell a line without reading all before it.
+#[derive(Debug)]
+pub(crate) struct LineEnds(Vec<usize>);
+
+impl LineEnds {
+    pub(crate) fn of(text: &str) -> Self {
+        Self(
+            text.bytes()
+                .enumerate()
+                .filter_map(|(at, byte)| (byte == b'\n').then_some(at))
+                .collect(),
+        )
+    }
+
+    /// Line of a node's begin, from 1.
+    pub(crate) fn line(&self, node: Node<'_, '_>) -> u32 {
+        let begin = node.range().start;
+        u32::try_from(self.0.partition_point(|end| *end < begin) + 1).unwrap_or(u32::MAX)
+    }
+}
+
 impl MarkupElement {
     /// The root of a document.
     pub(crate) fn of(document: &Document<'_>, file: &Rc<str>) -> Self {
-        Self::copied(document.root_element(), file)
+        let lines = LineEnds::of(document.input_text());
+        Self::copied(document.root_element(), (file, &lines))
     }
 
     /// The scan before has bounded the depth.
-    fn copied(node: Node<'_, '_>, file: &Rc<str>) -> Self {
+    fn copied(node: Node<'_, '_>, (file, lines): (&Rc<str>, &LineEnds)) -> Self {
         let qualified = |space: Option<&str>, name: &str| {
             let xacro = space.is_some_and(|space| space.contains("xacro"));
             if xacro { format!("{PREFIX}{name}") } else { name.to_owned() }
         };
         let parts = node.children().filter_map(|child| match child {
-            child if child.is_element() => Some(MarkupPart::Element(Self::copied(child, file))),
+            child if child.is_element() => {
+                Some(MarkupPart::Element(Self::copied(child, (file, lines))))
+            }
             child if child.is_text() => Some(MarkupPart::Text(child.text()?.to_owned())),
             _ => None,
         });
@@ -56,10 +80,7 @@ impl MarkupElement {
             name: qualified(node.tag_name().namespace(), node.tag_name().name()),
             attributes: attributes.collect(),
             parts: parts.collect(),
-            place: MarkupPlace {
-                file: Rc::clone(file),
-                line: node.document().text_pos_at(node.range().start).row,
-            },
+            place: MarkupPlace { file: Rc::clone(file), line: lines.line(node) },
         }
     }
 

@@ -60,8 +60,9 @@ impl Robot {
         Ok(robot.of([path.to_owned(), urdf]))
     }
 
+    /// The robot of these files, and of those that they include.
     fn of(mut self, files: impl Into<Vec<PathBuf>>) -> Self {
-        self.files = files.into();
+        self.files = [files.into(), self.files].concat();
         self
     }
 
@@ -209,7 +210,7 @@ impl Robot {
             poses: read.poses,
             held: read.held,
             warnings: read.warnings.iter().map(|warning| plain(warning)).collect(),
-            files: Vec::new(),
+            files: read.included,
         };
         match toml {
             None => Ok(robot),

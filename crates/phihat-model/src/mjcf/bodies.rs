@@ -150,9 +150,12 @@ impl<'m> Bodies<'m> {
                     self.gather(child, (class, frame.then(&own)), into)?;
                 }
                 "camera" | "light" => {}
-                "attach" | "replicate" | "composite" | "flexcomp" | "plugin" => {
-                    let why = "it is not read: MuJoCo's `compile` writes a file in which its bodies stand themselves";
+                "attach" | "replicate" | "composite" => {
+                    let why = "it is not read: MuJoCo's `compile` writes a file in which the bodies stand that it makes";
                     return Err(wrong(child, why));
+                }
+                "flexcomp" | "plugin" => {
+                    return Err(wrong(child, "it is not read: an arm is of rigid bodies"));
                 }
                 _ => return Err(wrong(child, "it is no element of a body")),
             }

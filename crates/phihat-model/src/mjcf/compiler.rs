@@ -2,6 +2,7 @@
 
 use super::attributes::{Setting, exactly, finite, setting, wrong};
 use crate::markup::MarkupElement;
+use crate::model::GRAVITY;
 use crate::whole::Result;
 
 /// Unit of the angles of a file.
@@ -30,6 +31,8 @@ pub(super) struct CompilerSettings {
     /// Mass of all bodies \[kg\].
     pub(super) total_mass: Option<f64>,
     pub(super) gravity: [f64; 3],
+    /// True if bodies move in a medium.
+    pub(super) has_medium: bool,
 }
 
 impl Default for CompilerSettings {
@@ -44,7 +47,8 @@ impl Default for CompilerSettings {
             least_inertia: 0.0,
             balances: false,
             total_mass: None,
-            gravity: [0.0, 0.0, -9.81],
+            gravity: GRAVITY,
+            has_medium: false,
         }
     }
 }
@@ -104,6 +108,10 @@ impl CompilerSettings {
 
     fn option(&mut self, section: &MarkupElement) -> Result<()> {
         self.gravity = finite(section, "gravity")?.unwrap_or(self.gravity);
+        for key in ["density", "viscosity"] {
+            let [value] = finite(section, key)?.unwrap_or([0.0]);
+            self.has_medium |= value != 0.0;
+        }
         for flag in section.elements().filter(|element| element.name == "flag") {
             if flag.attribute("gravity") == Some("disable") {
                 self.gravity = [0.0; 3];

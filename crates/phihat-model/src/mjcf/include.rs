@@ -1,7 +1,6 @@
 //! A file with those that it includes.
 
-use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::rc::Rc;
 
 use roxmltree::Document;
@@ -16,22 +15,27 @@ use crate::whole::Result;
 /// Name of the root element.
 pub(crate) const ROOT: &str = "mujoco";
 
-/// Most files that are included, and most elements of all.
+/// Most files that are included, most bytes of them, and most elements of all.
 const FILES_MAX: usize = 200;
+const INCLUDED_BYTES_MAX: usize = 32 << 20;
 const ELEMENTS_MAX: usize = 100_000;
 
 /// Most elements inside each other, those of included files among them.
 const LEVELS_MAX: usize = 100;
 
-/// The root element, with what it includes in its place.
+/// The root element, with what it includes in its place, and the files that it includes.
 pub(super) fn included(
     document: &Document<'_>,
     path: Option<&Path>,
     origin: &str,
-) -> Result<MarkupElement> {
+) -> Result<(MarkupElement, Vec<PathBuf>)> {
     let main = path.map(|path| path.parent().unwrap_or(Path::new("")));
-    let mut files = Included { main, files: BTreeSet::new(), elements: 0 };
-    files.spliced(MarkupElement::of(document, &Rc::from(origin)), main, 0)
+    let mut own = Included { main, files: Vec::new(), bytes: 0, elements: 0 };
+    let root = own.spliced(MarkupElement::of(document, &Rc::from(origin)), main, 0)?;
+    let mut files = own.files;
+    files.sort();
+    files.dedup();
+    Ok((root, files))
 }
 
 /// The text of an MJCF file with what it includes in its place; `None`: it includes nothing, or is no MJCF.
@@ -46,14 +50,15 @@ pub(crate) fn flat(text: &str, path: &Path) -> Result<Option<String>> {
         return Ok(None);
     }
     let mut out = String::new();
-    included(&document, Some(path), &origin)?.write(0, &mut out);
+    included(&document, Some(path), &origin)?.0.write(0, &mut out);
     Ok(Some(out))
 }
 
 struct Included<'p> {
     /// Folder of the file that includes the others.
     main: Option<&'p Path>,
-    files: BTreeSet<PathBuf>,
+    files: Vec<PathBuf>,
+    bytes: usize,
     elements: usize,
 }
 
@@ -114,21 +119,33 @@ impl Included<'_> {
         let (Some(main), Some(folder)) = (self.main, folder) else {
             return Err(wrong(include, "a text includes no file; name the file in its place"));
         };
+        // A record holds the files of an arm under the folder of the first.
+        if Path::new(name)
+            .components()
+            .any(|part| !matches!(part, Component::Normal(_) | Component::CurDir))
+        {
+            let why = format!("\"{name}\" must be beside the file that is read, or below it");
+            return Err(wrong(include, &why));
+        }
         let path = [main.join(name), folder.join(name)].into_iter().find(|path| path.is_file());
         let Some(path) = path else {
             let why = format!("\"{name}\" is not there, in {}", main.display());
             return Err(wrong(include, &why));
         };
-        if self.files.len() >= FILES_MAX {
-            let (origin, limit) = (include.place.file.to_string(), FILES_MAX);
-            return Err(RobotError::TooMuch { origin, what: "files", found: limit + 1, limit });
-        }
-        let once = std::fs::canonicalize(&path).unwrap_or_else(|_| path.clone());
-        if !self.files.insert(once) {
-            return Err(wrong(include, &format!("\"{name}\" is included already")));
-        }
         let origin = path.display().to_string();
         let text = read_text(&path)?;
+        self.bytes += text.len();
+        let many = |what, limit| {
+            let origin = include.place.file.to_string();
+            Err(RobotError::TooMuch { origin, what, found: limit + 1, limit })
+        };
+        self.files.push(path.clone());
+        if self.files.len() > FILES_MAX {
+            return many("files", FILES_MAX);
+        }
+        if self.bytes > INCLUDED_BYTES_MAX {
+            return many("bytes of included files", INCLUDED_BYTES_MAX);
+        }
         let text = readable(&text, &origin)?;
         let document = Document::parse(&text).map_err(|error| RobotError::Xml {
             origin: origin.clone(),

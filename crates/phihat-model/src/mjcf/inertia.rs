@@ -67,7 +67,9 @@ impl StatedMatter {
 
     /// With the compiler's least mass and moments, and with one moment for all where it balances three that no body has.
     pub(super) fn bounded(mut self, settings: &CompilerSettings) -> Self {
-        self.body.mass = self.body.mass.max(settings.least_mass);
+        if settings.least_mass > 0.0 {
+            self.body.mass = self.body.mass.max(settings.least_mass);
+        }
         let balances = settings.balances && !self.body.obeys_triangle_inequality();
         if settings.least_inertia <= 0.0 && !balances {
             return self;

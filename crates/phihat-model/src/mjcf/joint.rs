@@ -188,7 +188,9 @@ impl JointOfBody {
             } else {
                 ""
             };
-            let why = format!("it slides without ends: state its travel in metres, range{hint}");
+            let why = format!(
+                "it slides without ends: state its travel in metres, range{hint}; of a base that drives, name the arm on it by base and tip"
+            );
             return Err(named.error(why));
         };
         if low >= high {

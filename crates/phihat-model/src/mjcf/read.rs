@@ -27,7 +27,7 @@ pub(crate) fn described(
     path: Option<&Path>,
     origin: &str,
 ) -> Result<DescribedFile> {
-    let root = included(document, path, origin)?;
+    let (root, included) = included(document, path, origin)?;
     let settings = CompilerSettings::of(&root)?;
     let classes = DefaultClasses::of(&root)?;
     let actuators = Actuators::of_file(&root, &classes, &settings)?;
@@ -44,6 +44,9 @@ pub(crate) fn described(
     let Bodies { links, joints, .. } = bodies;
     let links = weighed(links, &settings)?;
     warnings.extend(tendons(&root)?);
+    if settings.has_medium {
+        warnings.push("the drag of the medium in <option> is not read".to_owned());
+    }
     if settings.gravity.iter().zip(GRAVITY).any(|(own, usual)| (own - usual).abs() > 0.0) {
         warnings.push(format!(
             "gravity {:?} m/s² of the file is that of the model alone; a study states its own, gravity_m_s2 in [world]",
@@ -53,6 +56,7 @@ pub(crate) fn described(
     Ok(DescribedFile {
         name: root.attribute("model").unwrap_or("robot").to_owned(),
         origin: origin.to_owned(),
+        included,
         links,
         joints,
         follows: "<equality>",

@@ -5,6 +5,7 @@ use std::cell::RefCell;
 use roxmltree::Node;
 
 use crate::error::RobotError;
+use crate::markup::LineEnds;
 use crate::placement::{Placement, from_rpy};
 use crate::whole::{NamedElement, Result};
 
@@ -14,12 +15,13 @@ const NAME_MAX: usize = 1024;
 /// Name of the file in errors, and notes on its deviations from the format and how they were read.
 pub(super) struct ElementSource<'s> {
     pub(super) origin: &'s str,
+    lines: LineEnds,
     notes: RefCell<Vec<String>>,
 }
 
 impl<'s> ElementSource<'s> {
-    pub(super) fn of(origin: &'s str) -> Self {
-        Self { origin, notes: RefCell::new(Vec::new()) }
+    pub(super) fn of(origin: &'s str, text: &str) -> Self {
+        Self { origin, lines: LineEnds::of(text), notes: RefCell::new(Vec::new()) }
     }
 
     /// Notes what was read how, once.
@@ -78,7 +80,7 @@ impl<'a, 'x> Element<'a, 'x> {
     }
 
     fn line(&self) -> u32 {
-        self.node.document().text_pos_at(self.node.range().start).row
+        self.source.lines.line(self.node)
     }
 
     /// Notes how something is read that is not written as the format has it.

@@ -23,12 +23,13 @@ const PREFIXES_MAX: usize = 8;
 /// Links and joints of a URDF; `origin` stands for the file in errors.
 pub(crate) fn described(document: &Document<'_>, origin: &str) -> Result<DescribedFile> {
     let root = robot_element(document, origin)?;
-    let (mut warnings, source) = (Vec::new(), ElementSource::of(origin));
+    let (mut warnings, source) = (Vec::new(), ElementSource::of(origin, document.input_text()));
     let links = read_links(root, &source)?;
     let joints = read_joints(root, &source, &mut warnings)?;
     Ok(DescribedFile {
         name: root.attribute("name").unwrap_or("robot").to_owned(),
         origin: origin.to_owned(),
+        included: Vec::new(),
         links,
         joints,
         follows: "<mimic>",

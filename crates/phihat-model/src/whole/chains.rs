@@ -11,8 +11,18 @@ const GRASPS: [&str; 8] = ["gripper", "finger", "thumb", "knuckle", "jaw", "claw
 const FINGERS: [&str; 5] = ["finger", "thumb", "knuckle", "jaw", "claw"];
 
 /// Words in the names of the link that does the work, the best first.
-const WORKS: [&str; 9] =
-    ["tcp", "tool0", "tool_center", "end_effector", "ee_link", "flange", "tool", "ee", "grasp"];
+const WORKS: [&str; 10] = [
+    "tcp",
+    "tool0",
+    "tool_center",
+    "end_effector",
+    "ee_link",
+    "attachment",
+    "flange",
+    "tool",
+    "ee",
+    "grasp",
+];
 
 /// A branch with more joints than this is no finger.
 const FINGER_MAX: usize = 5;

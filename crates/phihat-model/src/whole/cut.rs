@@ -60,7 +60,8 @@ impl DescribedFile {
         };
         let poses = self.poses.iter().filter_map(pose).collect();
         warnings.append(&mut self.notes);
-        Ok(CutArm { name: self.name, model, joints, held, tip, poses, warnings })
+        let (name, included) = (self.name, self.included);
+        Ok(CutArm { name, included, model, joints, held, tip, poses, warnings })
     }
 
     /// Joints of a part of the file with their limits, in the order of their links, whatever its links weigh.

@@ -1,6 +1,7 @@
 //! A description of any format, before it is known which part of it is the arm; and the arm cut out of it.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use crate::Model;
 use crate::error::RobotError;
@@ -26,6 +27,8 @@ pub(crate) struct DescribedFile {
     pub(crate) name: String,
     /// File, or words that stand for it, in errors.
     pub(crate) origin: String,
+    /// Files that it includes.
+    pub(crate) included: Vec<PathBuf>,
     pub(crate) links: Vec<LinkElement>,
     pub(crate) joints: Vec<JointElement>,
     /// Element by which the format says that a joint follows another.
@@ -43,6 +46,7 @@ pub(crate) struct DescribedFile {
 /// An arm that was cut out of a file.
 pub(crate) struct CutArm {
     pub(crate) name: String,
+    pub(crate) included: Vec<PathBuf>,
     pub(crate) model: Model,
     pub(crate) joints: Vec<Joint>,
     /// Positions of joints that move but are none of the arm's \[rad, m\].
