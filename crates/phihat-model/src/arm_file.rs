@@ -64,8 +64,8 @@ impl Robot {
         self
     }
 
-    /// The text of a TOML file that says of the URDF or MJCF `urdf`, beside it, what this robot knows beyond it; it reads
-    /// back. `part` is what of the description it is.
+    /// The text of a TOML file that says of the URDF or MJCF `urdf`, beside it, what this robot knows
+    /// beyond it; it reads back. `part` is what of the description it is.
     pub fn arm_file(&self, urdf: &str, part: &Part) -> String {
         let mut text = String::new();
         self.write_head(&mut text, (urdf, part));

@@ -10,8 +10,9 @@ use crate::markup::escaped;
 use crate::placement::{Matrix3, Placement, about, mul};
 
 impl Robot {
-    /// The text of a URDF with the same motion: links, joints, masses, limits, viscous and dry friction. What moves but is
-    /// none of the arm's joints is fixed where it is held. Rotor inertia, intervals and geometry have no place in it.
+    /// The text of a URDF with the same motion: links, joints, masses, limits, viscous and dry
+    /// friction. What moves but is none of the arm's joints is fixed where it is held. Rotor inertia,
+    /// intervals and geometry have no place in it.
     ///
     /// # Example
     ///
@@ -96,8 +97,8 @@ fn write_joint(
     text.push_str("  </joint>\n");
 }
 
-/// Roll, pitch and yaw \[rad\] of a rotation, one after the other from what the one before leaves: exact to rounding also
-/// where the pitch is a right angle.
+/// Roll, pitch and yaw \[rad\] of a rotation, one after the other from what the one before leaves: exact to
+/// rounding also where the pitch is a right angle.
 fn rpy(r: &Matrix3) -> [f64; 3] {
     let yaw = libm::atan2(r[1][0], r[0][0]);
     let left = mul(&about([0.0, 0.0, 1.0], -yaw), r);

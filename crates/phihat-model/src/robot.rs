@@ -63,8 +63,8 @@ pub struct Robot {
     pub held: BTreeMap<String, f64>,
     /// Oddities of the description that do not prevent its use.
     pub warnings: Vec<String>,
-    /// Files that it was read from, the one that was named first, those that are included last; none of an arm that comes
-    /// with the crate.
+    /// Files that it was read from, the one that was named first, those that are included last; none of
+    /// an arm that comes with the crate.
     pub files: Vec<PathBuf>,
 }
 

@@ -8,8 +8,8 @@ use crate::error::RobotError;
 use crate::whole::{DescribedFile, Result};
 use crate::{mjcf, urdf};
 
-/// Links and joints of a description; `origin` stands for the file in errors. Files that an MJCF includes are found from
-/// `path`, where there is one.
+/// Links and joints of a description; `origin` stands for the file in errors. Files that an MJCF includes
+/// are found from `path`, where there is one.
 pub(crate) fn described(text: &str, path: Option<&Path>, origin: &str) -> Result<DescribedFile> {
     let text = &urdf::readable(text, origin)?;
     let document = Document::parse(text).map_err(|error| RobotError::Xml {

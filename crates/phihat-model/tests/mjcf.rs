@@ -1,7 +1,7 @@
-//! MJCF: what is read, under which names; what is refused, with its line. That the dynamics are MuJoCo's is tested from
-//! Python (`crates/phihat-py/tests/test_mjcf.py`), on these files and on random ones. Fails where a value, a name or a
-//! limit is read otherwise than MuJoCo's reference has it, where a refusal does not name its element, or where a hostile
-//! file is costly.
+//! MJCF: what is read, under which names; what is refused, with its line. That the dynamics are MuJoCo's is
+//! tested from Python (`crates/phihat-py/tests/test_mjcf.py`), on these files and on random ones. Fails
+//! where a value, a name or a limit is read otherwise than MuJoCo's reference has it, where a refusal does
+//! not name its element, or where a hostile file is costly.
 
 use std::fmt::Write as _;
 use std::fs;

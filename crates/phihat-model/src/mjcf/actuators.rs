@@ -78,7 +78,7 @@ impl DriveOfJoint {
         } else {
             None
         };
-        let most = [by_force, by_control].into_iter().flatten().reduce(f64::min);
+        let most = least(by_force, by_control);
         if let Some(most) = most.filter(|most| *most <= 0.0) {
             self.warnings.push(format!("an actuator that acts one way only, limit {most}"));
         }
@@ -93,6 +93,14 @@ impl DriveOfJoint {
         self.damping += gear * gear * damping;
         self.bends |= actuator.bends("damping")?;
         Ok(())
+    }
+}
+
+/// The lesser of two limits, either of which may not be there.
+pub(super) fn least(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(if a < b { a } else { b }),
+        (a, b) => a.or(b),
     }
 }
 

@@ -9,7 +9,7 @@ const VALUES_MAX: usize = 10_000;
 
 /// A setting that may be left to the compiler.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Setting {
+pub(super) enum AutoSetting {
     False,
     True,
     Auto,
@@ -64,17 +64,17 @@ pub(super) fn finite<const N: usize>(
 }
 
 /// The attribute `key` as a setting; `None`: it is not there.
-pub(super) fn setting(element: &MarkupElement, key: &str) -> Result<Option<Setting>> {
+pub(super) fn setting(element: &MarkupElement, key: &str) -> Result<Option<AutoSetting>> {
     match element.attribute(key) {
         None => Ok(None),
-        Some("false") => Ok(Some(Setting::False)),
-        Some("true") => Ok(Some(Setting::True)),
-        Some("auto") => Ok(Some(Setting::Auto)),
+        Some("false") => Ok(Some(AutoSetting::False)),
+        Some("true") => Ok(Some(AutoSetting::True)),
+        Some("auto") => Ok(Some(AutoSetting::Auto)),
         Some(_) => Err(wrong(element, &format!("\"{key}\" must be true, false or auto"))),
     }
 }
 
-impl Setting {
+impl AutoSetting {
     /// Returns true if a range counts: it is stated to, or it is there where ranges count by being there.
     pub(super) fn counts(self, is_there: bool, autolimits: bool) -> bool {
         match self {

@@ -22,7 +22,7 @@ use crate::whole::{JointElement, LINKS_MAX, Moves, NamedElement, Result};
 /// Link that stands still.
 pub(super) const WORLD: &str = "world";
 
-/// What a file says beside its bodies.
+/// Content of a file other than its bodies.
 pub(super) struct Surroundings<'m> {
     pub(super) settings: &'m CompilerSettings,
     pub(super) classes: &'m DefaultClasses,

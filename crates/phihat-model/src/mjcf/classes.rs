@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::attributes::{Setting, exactly, finite, setting, values, wrong};
+use super::attributes::{AutoSetting, exactly, finite, setting, values, wrong};
 use crate::markup::MarkupElement;
 use crate::whole::Result;
 
@@ -159,9 +159,9 @@ impl WithDefaults<'_> {
         Ok(ends.map(|[low, high]| (low, high)))
     }
 
-    pub(super) fn setting(&self, key: &str) -> Result<Setting> {
+    pub(super) fn setting(&self, key: &str) -> Result<AutoSetting> {
         let stated = self.level(key).map_or(Ok(None), |level| setting(level, key))?;
-        Ok(stated.unwrap_or(Setting::Auto))
+        Ok(stated.unwrap_or(AutoSetting::Auto))
     }
 
     /// Numbers of which a nearer element may state the first few alone: each is that of the nearest one that has it.

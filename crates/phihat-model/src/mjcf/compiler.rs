@@ -1,6 +1,6 @@
 //! `<compiler>` and `<option>`: how the rest is read.
 
-use super::attributes::{Setting, exactly, finite, setting, wrong};
+use super::attributes::{AutoSetting, exactly, finite, setting, wrong};
 use crate::markup::MarkupElement;
 use crate::model::GRAVITY;
 use crate::whole::Result;
@@ -22,7 +22,7 @@ pub(super) struct CompilerSettings {
     pub(super) sequence: [(usize, bool); 3],
     /// True if a range counts by being there.
     pub(super) autolimits: bool,
-    pub(super) inertia_from_geom: Setting,
+    pub(super) inertia_from_geom: AutoSetting,
     /// First and last group of geoms that count.
     pub(super) groups: (f64, f64),
     pub(super) least_mass: f64,
@@ -41,7 +41,7 @@ impl Default for CompilerSettings {
             unit: AngleUnit::Unstated,
             sequence: [(0, true), (1, true), (2, true)],
             autolimits: true,
-            inertia_from_geom: Setting::Auto,
+            inertia_from_geom: AutoSetting::Auto,
             groups: (0.0, 5.0),
             least_mass: 0.0,
             least_inertia: 0.0,
@@ -87,7 +87,7 @@ impl CompilerSettings {
             })?;
         }
         let flag = |key: &str, old: bool| -> Result<bool> {
-            Ok(setting(section, key)?.map_or(old, |setting| setting == Setting::True))
+            Ok(setting(section, key)?.map_or(old, |setting| setting == AutoSetting::True))
         };
         self.autolimits = flag("autolimits", self.autolimits)?;
         self.balances = flag("balanceinertia", self.balances)?;

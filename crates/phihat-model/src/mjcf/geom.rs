@@ -2,7 +2,7 @@
 
 use core::f64::consts::PI;
 
-use super::attributes::{Setting, wrong};
+use super::attributes::{AutoSetting, wrong};
 use super::classes::WithDefaults;
 use super::compiler::CompilerSettings;
 use super::orientation::{pose, z_along};
@@ -52,7 +52,7 @@ pub(super) fn matter(
     if kind == "hfield" {
         return refuse("a height field");
     }
-    if geom.setting("shellinertia")? == Setting::True {
+    if geom.setting("shellinertia")? == AutoSetting::True {
         return refuse("a shell");
     }
     let mut size = geom.up_to("size", [0.0; 3])?;

@@ -1,6 +1,6 @@
 //! Mass and inertia of a body, and what the compiler makes of them.
 
-use super::attributes::{Setting, finite, wrong};
+use super::attributes::{AutoSetting, finite, wrong};
 use super::compiler::CompilerSettings;
 use super::orientation::own_pose;
 use crate::body::{Body, LumpedBody};
@@ -65,7 +65,8 @@ impl StatedMatter {
         Some(Self { body, at: Placement { p: centre, ..Placement::IDENTITY } })
     }
 
-    /// With the compiler's least mass and moments, and with one moment for all where it balances three that no body has.
+    /// With the compiler's least mass and moments, and with one moment for all where it balances three
+    /// that no body has.
     pub(super) fn bounded(mut self, settings: &CompilerSettings) -> Self {
         if settings.least_mass > 0.0 {
             self.body.mass = self.body.mass.max(settings.least_mass);
@@ -123,9 +124,9 @@ pub(super) fn of_body(
 ) -> Result<StatedMatter> {
     let own = inertial.map(|inertial| StatedMatter::of(inertial, settings)).transpose()?;
     let by_geoms = match settings.inertia_from_geom {
-        Setting::True => true,
-        Setting::False => false,
-        Setting::Auto => own.is_none(),
+        AutoSetting::True => true,
+        AutoSetting::False => false,
+        AutoSetting::Auto => own.is_none(),
     };
     let found = if by_geoms { StatedMatter::of_geoms(&geoms?) } else { None };
     Ok(found.or(own).unwrap_or_else(|| StatedMatter::none(pose)).bounded(settings))

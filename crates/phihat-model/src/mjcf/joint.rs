@@ -1,6 +1,6 @@
 //! Joints: kind, axis, travel, friction and drive.
 
-use super::actuators::Actuators;
+use super::actuators::{Actuators, least};
 use super::attributes::wrong;
 use super::classes::WithDefaults;
 use super::compiler::{AngleUnit, CompilerSettings};
@@ -148,7 +148,7 @@ impl JointOfBody {
         let is_there = own.0 != 0.0 || own.1 != 0.0;
         let limited = joint.setting("actuatorfrclimited")?.counts(is_there, settings.autolimits);
         let own = limited.then(|| own.1.min(-own.0));
-        let most = [own, drive.torque_max].into_iter().flatten().reduce(f64::min);
+        let most = least(own, drive.torque_max);
         let torque_max = most.filter(|most| *most > 0.0 && *most <= BOUNDLESS * 10.0);
         if let (Some(most), None) = (most, torque_max) {
             warnings.push(format!("joint \"{name}\": a torque limit of {most} is read as none"));

@@ -36,7 +36,7 @@ impl<'s> ElementSource<'s> {
         self.notes.take()
     }
 
-    /// What `read` returns, and the notes that it alone makes.
+    /// Result of `read`, and the notes that it alone makes.
     pub(super) fn apart<T>(&self, read: impl FnOnce() -> T) -> (T, Vec<String>) {
         let before = self.notes.take();
         let read = read();

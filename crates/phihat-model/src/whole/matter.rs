@@ -7,8 +7,8 @@ use crate::placement::{Placement, dot, mul, transpose};
 /// Radius of gyration, and distance of a centre of mass, beyond which units are doubted \[m\].
 const FAR: f64 = 5.0;
 
-/// Matter in a link's frame, and its oddities, of a body that stands at `at` in it, with its centre of mass in the origin
-/// of its own axes.
+/// Matter in a link's frame, and its oddities, of a body that stands at `at` in it, with its centre of mass
+/// in the origin of its own axes.
 pub(crate) fn checked_matter(
     link: &NamedElement,
     (mut stated, at): (Body, &Placement),

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use crate::Model;
-use crate::error::RobotError;
 use crate::joint::Joint;
 
 mod chains;
@@ -15,7 +14,7 @@ mod part;
 mod tree;
 
 pub(crate) use matter::checked_matter;
-pub(crate) use named::NamedElement;
+pub(crate) use named::{NamedElement, Result};
 pub(crate) use tree::{JointElement, LinkElement, Moves, StatedJoint};
 
 /// Most links, and most joints: far more than any robot has.
@@ -56,5 +55,3 @@ pub(crate) struct CutArm {
     pub(crate) poses: BTreeMap<String, Vec<f64>>,
     pub(crate) warnings: Vec<String>,
 }
-
-pub(crate) type Result<T> = core::result::Result<T, RobotError>;

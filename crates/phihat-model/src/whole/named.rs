@@ -4,6 +4,8 @@ use std::rc::Rc;
 
 use crate::error::RobotError;
 
+pub(crate) type Result<T> = core::result::Result<T, RobotError>;
+
 /// Name and place of a link or a joint.
 #[derive(Debug, Clone)]
 pub(crate) struct NamedElement {

@@ -139,8 +139,9 @@ impl WholeDescription<'_> {
         Ok(())
     }
 
-    /// Position of every joint that moves, when it is not driven: as requested, else as near to where it is drawn as its
-    /// limits permit; of a joint that follows another, the position that the other one gives it.
+    /// Position of every joint that moves, when it is not driven: as requested, else as near to where
+    /// it is drawn as its limits permit; of a joint that follows another, the position that the other
+    /// one gives it.
     fn stand(&self, part: &Part) -> Vec<f64> {
         let places: BTreeMap<&str, usize> =
             self.joints.iter().enumerate().map(|(at, j)| (&*j.element.name, at)).collect();

@@ -46,7 +46,8 @@ pub(crate) struct JointElement {
     pub(crate) reach: Option<(f64, f64)>,
     /// Position in the posture that the file is drawn in \[rad, m\]: where it is held if nothing else is stated.
     pub(crate) drawn_at: f64,
-    /// What it says of its drive, which may be wrong: that counts where it is one of the arm's. `None`: none drives it.
+    /// Limits and drive that it states, which may be wrong: that counts where it is one of the arm's. `None`: none
+    /// drives it.
     pub(crate) stated: Option<Result<StatedJoint>>,
 }
 
