@@ -35,7 +35,7 @@ pub(crate) struct Robots {
     name: Option<String>,
     #[command(flatten)]
     xacro: Xacro,
-    /// Write a URDF: that which a file of xacro expands to, else one made of the arm, as of an MJCF.
+    /// Write a URDF: the one that xacro expands to, else one made of the arm, as of an MJCF.
     #[arg(long, value_name = "ARM.urdf", requires = "name", conflicts_with = "write")]
     urdf: Option<PathBuf>,
     /// Link that the arm stands on, in a file of a larger robot.

@@ -60,11 +60,12 @@ def test_written_in_the_manner_of_public_ones(name: str) -> None:
     robot = phihat.Robot.from_file(path)
     held = {"finger_joint1": 0.0} if name == "seven_with_hand" else {}
     assert apart(robot, model, held, 1) < 1e-12
-    for joint, limits in zip(robot.joint_names, zip(robot.joint_values("position_min"), robot.joint_values("position_max"))):
-        own = model.jnt_range[joint_of(model, joint)]
-        if model.jnt_limited[joint_of(model, joint)]:
-            np.testing.assert_allclose(limits, own, rtol=1e-15)
-    dofs = model.jnt_dofadr[[joint_of(model, joint) for joint in robot.joint_names]]
+    joints = [joint_of(model, joint) for joint in robot.joint_names]
+    low, high = robot.joint_values("position_min"), robot.joint_values("position_max")
+    for joint, *limits in zip(joints, low, high):
+        if model.jnt_limited[joint]:
+            np.testing.assert_allclose(limits, model.jnt_range[joint], rtol=1e-15)
+    dofs = model.jnt_dofadr[joints]
     np.testing.assert_allclose(robot.joint_values("viscous"), model.dof_damping[dofs], rtol=1e-15)
 
 

@@ -30,7 +30,9 @@ pub(super) fn followers(
         let pair = (element.attribute("joint1"), element.attribute("joint2"));
         match pair {
             (Some(follower), Some(leader))
-                if element.name == "joint" && curved.iter().all(|x| *x == 0.0) =>
+                if element.name == "joint"
+                    && curved.iter().all(|x| *x == 0.0)
+                    && (a + b).is_finite() =>
             {
                 let follower_of = FollowerOf { leader: leader.to_owned(), line: (a, b) };
                 found.insert(follower.to_owned(), follower_of);
