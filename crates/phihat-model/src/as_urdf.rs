@@ -86,11 +86,10 @@ fn write_joint(
     if let Some(own) = own.filter(|_| joint.motion != JointMotion::Fixed) {
         let _ = writeln!(text, "    <axis xyz=\"{}\"/>", numbers(joint.axis));
         let ends = own.position.map(|(low, high)| format!(" lower=\"{low:?}\" upper=\"{high:?}\""));
-        let most = |key: &str, most: Option<f64>| {
-            most.map_or_else(String::new, |most| format!(" {key}=\"{most:?}\""))
-        };
-        let effort = most("effort", own.torque_max) + &most("velocity", own.velocity_max);
-        let _ = writeln!(text, "    <limit{}{effort}/>", ends.unwrap_or_default());
+        // Other programs want both: 0 says that there is no figure.
+        let [effort, speed] = [own.torque_max, own.velocity_max].map(Option::unwrap_or_default);
+        let ends = ends.unwrap_or_default();
+        let _ = writeln!(text, "    <limit{ends} effort=\"{effort:?}\" velocity=\"{speed:?}\"/>");
         let (viscous, coulomb) = (own.friction.viscous, own.friction.coulomb);
         let _ = writeln!(text, "    <dynamics damping=\"{viscous:?}\" friction=\"{coulomb:?}\"/>");
     }
