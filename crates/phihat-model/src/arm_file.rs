@@ -187,7 +187,7 @@ impl Robot {
         let known = self.joints.iter().all(|joint| joint.torque_max.is_some());
         line(
             text,
-            "\n# What the drives can: largest torque [N·m] and speed [rad/s]. Those of the URDF, which may be placeholders: compare",
+            "\n# What the drives can: largest torque [N·m] and speed [rad/s]. Those of the description, which may be placeholders: compare",
         );
         line(text, "# the data sheet. All estimates above come from them.");
         if !known {
@@ -195,7 +195,7 @@ impl Robot {
             line(
                 text,
                 &format!(
-                    "# STATE the torque limit of {without}: the URDF has none, and nothing can be estimated without it."
+                    "# STATE the torque limit of {without}: the description has none, and nothing can be estimated without it."
                 ),
             );
         }
@@ -206,7 +206,7 @@ impl Robot {
             line(
                 text,
                 &format!(
-                    "# Not stated by the URDF for every joint; {SPEED_ASSUMED:.3} rad/s was assumed for the estimates."
+                    "# Not stated by the description for every joint; {SPEED_ASSUMED:.3} rad/s was assumed for the estimates."
                 ),
             );
         }
@@ -256,7 +256,7 @@ impl Robot {
     }
 
     fn source(&self, text: &mut String, name: &str, active: bool) {
-        let from = self.sources.get(name).map_or("the URDF", String::as_str);
+        let from = self.sources.get(name).map_or("the description", String::as_str);
         let from = toml::Value::String(from.to_owned());
         line(text, &format!("{}source = {from}", if active { "" } else { "# " }));
     }
