@@ -26,8 +26,7 @@ pub fn faults_page(summary: &Summary, command: &str) -> String {
         @for fault in &summary.faults { (runs(summary, fault, command)) }
         (not_claimed())
     };
-    Page { title: &title, style: include_str!("page.css"), script: Some(include_str!("page.js")) }
-        .document(&main)
+    Page { title: &title, kind: "faults", script: Some(include_str!("page.js")) }.document(&main)
 }
 
 fn verdict(summary: &Summary) -> Markup {

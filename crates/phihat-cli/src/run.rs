@@ -80,6 +80,10 @@ impl TraceOptions {
 pub(crate) struct RunVerb {
     #[command(flatten)]
     arguments: RunArguments,
+    /// Derive the bound on the error a second time before the run, as `phihat verify` does with the study, and say
+    /// in record and report what came of it: DERIVED TWICE or NOT PROVED. Takes seconds to minutes.
+    #[arg(long)]
+    verify: bool,
     #[command(flatten)]
     page: PageOptions,
 }
@@ -97,13 +101,13 @@ pub(crate) struct Simulate {
 
 impl RunVerb {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        self.arguments.execute(Some(&self.page))
+        self.arguments.execute(Some(&self.page), self.verify)
     }
 }
 
 impl Simulate {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        self.arguments.execute(None)
+        self.arguments.execute(None, false)
     }
 }
 
@@ -111,7 +115,7 @@ const BAR: &str = "simulating {wide_bar} {percent:>3} % · {elapsed} of about {d
 const UNTOUCHED: &str = "nothing was written, and what was there is as it was";
 
 impl RunArguments {
-    fn execute(&self, shown_page: Option<&PageOptions>) -> Result<ExitCode, Failure> {
+    fn execute(&self, shown_page: Option<&PageOptions>, twice: bool) -> Result<ExitCode, Failure> {
         let options = RunOptions {
             study: self.study.clone(),
             gains: self.which.gains.clone(),
@@ -122,10 +126,13 @@ impl RunArguments {
             trace: self.trace.kind(),
             log: self.mcap.clone(),
         };
-        let (session, folder) = match options.open() {
+        let (mut session, folder) = match options.open() {
             Ok(opened) => opened,
             Err(why) => return self.refused(&options, why),
         };
+        if twice {
+            session.derive_twice()?;
+        }
         if session.designed_before() && !is_quiet() {
             let file = folder.join("gains.json");
             eprintln!(

@@ -33,7 +33,7 @@ pub fn budget_page(budget: &Budget) -> String {
         (changes(budget))
         (front(budget))
     };
-    Page { title: &title, style: "", script: None }.document(&main)
+    Page { title: &title, kind: "budget", script: None }.document(&main)
 }
 
 fn verdict(budget: &Budget) -> Markup {

@@ -97,7 +97,7 @@
     const dashed = (u) => {
       const c = u.ctx;
       c.save();
-      c.strokeStyle = ink("--bound");
+      c.strokeStyle = ink("--limit");
       c.setLineDash([6, 4]);
       for (const level of limits(clock.joint)) {
         const y = u.valToPos(level, "y", true);

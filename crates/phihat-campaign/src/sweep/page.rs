@@ -47,7 +47,7 @@ pub(super) fn sweep_page(summary: &SweepSummary, drawn: &[SweepRow]) -> String {
         p { "Runs are simulated and drawn at random from what was asked for. What lies between them, or outside of it, was not tried; "
             "a share of runs is no certificate." }
     };
-    Page { title: &title, style: include_str!("page.css"), script: None }.document(&main)
+    Page { title: &title, kind: "sweep", script: None }.document(&main)
 }
 
 /// Returns true if the figure is not the same in all runs, so that there is a distribution to draw.

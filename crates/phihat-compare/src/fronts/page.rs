@@ -47,7 +47,7 @@ pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
              the nominal inertia, and whether the torque that acted or the one commanded last is handed over are free for every law \
              that uses them, and tuned with its own scalars." }
     };
-    Page { title: &title, style: include_str!("fronts.css"), script: None }.document(&main)
+    Page { title: &title, kind: "fronts", script: None }.document(&main)
 }
 
 /// The cap of the details: where most laws have gains; of equal ones the least.
