@@ -5,7 +5,8 @@ use std::process::ExitCode;
 use std::time::UNIX_EPOCH;
 
 use clap::Args;
-use phihat_report::limits_acted;
+use phihat_certificate::Verdict;
+use phihat_report::{RecordedBound, limits_acted};
 use phihat_session::{
     Done, RunOptions, SessionError, TraceKind, files, log_layout, short_hash, stopped, trace_at,
 };
@@ -229,9 +230,30 @@ fn figures(done: &Done) {
     if let Some(run) = &done.tube {
         println!("{}", table::tube(run, &done.metrics));
     }
+    if let Some(bound) = &done.run.bound {
+        println!("{}", checked(bound, done));
+    }
     match &done.abort {
         Some(abort) => println!("{}", stopped(abort)),
         None => println!("{}", table::verdict(&done.metrics, done.divergence.as_ref())),
+    }
+}
+
+/// A bound that was derived a second time, in a line that begins with its standing.
+fn checked(bound: &RecordedBound, done: &Done) -> String {
+    let joints = done.metrics.joints.iter().zip(&bound.error_bound_rad);
+    let largest = joints.max_by(|a, b| a.1.total_cmp(b.1));
+    let (word, words) = (bound.verdict.words(), &bound.words);
+    match largest {
+        Some((joint, most)) if bound.verdict > Verdict::NotProved => {
+            let unit = if joint.slides { "mm" } else { "mrad" };
+            format!(
+                "{word}: |e| ≤ {:.3} {unit} on every joint (largest on {})",
+                1e3 * most,
+                joint.name
+            )
+        }
+        _ => format!("{word}: {words}"),
     }
 }
 

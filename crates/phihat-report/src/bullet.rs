@@ -17,7 +17,7 @@ pub(crate) struct BulletLevels {
 const WIDTH: f64 = 1000.0;
 
 /// The chart; its words stand beside it.
-pub(crate) fn bullet(levels: &BulletLevels, label: &str) -> Markup {
+pub(crate) fn bullet(levels: &BulletLevels) -> Markup {
     let BulletLevels { measured, proved, stated } = *levels;
     let all = [Some(measured), proved, stated].into_iter().flatten().filter(|v| v.is_finite());
     let most = all.reduce(f64::max).filter(|most| *most > 0.0).unwrap_or(1.0);
@@ -28,7 +28,7 @@ pub(crate) fn bullet(levels: &BulletLevels, label: &str) -> Markup {
     };
     let over =
         [proved, stated].into_iter().flatten().any(|bound| measured > bound || measured.is_nan());
-    html! { svg.bullet viewBox="0 0 1000 24" preserveAspectRatio="none" role="img" aria-label=(label) {
+    html! { svg.bullet viewBox="0 0 1000 24" preserveAspectRatio="none" aria-hidden="true" {
         rect.ground x="0" y="0" width="1000" height="24" {}
         @if let Some(bound) = proved { rect.reach x="0" y="0" width=(at(bound)) height="24" {} }
         rect class=(if over { "bar over" } else { "bar" }) x="0" y="8" width=(at(measured)) height="8" {}

@@ -36,7 +36,7 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
         h3 { "It claims" }
         (tube(record))
         (class(record))
-        @if certificate.class.is_none() { (bounds(certificate, &record.metrics.joints)) }
+        @if certificate.class.is_none() && record.tube.is_none() { (bounds(certificate, &record.metrics.joints)) }
         (moving(certificate))
         h3 { "Its evidence" }
         @for figure in claim_figures(record) {

@@ -104,13 +104,26 @@ impl<'a> RunStanding<'a> {
         self.joints.iter().max_by(|a, b| share(a).total_cmp(&share(b)))
     }
 
+    /// Name of the joint with the largest measured error, where all turn or all slide.
+    fn farthest(&self) -> Option<&'a str> {
+        let slides = self.joints.first()?.joint.slides;
+        let alike =
+            self.joints.len() > 1 && self.joints.iter().all(|one| one.joint.slides == slides);
+        let most =
+            self.joints.iter().max_by(|a, b| a.levels.measured.total_cmp(&b.levels.measured))?;
+        alike.then_some(most.joint.name.as_str())
+    }
+
     /// Largest value of the joints that turn, and of those that slide, in words: `0.454 mrad and 0.2 mm`.
     fn largest(&self, of: fn(&BulletLevels) -> Option<f64>) -> Option<String> {
         let kinds = [false, true].map(|slides| {
             let own = self.joints.iter().filter(|one| one.joint.slides == slides);
             let values: Option<Vec<f64>> = own.map(|one| of(&one.levels)).collect();
             let most = values?.into_iter().reduce(f64::max)?;
-            Some(format!("{}\u{a0}{}", number(MILLI * most), unit_of("mrad", slides)))
+            // As many digits as a stated value has, or four.
+            let [short, long] = [stated(MILLI * most), number(MILLI * most)];
+            let value = if short.len() < long.len() { short } else { long };
+            Some(format!("{value}\u{a0}{}", unit_of("mrad", slides)))
         });
         let words: Vec<String> = kinds.into_iter().flatten().collect();
         (!words.is_empty()).then(|| words.join(" and "))
@@ -130,6 +143,9 @@ fn unchecked(record: &Record<'_>, class: Option<&ClassRun<'_>>) -> String {
     }
     if let Some(why) = certificate.without_bound() {
         return format!("no bound on the error, {why}");
+    }
+    if let Some(why) = certificate.class_refused.as_ref().filter(|_| certificate.tube.is_none()) {
+        return format!("no bound for every motion of the class: {why}");
     }
     let void = class.and_then(|run| run.no_promise().map(str::to_owned));
     void.or_else(|| no_promise(gains, &record.run.study_sha256)).map_or_else(
@@ -154,7 +170,7 @@ pub(crate) fn standing(record: &Record<'_>) -> Markup {
         h2.word id="standing-word" {
             (standing.word.words())
             @if let Some(bound) = &bound {
-                span.figure { @if claimed { "claimed " } "|e|\u{a0}≤\u{a0}" (bound) }
+                " " span.figure { @if claimed { "claimed " } "|e| ≤ " (bound) }
             }
         }
         @for why in &standing.why { p.why { (sentence(why)) } }
@@ -176,10 +192,15 @@ fn sentence(text: &str) -> String {
 /// Measured, for what, limits.
 fn facts(record: &Record<'_>, standing: &RunStanding<'_>) -> Markup {
     let certificate = record.gains.and_then(|gains| gains.certificate.as_ref());
-    let asked = standing.largest(|levels| levels.stated);
+    let accepted = standing.largest(|levels| levels.stated);
     html! { dl.facts {
         @if let Some(measured) = standing.largest(|levels| Some(levels.measured)) {
-            dt { "measured" } dd { (measured) @if let Some(asked) = asked { " · accepted by the study: " (asked) } }
+            dt { "measured" }
+            dd {
+                (measured)
+                @if let Some(joint) = standing.farthest() { ", " (line(joint)) }
+                @if let Some(accepted) = accepted { " · the study accepts " (accepted) }
+            }
         }
         @if let Some(certificate) = certificate {
             @let words = scope(certificate, record);
@@ -271,11 +292,11 @@ fn weakest(standing: &RunStanding<'_>) -> Markup {
                 _ => {}
             }
         }
-        (bullet(&one.levels, &format!("error of {}", line(&one.joint.name))))
+        (bullet(&one.levels))
         ul.bullet-key {
             li.is-measured { "measured " b { (value(measured)) } }
             @if let Some(bound) = proved { li.is-proved { (bound_word(standing.word)) " " b { (value(bound)) } } }
-            @if let Some(accepted) = accepted { li.is-limit { "accepted " b { (value(accepted)) } } }
+            @if let Some(accepted) = accepted { li.is-limit { "accepted " b { (stated(MILLI * accepted)) " " (unit) } } }
         }
     } }
 }
@@ -308,13 +329,14 @@ pub(crate) fn every_joint(record: &Record<'_>) -> Markup {
     html! {
         ul.bullets { @for one in &standing.joints {
             @let unit = unit_of("mrad", one.joint.slides);
-            @let words = [Some(one.levels.measured), one.levels.proved, one.levels.stated].map(|value| value.map_or_else(|| "–".to_owned(), |v| number(MILLI * v)));
+            @let value = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |v| number(MILLI * v));
+            @let accepted = one.levels.stated.map_or_else(|| "–".to_owned(), |v| stated(MILLI * v));
             li {
                 span.name { (line(&one.joint.name)) }
-                (bullet(&one.levels, &format!("error of {}", line(&one.joint.name))))
-                span.values { b { (words[0]) } " of " (words[1]) " of " (words[2]) " " (unit) }
+                (bullet(&one.levels))
+                span.values { b { (number(MILLI * one.levels.measured)) } " · " (value(one.levels.proved)) " · " (accepted) " " (unit) }
             }
         } }
-        p.hint { "Largest error: measured, of its bound, of what the study accepts." }
+        p.hint { "Largest error of each joint: measured (bar), its bound (green line), what the study accepts (dashed)." }
     }
 }
