@@ -236,10 +236,15 @@ pub(super) fn place_of_ours(comparison: &Comparison, arm: &ArmRecord) -> Markup 
     };
     html! {
         " By error over these worlds, the best of the proposed laws is " strong { "place " (best) " of " (rows.len()) } " ("
-        (title(comparison, &first.rival)) ")"
-        @if worst != best { ", the worst " strong { "place " (worst) } " (" (title(comparison, &last.rival)) ")" }
+        (short_name(comparison, first)) ")"
+        @if worst != best { ", the worst " strong { "place " (worst) } " (" (short_name(comparison, last)) ")" }
         "."
     }
+}
+
+/// A law's name without whose it is.
+fn short_name(comparison: &Comparison, row: &LawRow) -> String {
+    title(comparison, &row.rival).replace(" (this project)", "")
 }
 
 /// Place of a row in a world by its error, from 1, among rows that followed quietly.

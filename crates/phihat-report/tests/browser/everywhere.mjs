@@ -23,7 +23,8 @@ export const smallTexts = (page) => page.evaluate(() => {
   for (let node = walk.nextNode(); node; node = walk.nextNode()) {
     const own = node.parentElement;
     if (!node.data.trim() || !own || own.closest("script, style, noscript, sup, sub") || !own.checkVisibility({ visibilityProperty: true })) continue;
-    const scale = own instanceof SVGElement ? own.getScreenCTM?.()?.a ?? 1 : 1;
+    const turned = own instanceof SVGElement ? own.getScreenCTM?.() : null;
+    const scale = turned ? Math.hypot(turned.a, turned.b) : 1;
     const size = parseFloat(getComputedStyle(own).fontSize) * scale;
     if (size < 11.95) small.push(`${size.toFixed(1)} px: ${node.data.trim().slice(0, 30)}`);
   }
