@@ -58,22 +58,6 @@ pub(crate) fn comparison(root: &Path) -> Result<(), String> {
     copy(&root.join("out/compare/report.html"), &root.join("docs/comparison/report.html"))
 }
 
-/// Kept pages with the name by which the style sheet knows them.
-const KEPT_PAGES: [(&str, &str); 4] = [
-    ("docs/comparison/report.html", "comparison"),
-    ("docs/fronts/report.html", "fronts"),
-    ("docs/fronts/panda.html", "fronts"),
-    ("docs/reproduction/report.html", "reproduction"),
-];
-
-/// Puts the pages that are kept into the present style; what they say stays as it was measured.
-pub(crate) fn dress(root: &Path) -> Result<(), String> {
-    programs::note(root)?;
-    let program = programs::program(root, "phihat-report/dress")?;
-    let words = KEPT_PAGES.iter().flat_map(|(page, kind)| [*page, *kind]);
-    output(Command::new(program).args(words).current_dir(root)).map(|_| ())
-}
-
 /// The laws of the fronts that are kept: those that were best in the comparison, and ours.
 const FRONTS: &str = "effort-pid,industrial-pid,super-twisting,disturbance-observer,adrc,time-delay,indi,computed-torque-integral,\
     momentum-observer,proposed-1,proposed-positions-1,proposed-positions-2,proposed-positions-designed";

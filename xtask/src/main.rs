@@ -68,7 +68,6 @@ const USAGE: &str = "usage:
   cargo xtask stops [N]        N stops of random coupled arms and N of the repository's arms, under pushes, drops, lost samples, lies and reversed drives (10,000: six minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
   cargo xtask table1           the full comparison of rivals, kept in docs/comparison (half an hour; resumes)
-  cargo xtask dress            the pages in docs/ in the present style; what they say stays as it was measured
   cargo xtask fronts           a part of the comparison at equal noise, kept in docs/fronts (three hours; resumes)
   cargo xtask laws [arms|worlds] [ARM …] [--json FILE] [--fresh]
                                laws from positions against laws fed with velocity: least certified errors, and worlds
@@ -111,7 +110,6 @@ fn main() -> ExitCode {
             Some(_) => Err(USAGE.to_owned()),
         },
         Some((verb, _)) if verb == "table1" => bless::comparison(&shell::root()),
-        Some((verb, _)) if verb == "dress" => bless::dress(&shell::root()),
         Some((verb, _)) if verb == "fronts" => bless::fronts(&shell::root()),
         Some((verb, rest)) if verb == "screenshots" => {
             programs::note(&shell::root()).and_then(|()| screenshots::run(&shell::root(), rest))

@@ -31,9 +31,9 @@ pub(crate) fn style() -> String {
 
 /// A page with one script of ours: it and the style sheet run by hash, nothing else does.
 pub(crate) fn scripted_policy(script: &str, style: &str) -> String {
-    let (script, style) = (hash(script), style_source(style));
+    let (script, style) = (hash(script), hash(style));
     format!(
-        "default-src 'none'; script-src '{script}'; style-src {style}; \
+        "default-src 'none'; script-src '{script}'; style-src '{style}'; \
          base-uri 'none'; form-action 'none'"
     )
 }
@@ -45,11 +45,6 @@ pub(crate) fn content_policy() -> String {
         "default-src 'none'; script-src '{plot}' '{page}'; style-src '{style}'; \
          base-uri 'none'; form-action 'none'"
     )
-}
-
-/// Source of a style sheet in a policy.
-pub(crate) fn style_source(style: &str) -> String {
-    format!("'{}'", hash(style))
 }
 
 fn hash(text: &str) -> String {

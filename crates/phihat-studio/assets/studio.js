@@ -132,7 +132,7 @@
       axes: [axis("t [s]", 42), axis(label(0), 52)],
       hooks: { draw: [dashed] },
     }, data, place);
-    addEventListener("resize", () => u.setSize({ width: width(), height: 200 }));
+    new ResizeObserver(() => { if (u.width !== width()) u.setSize({ width: width(), height: 200 }); }).observe(place);
     return {
       clear() { data.forEach((list) => { list.length = 0; }); u.axes[1].label = label(clock.joint); u.setData(data); },
       // Least and largest of phihat's law, and of the other one where there is one.

@@ -2,7 +2,6 @@
 //! that came from a user, static figures.
 
 pub mod draw;
-pub mod dressed;
 pub mod figure;
 pub mod number;
 pub mod shade;
