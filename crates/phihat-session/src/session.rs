@@ -290,8 +290,8 @@ impl Session {
         }
     }
 
-    /// Derives the bound on the error a second time, as [`verify`](crate::verify) does with the study, so that the record
-    /// and its page have its standing. Takes seconds.
+    /// Derives the bound on the error a second time, as [`verify`](crate::verify) does with the study, so that record
+    /// and page have its standing. Takes seconds.
     ///
     /// # Errors
     ///

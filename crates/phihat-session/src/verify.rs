@@ -243,7 +243,7 @@ fn weakest(verified: &Verified) -> Verdict {
     verdict.unwrap_or(Verdict::NotProved)
 }
 
-/// The claims of gains after their check with the study: what [`verify`] derives again, without its runs in drawn worlds.
+/// The claims of gains after their check with the study: what [`verify`] derives again, without its runs.
 fn twice(
     gains: &Gains,
     certificate: &Certificate,
