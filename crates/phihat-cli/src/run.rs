@@ -247,11 +247,9 @@ fn checked(bound: &RecordedBound, done: &Done) -> String {
     match largest {
         Some((joint, most)) if bound.verdict > Verdict::NotProved => {
             let unit = if joint.slides { "mm" } else { "mrad" };
-            format!(
-                "{word}: |e| ≤ {:.3} {unit} on every joint (largest on {})",
-                1e3 * most,
-                joint.name
-            )
+            // A bound is rounded up.
+            let most = (1e6 * most).ceil() / 1e3;
+            format!("{word}: |e| ≤ {most:.3} {unit} on every joint (largest on {})", joint.name)
         }
         _ => format!("{word}: {words}"),
     }
