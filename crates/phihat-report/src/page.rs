@@ -91,7 +91,7 @@ pub fn page(record: &Record<'_>) -> String {
             (every_joint(record))
             (tip(record))
             (table::tracking(record.metrics))
-            (table::torque(record.metrics))
+            (table::torque_table(record.metrics, driven(record.run).is_none_or(|on| on.ends_with("sim"))))
             (supervision(&record.drawing.course))
             (certificate(record))
             @if let Some(gains) = record.gains { (sections::gains(gains)) }

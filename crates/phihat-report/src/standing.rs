@@ -7,7 +7,7 @@ use phihat_sim::{JointMetrics, Metrics};
 use crate::bullet::{BulletLevels, bullet};
 use crate::class::ClassRun;
 use crate::kit::number::{number, percent, stated};
-use crate::kit::text::line;
+use crate::kit::text::{coded, line};
 use crate::kit::{MILLI, unit_of};
 use crate::promise::no_promise;
 use crate::record::Record;
@@ -173,7 +173,7 @@ pub(crate) fn standing(record: &Record<'_>) -> Markup {
                 " " span.figure { @if claimed { "claimed " } "|e| ≤ " (bound) }
             }
         }
-        @for why in &standing.why { p.why { (sentence(why)) } }
+        @for why in &standing.why { p.why { (coded(&sentence(why))) } }
         div.standing-parts {
             (facts(record, &standing))
             (weakest(&standing))
