@@ -71,7 +71,8 @@ fn standing(fixture: &Fixture) -> (String, String) {
     let page = Html::parse_document(&page(&fixture.record()));
     let found = Selector::parse("#standing").unwrap();
     let node = page.select(&found).next().unwrap();
-    let text = node.text().collect::<Vec<_>>().join(" ");
+    // Without the marks that keep a magnitude on one line.
+    let text = node.text().collect::<Vec<_>>().join(" ").replace('\u{2060}', "");
     let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
     (node.attr("class").unwrap().to_owned(), words)
 }
