@@ -34,15 +34,16 @@ ARM = """
   </actuator>
 </mujoco>
 """
-empty = mujoco.MjModel.from_xml_string(ARM.replace("LOAD", "0.01"))
 
 # %% What the design needs to know: the description, the largest payload, the error to live with.
 with tempfile.TemporaryDirectory() as folder:
-    robot = phihat.mujoco.describe(empty, Path(folder) / "arm.urdf", tip="hand")
+    file = Path(folder) / "arm.xml"
+    file.write_text(ARM.replace("LOAD", "0.01"))
+    robot = phihat.Robot.from_file(file, tip="hand")
     gains = phihat.design(
         {
             "duration_s": 6.0,
-            "robot": {"file": str(Path(folder) / "arm.toml")},
+            "robot": {"file": str(file), "tip": "hand"},
             "spec": {"settle_s": 2.0, "error_bound_rad": 4e-3},
             "design": {"payload_max_kg": 1.0},
             "world": {"substeps": 20},

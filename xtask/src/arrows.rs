@@ -20,7 +20,7 @@ const CRATES: [CrateRow; 24] = [
     (
         "phihat-model",
         &[],
-        "robot description (URDF plus what URDF lacks; what an arm looks like), the arms in `robots/`, and rigid-body dynamics; useful alone",
+        "robot description (URDF, xacro, MJCF, plus what they lack; what an arm looks like), the arms in `robots/`, and rigid-body dynamics; useful alone",
     ),
     (
         "phihat-study",

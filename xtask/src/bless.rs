@@ -8,7 +8,7 @@ use crate::shell::{cargo, read, write};
 use crate::{book, programs};
 
 /// The README's main job.
-const MAIN_JOB: [&str; 2] = ["run", "studies/panda.toml"];
+const MAIN_JOB: [&str; 3] = ["run", "studies/panda.toml", "--verify"];
 
 const OPEN: &str = "<!-- output of the main job, by cargo xtask bless -->\n```text\n";
 const CLOSE: &str = "```\n";

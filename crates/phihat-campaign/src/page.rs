@@ -7,7 +7,7 @@ use phihat_report::kit::MILLI;
 use phihat_report::kit::Page;
 use phihat_report::kit::number::{number, stated};
 use phihat_report::kit::shade::{Shade, shades};
-use phihat_report::kit::text::{line, parted};
+use phihat_report::kit::text::line;
 
 /// The self-contained page of a fault matrix. `command` is the one that made it, without `--only`.
 pub fn faults_page(summary: &Summary, command: &str) -> String {
@@ -26,8 +26,7 @@ pub fn faults_page(summary: &Summary, command: &str) -> String {
         @for fault in &summary.faults { (runs(summary, fault, command)) }
         (not_claimed())
     };
-    Page { title: &title, style: include_str!("page.css"), script: Some(include_str!("page.js")) }
-        .document(&main)
+    Page { title: &title, kind: "faults", script: Some(include_str!("page.js")) }.document(&main)
 }
 
 fn verdict(summary: &Summary) -> Markup {
@@ -90,7 +89,7 @@ fn heat_map(summary: &Summary) -> Markup {
                     } }
                 } }
                 tbody { @for fault in &summary.faults { tr {
-                    th scope="row" { (line(&fault.row)) " " (parted(&fault.name)) }
+                    th scope="row" title=(line(&fault.row)) { (people(&fault.name)) }
                     @for (arm, order) in &columns { @for severity in 1..=severities {
                         (cell(summary, fault, severity, (arm, *order)))
                     } }
@@ -111,7 +110,20 @@ fn severe(severity: usize, of: usize) -> &'static str {
 
 fn level(fault: &FaultRecord, severity: usize) -> String {
     let level = fault.levels.get(severity - 1).copied().unwrap_or(f64::NAN);
-    format!("{} {}", stated(level), line(&fault.unit)).trim_end().to_owned()
+    format!("{} {}", stated(level), unit(fault)).trim_end().to_owned()
+}
+
+/// Unit of a fault's level for people.
+fn unit(fault: &FaultRecord) -> String {
+    match line(&fault.unit).as_str() {
+        "m_max" => "× the largest payload".to_owned(),
+        own => own.to_owned(),
+    }
+}
+
+/// A fault's name in words.
+fn people(name: &str) -> String {
+    line(name).replace('_', " ")
 }
 
 fn cell(summary: &Summary, fault: &FaultRecord, severity: usize, at: (&str, usize)) -> Markup {
@@ -156,7 +168,7 @@ fn runs(summary: &Summary, fault: &FaultRecord, command: &str) -> Markup {
     let (all, kept) = (of().count(), of().filter(|run| run.missed.is_empty()).count());
     html! { details.fault open[kept < all] {
         summary {
-            strong { (line(&fault.row)) " · " (line(&fault.name)) } " "
+            strong { (people(&fault.name)) } " "
             span class=(if kept < all { "outside" } else { "note" }) { (kept) " of " (all) " kept every bar" }
         }
         p { (line(&fault.what)) ": " (levels(fault)) ". " (bars(fault)) }
@@ -215,7 +227,7 @@ fn event(event: Option<&(String, f64)>) -> Markup {
 
 fn levels(fault: &FaultRecord) -> String {
     let levels: Vec<_> = fault.levels.iter().map(|level| stated(*level)).collect();
-    format!("{} {}", levels.join(", "), line(&fault.unit)).trim_end().to_owned()
+    format!("{} {}", levels.join(", "), unit(fault)).trim_end().to_owned()
 }
 
 fn bars(fault: &FaultRecord) -> String {

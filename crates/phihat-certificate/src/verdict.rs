@@ -1,12 +1,12 @@
 //! Standing of a claim after its check: proved, derived twice, or not proved.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::extremes::larger;
 use crate::{Certificate, ClassAgain, Gains, TubeAgain};
 
 /// Standing of a claim, from the weakest to the strongest.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// It rests on one derivation alone, or there is none.

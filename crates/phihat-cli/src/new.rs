@@ -28,7 +28,7 @@ use crate::xacro::Xacro;
                         Examples:\n  phihat new planar3r --out my_first.toml --payload 0.2\n  phihat new fr3.urdf.xacro hand:=true"
 )]
 pub(crate) struct New {
-    /// A URDF or xacro file, the TOML of an arm, or a built-in arm's name.
+    /// A URDF, MJCF or xacro file, the TOML of an arm, or a built-in arm's name.
     arm: Option<String>,
     #[command(flatten)]
     xacro: Xacro,
@@ -99,7 +99,7 @@ impl New {
             None if io::stdin().is_terminal() && !self.json => self.asked()?,
             None => {
                 let why = format!(
-                    "which arm? give a URDF, the TOML of an arm, or one of {}",
+                    "which arm? give a URDF or MJCF, the TOML of an arm, or one of {}",
                     Robot::names().join(", ")
                 );
                 return Err(Failure::plain(why));
@@ -139,8 +139,9 @@ impl New {
     fn asked(&self) -> Result<BeginOptions, Failure> {
         let names = Robot::names().join(", ");
         let arm = loop {
-            let arm =
-                answer(&format!("Which arm? A URDF, the TOML of an arm, or one of {names}:"))?;
+            let arm = answer(&format!(
+                "Which arm? A URDF or MJCF, the TOML of an arm, or one of {names}:"
+            ))?;
             if !arm.is_empty() {
                 break arm;
             }

@@ -28,14 +28,14 @@ const SEED: u64 = 1;
 /// law's stability window has to hold.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  phihat robots\n  phihat robots panda\n  phihat robots fr3.urdf.xacro hand:=true --urdf fr3.urdf"
+    after_help = "Examples:\n  phihat robots\n  phihat robots panda\n  phihat robots fr3.urdf.xacro hand:=true --urdf fr3.urdf\n  phihat robots scene.xml --tip attachment_site"
 )]
 pub(crate) struct Robots {
-    /// A built-in arm, or a file: a URDF, xacro, or the TOML that stands beside a URDF.
+    /// A built-in arm, or a file: a URDF, MJCF, xacro, or the TOML that stands beside one.
     name: Option<String>,
     #[command(flatten)]
     xacro: Xacro,
-    /// Write the URDF that a file of xacro expands to.
+    /// Write a URDF: the one that xacro expands to, else one made of the arm, as of an MJCF.
     #[arg(long, value_name = "ARM.urdf", requires = "name", conflicts_with = "write")]
     urdf: Option<PathBuf>,
     /// Link that the arm stands on, in a file of a larger robot.
@@ -44,8 +44,8 @@ pub(crate) struct Robots {
     /// Link that the arm ends in.
     #[arg(long, value_name = "LINK")]
     tip: Option<String>,
-    /// Write the commented file of a bare URDF's arm, with estimates of what a URDF leaves out: beside the
-    /// URDF, or above it.
+    /// Write the commented file of an arm of a bare URDF or MJCF, with estimates of what that leaves out: beside it,
+    /// or above it.
     #[arg(long, value_name = "ARM.toml", requires = "name")]
     write: Option<PathBuf>,
     /// Torque limits of the drives for that file, one for all joints or one each, separated by commas.
@@ -88,7 +88,9 @@ impl Robots {
             println!("{:#}", json!(rows));
         } else {
             println!("{}", table::robots(&robots));
-            println!("`phihat robots NAME` shows one; a study can also name a URDF file of yours.");
+            println!(
+                "`phihat robots NAME` shows one; a study can also name a URDF or MJCF file of yours."
+            );
         }
         Ok(())
     }
@@ -112,11 +114,24 @@ impl Robots {
         Ok(())
     }
 
-    /// Writes the URDF that a file of xacro expands to.
+    /// Writes the URDF that a file of xacro expands to, or that an arm makes.
     fn expand(&self, name: &str, out: &Path) -> Result<(), Failure> {
         if out.exists() && !self.force {
             let why = format!("{}: it is there already; --force replaces it", out.display());
             return Err(Failure::plain(why));
+        }
+        if !is_xacro(Path::new(name)) {
+            let robot = self.read(name)?.0.map_err(Failure::plain)?;
+            files::write(out, &robot.as_urdf()).map_err(Failure::plain)?;
+            if self.json {
+                println!("{:#}", json!({ "file": out, "warnings": robot.warnings }));
+                return Ok(());
+            }
+            for warning in &robot.warnings {
+                println!("warning: {warning}");
+            }
+            println!("written: {}", out.display());
+            return Ok(());
         }
         let expanded = expand(Path::new(name), &self.xacro.options()?).map_err(Failure::plain)?;
         files::write(out, &expanded.urdf).map_err(Failure::plain)?;

@@ -5,7 +5,8 @@ use std::process::ExitCode;
 use std::time::UNIX_EPOCH;
 
 use clap::Args;
-use phihat_report::limits_acted;
+use phihat_certificate::Verdict;
+use phihat_report::{RecordedBound, limits_acted};
 use phihat_session::{
     Done, RunOptions, SessionError, TraceKind, files, log_layout, short_hash, stopped, trace_at,
 };
@@ -80,6 +81,10 @@ impl TraceOptions {
 pub(crate) struct RunVerb {
     #[command(flatten)]
     arguments: RunArguments,
+    /// Derive the bound on the error a second time before the run, as `phihat verify` does with the study, and say
+    /// in record and report what came of it: DERIVED TWICE or NOT PROVED. Takes seconds to minutes.
+    #[arg(long)]
+    verify: bool,
     #[command(flatten)]
     page: PageOptions,
 }
@@ -97,13 +102,13 @@ pub(crate) struct Simulate {
 
 impl RunVerb {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        self.arguments.execute(Some(&self.page))
+        self.arguments.execute(Some(&self.page), self.verify)
     }
 }
 
 impl Simulate {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
-        self.arguments.execute(None)
+        self.arguments.execute(None, false)
     }
 }
 
@@ -111,7 +116,7 @@ const BAR: &str = "simulating {wide_bar} {percent:>3} % · {elapsed} of about {d
 const UNTOUCHED: &str = "nothing was written, and what was there is as it was";
 
 impl RunArguments {
-    fn execute(&self, shown_page: Option<&PageOptions>) -> Result<ExitCode, Failure> {
+    fn execute(&self, shown_page: Option<&PageOptions>, twice: bool) -> Result<ExitCode, Failure> {
         let options = RunOptions {
             study: self.study.clone(),
             gains: self.which.gains.clone(),
@@ -122,10 +127,13 @@ impl RunArguments {
             trace: self.trace.kind(),
             log: self.mcap.clone(),
         };
-        let (session, folder) = match options.open() {
+        let (mut session, folder) = match options.open() {
             Ok(opened) => opened,
             Err(why) => return self.refused(&options, why),
         };
+        if twice {
+            session.derive_twice()?;
+        }
         if session.designed_before() && !is_quiet() {
             let file = folder.join("gains.json");
             eprintln!(
@@ -222,9 +230,28 @@ fn figures(done: &Done) {
     if let Some(run) = &done.tube {
         println!("{}", table::tube(run, &done.metrics));
     }
+    if let Some(bound) = &done.run.bound {
+        println!("{}", checked(bound, done));
+    }
     match &done.abort {
         Some(abort) => println!("{}", stopped(abort)),
         None => println!("{}", table::verdict(&done.metrics, done.divergence.as_ref())),
+    }
+}
+
+/// A bound that was derived a second time, in a line that begins with its standing.
+fn checked(bound: &RecordedBound, done: &Done) -> String {
+    let joints = done.metrics.joints.iter().zip(&bound.error_bound_rad);
+    let largest = joints.max_by(|a, b| a.1.total_cmp(b.1));
+    let (word, words) = (bound.verdict.words(), &bound.words);
+    match largest {
+        Some((joint, most)) if bound.verdict > Verdict::NotProved => {
+            let unit = if joint.slides { "mm" } else { "mrad" };
+            // A bound is rounded up.
+            let most = (1e6 * most).ceil() / 1e3;
+            format!("{word}: |e| ≤ {most:.3} {unit} on every joint (largest on {})", joint.name)
+        }
+        _ => format!("{word}: {words}"),
     }
 }
 

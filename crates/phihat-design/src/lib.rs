@@ -120,7 +120,7 @@ pub use phihat_certificate::{
     FrozenPayload, FrozenPosture, Gains, GainsError, JointCertificate, JointKept, JointLimit,
     JointRecord, JointRun, Left, LeftOut, NotCounted, Phi, PhiBasis, PositionObserver, Proved,
     Quantity, ReferenceBounds, Searched, Settle, SettleFrom, TradeOff, Tube, TubeJoint, TubeKept,
-    TubePayloadSet, TubeWatch, VERSION, Verified, VerifiedStatement, Witness,
+    TubePayloadSet, TubeWatch, VERSION, Verdict, Verified, VerifiedStatement, Witness,
 };
 pub use positions::{PositionEstimate, PositionSearch, TubeParts};
 pub use request::requested_gains;

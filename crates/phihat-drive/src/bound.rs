@@ -1,7 +1,9 @@
 //! Statement about the error of a drive before it begins: its bound with its standing, or the first clause in its way.
 
-use phihat_design::{ClassBound, Gains};
-use phihat_session::{BoundStanding, Extremes as _, SessionError, class_standing, tube_standing};
+use phihat_design::{ClassBound, Gains, Verdict};
+use phihat_session::{
+    BoundStanding, Extremes as _, RecordedBound, SessionError, class_standing, tube_standing,
+};
 use phihat_study::{ReferenceRequest, Study};
 use serde::Serialize;
 
@@ -21,6 +23,17 @@ pub struct DriveBound {
     /// The statement in a sentence: the bound with its standing and its conditions, `DERIVED TWICE ≤ 0.264 mrad for …`,
     /// or `NOT PROVED: …` with the first clause that is in the way.
     pub sentence: String,
+}
+
+impl DriveBound {
+    /// The same for the record of the run.
+    pub(crate) fn recorded(&self) -> RecordedBound {
+        let words = self.sentence.strip_prefix("NOT PROVED: ").unwrap_or(&self.sentence).to_owned();
+        let own = self.standing.as_ref();
+        let verdict = own.map_or(Verdict::NotProved, |standing| standing.verdict);
+        let error_bound_rad = own.map(|standing| standing.each_rad.clone()).unwrap_or_default();
+        RecordedBound { verdict, error_bound_rad, words }
+    }
 }
 
 /// The first clause that is in the way of a bound.

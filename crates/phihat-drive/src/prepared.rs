@@ -528,7 +528,8 @@ impl DriveInputs<'_> {
             }))
             .collect();
         let facts = self.lines(link.period_ns, tally, evidence);
-        phihat_session::DrivenSession { ended, facts, warnings, document }
+        let bound = Some(self.bound.recorded());
+        phihat_session::DrivenSession { ended, facts, warnings, document, bound }
     }
 
     /// A measured error beside its bound.

@@ -20,7 +20,9 @@ pub use choices::Choices;
 pub use drawn::drawn;
 pub use interface::fci;
 pub use mutate::{mutated, overwritten};
-pub use readers::{gains, journal, reference_csv, robot_file, study, trace, trace_parquet, urdf};
+pub use readers::{
+    gains, journal, mjcf, reference_csv, robot_file, study, trace, trace_parquet, urdf,
+};
 pub use samples::{law, supervisor};
 
 /// The project's folder.

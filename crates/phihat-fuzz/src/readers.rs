@@ -63,6 +63,16 @@ pub fn urdf(bytes: &[u8]) {
     checked(Robot::from_text(text, None, "fuzz.urdf"));
 }
 
+/// An MJCF.
+///
+/// # Panics
+///
+/// A promise is broken.
+pub fn mjcf(bytes: &[u8]) {
+    let Ok(text) = core::str::from_utf8(bytes) else { return };
+    checked(Robot::from_text(text, None, "fuzz.xml"));
+}
+
 /// Limits are ordered, numbers finite, and the mass matrix is symmetric where it is finite.
 fn checked(read: Result<Robot, phihat_model::RobotError>) {
     let robot = match read {

@@ -86,6 +86,7 @@ fn trace_parquet() {
 target!(study, "studies", ".toml");
 target!(robot_file, "robots", "r.toml");
 target!(urdf, "robots", ".urdf");
+target!(mjcf, "crates/phihat-model/tests/mjcf", ".xml");
 target!(gains, "crates/phihat-certificate/tests/forged", ".json");
 target!(trace, "crates/phihat-fuzz/corpus/trace", ".csv");
 target!(journal, "crates/phihat-fuzz/corpus/journal", ".jsonl");

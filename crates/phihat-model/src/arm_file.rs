@@ -64,8 +64,8 @@ impl Robot {
         self
     }
 
-    /// The text of a TOML file that says of the URDF `urdf`, beside it, what this robot knows beyond it; it reads back.
-    /// `part` is what of the URDF it is.
+    /// The text of a TOML file that says of the URDF or MJCF `urdf`, beside it, what this robot knows
+    /// beyond it; it reads back. `part` is what of the description it is.
     pub fn arm_file(&self, urdf: &str, part: &Part) -> String {
         let mut text = String::new();
         self.write_head(&mut text, (urdf, part));
@@ -88,10 +88,11 @@ impl Robot {
         );
         line(
             text,
-            "# [robot] file = \"THIS FILE\". Only `urdf` is needed; what is estimated says so, and what to measure.",
+            "# [robot] file = \"THIS FILE\". Only the description is needed; what is estimated says so, and what to measure.",
         );
         line(text, &format!("name = {}", q(&self.name)));
-        line(text, &format!("urdf = {}", q(urdf)));
+        let is_mjcf = [".xml", ".mjcf"].iter().any(|ending| urdf.ends_with(ending));
+        line(text, &format!("{} = {}", if is_mjcf { "mjcf" } else { "urdf" }, q(urdf)));
         if part.is_stated() {
             line(
                 text,
@@ -186,7 +187,7 @@ impl Robot {
         let known = self.joints.iter().all(|joint| joint.torque_max.is_some());
         line(
             text,
-            "\n# What the drives can: largest torque [N·m] and speed [rad/s]. Those of the URDF, which may be placeholders: compare",
+            "\n# What the drives can: largest torque [N·m] and speed [rad/s]. Those of the description, which may be placeholders: compare",
         );
         line(text, "# the data sheet. All estimates above come from them.");
         if !known {
@@ -194,7 +195,7 @@ impl Robot {
             line(
                 text,
                 &format!(
-                    "# STATE the torque limit of {without}: the URDF has none, and nothing can be estimated without it."
+                    "# STATE the torque limit of {without}: the description has none, and nothing can be estimated without it."
                 ),
             );
         }
@@ -205,7 +206,7 @@ impl Robot {
             line(
                 text,
                 &format!(
-                    "# Not stated by the URDF for every joint; {SPEED_ASSUMED:.3} rad/s was assumed for the estimates."
+                    "# Not stated by the description for every joint; {SPEED_ASSUMED:.3} rad/s was assumed for the estimates."
                 ),
             );
         }
@@ -255,7 +256,7 @@ impl Robot {
     }
 
     fn source(&self, text: &mut String, name: &str, active: bool) {
-        let from = self.sources.get(name).map_or("the URDF", String::as_str);
+        let from = self.sources.get(name).map_or("the description", String::as_str);
         let from = toml::Value::String(from.to_owned());
         line(text, &format!("{}source = {from}", if active { "" } else { "# " }));
     }

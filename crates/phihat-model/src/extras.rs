@@ -24,6 +24,7 @@ struct ExtrasFile {
     name: Option<String>,
     #[serde(default)]
     description: String,
+    #[serde(alias = "mjcf")]
     urdf: String,
     tip: Option<String>,
     /// Link from which the arm starts in a larger robot: its joints are those from here to the tip.
@@ -117,7 +118,7 @@ struct ProfileKey {
     name: String,
 }
 
-/// Path of the URDF that the TOML file at `path` names: beside or below it.
+/// Path of the URDF or MJCF that the TOML file at `path` names: beside or below it.
 pub(crate) fn urdf_beside(path: &Path, text: &str, origin: &str) -> Result<PathBuf> {
     let file = parse(text, origin)?;
     let named = Path::new(&file.urdf);
@@ -145,7 +146,8 @@ pub(crate) fn about_urdf(path: &Path, urdf: &Path) -> Result<Option<String>> {
     let text = read_text(path)?;
     let about = match toml::from_str::<toml::Table>(&text) {
         Ok(table) => {
-            let named = table.get("urdf").and_then(toml::Value::as_str);
+            let named = table.get("urdf").or_else(|| table.get("mjcf"));
+            let named = named.and_then(toml::Value::as_str);
             named.is_some_and(|named| Path::new(named).file_name() == urdf.file_name())
         }
         // Whoever reads it says what is wrong.
@@ -162,7 +164,7 @@ pub(crate) fn apply(mut robot: Robot, text: &str, origin: &str) -> Result<Robot>
     let order = order_of(names, &robot, origin)?;
     let lists = Lists { order, names, origin };
     if let Some(tip) = file.tip.as_ref().filter(|tip| robot.model.frame(tip).is_none()) {
-        return Err(lists.error("tip", format!("\"{tip}\" is not a link of the URDF")));
+        return Err(lists.error("tip", format!("\"{tip}\" is not a link of the description")));
     }
     for (name, pose) in &file.poses {
         let key = format!("poses.{name}");
@@ -213,14 +215,15 @@ fn order_of(names: &[String], robot: &Robot, origin: &str) -> Result<Vec<usize>>
     };
     let known: Vec<&str> = robot.joints.iter().map(|joint| joint.name.as_str()).collect();
     if let Some(stranger) = names.iter().find(|name| !known.contains(&name.as_str())) {
-        let why = format!("\"{stranger}\" does not move in the URDF; {} do", known.join(", "));
+        let why =
+            format!("\"{stranger}\" does not move in the description; {} do", known.join(", "));
         return Err(mismatch(why));
     }
     if names.len() > known.len() {
         return Err(mismatch("a joint is listed twice".to_owned()));
     }
     let place = |name: &&str| {
-        let missing = || mismatch(format!("\"{name}\" moves in the URDF but is not listed"));
+        let missing = || mismatch(format!("\"{name}\" moves in the description but is not listed"));
         names.iter().position(|n| n == name).ok_or_else(missing)
     };
     known.iter().map(place).collect()

@@ -1,7 +1,7 @@
 //! A robot: its model, and what a model leaves out.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::Model;
 use crate::error::RobotError;
@@ -63,7 +63,8 @@ pub struct Robot {
     pub held: BTreeMap<String, f64>,
     /// Oddities of the description that do not prevent its use.
     pub warnings: Vec<String>,
-    /// Files that it was read from, the one that was named first; none of an arm that comes with the crate.
+    /// Files that it was read from, the one that was named first, those that are included last; none of
+    /// an arm that comes with the crate.
     pub files: Vec<PathBuf>,
 }
 
@@ -72,6 +73,15 @@ impl Robot {
     #[must_use]
     pub fn joint_names(&self) -> Vec<String> {
         self.joints.iter().map(|joint| joint.name.clone()).collect()
+    }
+
+    /// File of its description, where it was read from that alone: no TOML file says what that leaves out.
+    #[must_use]
+    pub fn bare_file(&self) -> Option<&Path> {
+        let is_toml =
+            |path: &PathBuf| path.extension().is_some_and(|extension| extension == "toml");
+        let first = self.files.first()?;
+        (!self.files.iter().any(is_toml)).then_some(first)
     }
 
     /// Names of the joints that slide: their positions are in m, their torques forces in N.

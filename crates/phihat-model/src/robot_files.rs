@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use crate::error::RobotError;
 use crate::input::plain;
 use crate::robot_text::read_text;
-use crate::{Chain, Model, MotionOnly, Part, Robot, extras, urdf};
+use crate::source::{described, is_mjcf};
+use crate::{Chain, Model, MotionOnly, Part, Robot, extras, mjcf};
 
 /// Files of the arms that come with the crate: name, URDF, TOML.
 macro_rules! arms {
@@ -45,20 +46,23 @@ impl Robot {
         if path.extension().is_none_or(|extension| extension != "toml") {
             let beside = path.with_extension("toml");
             let Some(more) = extras::about_urdf(&beside, path)? else {
-                return Ok(Self::assemble(&text, part, &origin, None)?.of([path.to_owned()]));
+                let robot = Self::assemble((&text, Some(path)), part, &origin, None)?;
+                return Ok(robot.of([path.to_owned()]));
             };
-            let more_origin = beside.display().to_string();
-            let robot = Self::assemble(&text, part, &origin, Some((&more, &more_origin)))?;
+            let more = Some((&*more, &*beside.display().to_string()));
+            let robot = Self::assemble((&text, Some(path)), part, &origin, more)?;
             return Ok(robot.of([path.to_owned(), beside]));
         }
         let urdf = extras::urdf_beside(path, &text, &origin)?;
         let (urdf_text, urdf_origin) = (read_text(&urdf)?, urdf.display().to_string());
-        let robot = Self::assemble(&urdf_text, part, &urdf_origin, Some((&text, &origin)))?;
+        let whole = (&*urdf_text, Some(&*urdf));
+        let robot = Self::assemble(whole, part, &urdf_origin, Some((&text, &origin)))?;
         Ok(robot.of([path.to_owned(), urdf]))
     }
 
+    /// The robot of these files, and of those that they include.
     fn of(mut self, files: impl Into<Vec<PathBuf>>) -> Self {
-        self.files = files.into();
+        self.files = [files.into(), self.files].concat();
         self
     }
 
@@ -69,7 +73,7 @@ impl Robot {
     ///
     /// [`RobotError`], as for [`read`](Self::read).
     pub fn from_text(urdf: &str, toml: Option<&str>, origin: &str) -> Result<Self, RobotError> {
-        Self::assemble(urdf, &Part::default(), origin, toml.map(|text| (text, origin)))
+        Self::assemble((urdf, None), &Part::default(), origin, toml.map(|text| (text, origin)))
     }
 
     /// Makes a robot from a part of the text of a URDF.
@@ -78,7 +82,7 @@ impl Robot {
     ///
     /// [`RobotError`], as for [`read`](Self::read).
     pub fn part_of_text(urdf: &str, part: &Part, origin: &str) -> Result<Self, RobotError> {
-        Self::assemble(urdf, part, origin, None)
+        Self::assemble((urdf, None), part, origin, None)
     }
 
     /// The chains of joints in a URDF, or in that which a TOML file names, that could be arms, the longest first.
@@ -90,10 +94,10 @@ impl Robot {
     pub fn chains(path: &Path) -> Result<Vec<Chain>, RobotError> {
         let (text, origin) = (read_text(path)?, path.display().to_string());
         if path.extension().is_none_or(|extension| extension != "toml") {
-            return Self::chains_of_text(&text, &origin);
+            return chains_of((&text, Some(path)), &origin);
         }
         let urdf = extras::urdf_beside(path, &text, &origin)?;
-        Self::chains_of_text(&read_text(&urdf)?, &urdf.display().to_string())
+        chains_of((&read_text(&urdf)?, Some(&urdf)), &urdf.display().to_string())
     }
 
     /// The chains of joints in the text of a URDF that could be arms, the longest first.
@@ -102,7 +106,7 @@ impl Robot {
     ///
     /// As for [`chains`](Self::chains).
     pub fn chains_of_text(urdf: &str, origin: &str) -> Result<Vec<Chain>, RobotError> {
-        urdf::chains(urdf, origin).map_err(RobotError::plain)
+        chains_of((urdf, None), origin)
     }
 
     /// Joints of a part of a URDF with their limits; the links may be without mass ([`RobotError::NoInertia`]).
@@ -112,7 +116,8 @@ impl Robot {
     /// [`RobotError`], as for [`read_part`](Self::read_part).
     pub fn joints_of(path: &Path, part: &Part) -> Result<MotionOnly, RobotError> {
         let (text, origin) = (read_text(path)?, path.display().to_string());
-        urdf::joints(&text, part, &origin).map_err(RobotError::plain)
+        let read = described(&text, Some(path), &origin);
+        read.and_then(|file| file.motion(part)).map_err(RobotError::plain)
     }
 
     /// Gives one of the arms that come with the crate: those of [`names`](Self::names).
@@ -130,19 +135,20 @@ impl Robot {
             });
         };
         let toml = Some((*toml, &*format!("{name}.toml")));
-        Self::assemble(urdf, &Part::default(), &format!("{name}.urdf"), toml)
+        Self::assemble((urdf, None), &Part::default(), &format!("{name}.urdf"), toml)
     }
 
-    /// The text of the URDF that it was read from.
+    /// The text of the URDF that it was read from; of another format, that of [`as_urdf`](Self::as_urdf).
     ///
     /// # Errors
     ///
     /// [`RobotError`]: it was made from text that nobody kept, or its file cannot be read any more.
     pub fn urdf(&self) -> Result<String, RobotError> {
-        let is_urdf =
+        let is_description =
             |path: &&PathBuf| path.extension().is_none_or(|extension| extension != "toml");
-        if let Some(path) = self.files.iter().find(is_urdf) {
-            return read_text(path);
+        if let Some(path) = self.files.iter().find(is_description) {
+            let text = read_text(path)?;
+            return Ok(if is_mjcf(&text) { self.as_urdf() } else { text });
         }
         let kept = ARMS.iter().find(|(name, ..)| *name == self.name);
         let kept = kept.map(|(_, urdf, _)| (*urdf).to_owned());
@@ -153,13 +159,28 @@ impl Robot {
         })
     }
 
+    /// The text of a description in a file, with the files that it includes in their places, and the extension of its
+    /// format.
+    ///
+    /// # Errors
+    ///
+    /// [`RobotError`]: a file cannot be read, or is no XML.
+    pub fn description_text(path: &Path) -> Result<(String, &'static str), RobotError> {
+        let text = read_text(path)?;
+        if !is_mjcf(&text) {
+            return Ok((text, "urdf"));
+        }
+        let flat = mjcf::flat(&text, path).map_err(RobotError::plain)?;
+        Ok((flat.unwrap_or(text), "xml"))
+    }
+
     /// Names of the arms that come with the crate.
     pub fn names() -> &'static [&'static str] {
         NAMES
     }
 
     fn assemble(
-        urdf: &str,
+        (text, path): (&str, Option<&Path>),
         part: &Part,
         origin: &str,
         toml: Option<(&str, &str)>,
@@ -173,8 +194,9 @@ impl Robot {
             }
             _ => part.clone(),
         };
-        let read = urdf::read(urdf, &stated, origin).map_err(RobotError::plain)?;
-        let tip = stated.tip.unwrap_or_else(|| outermost_frame(&read.model));
+        let read = described(text, path, origin).and_then(|file| file.cut(&stated));
+        let read = read.map_err(RobotError::plain)?;
+        let tip = read.tip.unwrap_or_else(|| outermost_frame(&read.model));
         let robot = Self {
             name: read.name,
             description: String::new(),
@@ -185,10 +207,10 @@ impl Robot {
             joints: read.joints,
             tip,
             profile: "ideal".to_owned(),
-            poses: BTreeMap::new(),
+            poses: read.poses,
             held: read.held,
             warnings: read.warnings.iter().map(|warning| plain(warning)).collect(),
-            files: Vec::new(),
+            files: read.included,
         };
         match toml {
             None => Ok(robot),
@@ -211,6 +233,10 @@ impl Robot {
         let why = format!("no joint moves link \"{}\"; these move: {moved}", self.tip);
         Err(RobotError::Value { origin: origin.to_owned(), key: "tip".to_owned(), why })
     }
+}
+
+fn chains_of((text, path): (&str, Option<&Path>), origin: &str) -> Result<Vec<Chain>, RobotError> {
+    described(text, path, origin).and_then(|file| file.chains()).map_err(RobotError::plain)
 }
 
 /// The last frame that the last joint moves: the best guess at the one that does the work.

@@ -172,9 +172,9 @@ fn hostile_files_are_refused() {
 fn a_refusal_takes_no_more_than_linear_time() {
     let least = |text: &str| {
         let once = |_| {
-            let began = processor_time();
+            let began = crate::support::processor_time();
             assert!(Robot::from_text(text, None, "h").is_err());
-            processor_time().saturating_sub(began)
+            crate::support::processor_time().saturating_sub(began)
         };
         (0..5).map(once).min().unwrap()
     };
@@ -183,13 +183,6 @@ fn a_refusal_takes_no_more_than_linear_time() {
         println!("{what}: {small:?}, and {large:?} for four times the file");
         assert!(large <= 8 * small + Duration::from_millis(2), "{what}: {small:?}, {large:?}");
     }
-}
-
-/// Processor time of this thread.
-#[cfg(unix)]
-fn processor_time() -> Duration {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    Duration::new(time.tv_sec.unsigned_abs(), u32::try_from(time.tv_nsec).unwrap())
 }
 
 #[test]

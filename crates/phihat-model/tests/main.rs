@@ -22,6 +22,7 @@ mod jacobian;
 mod lockstep;
 mod look;
 mod mass_matrix;
+mod mjcf;
 mod no_allocation;
 mod parts;
 mod pinocchio;

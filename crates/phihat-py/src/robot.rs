@@ -72,6 +72,19 @@ impl Robot {
         self.robot.joints.iter().zip(dq).map(torque).collect()
     }
 
+    /// The robot under a gravity, that of its description where none is stated.
+    fn under(
+        py: Python<'_>,
+        robot: phihat_model::Robot,
+        gravity: Option<(f64, f64, f64)>,
+    ) -> PyResult<Self> {
+        let gravity = match gravity {
+            Some(gravity) => checked_gravity(py, gravity)?,
+            None => robot.model.gravity(),
+        };
+        Ok(Self::new(robot, gravity))
+    }
+
     /// Runs `compute` for every posture of a batch; `tail` is the shape of one result.
     fn each<'py>(
         py: Python<'py>,
@@ -101,33 +114,38 @@ impl Robot {
 #[pymethods]
 impl Robot {
     #[staticmethod]
-    #[pyo3(signature = (path, gravity = (0.0, 0.0, -9.81), *, base = None, tip = None, locked = None))]
-    fn from_urdf(
+    #[pyo3(signature = (path, gravity = None, *, base = None, tip = None, joints = None, locked = None))]
+    fn from_file(
         py: Python<'_>,
         path: PathBuf,
-        gravity: (f64, f64, f64),
+        gravity: Option<(f64, f64, f64)>,
         base: Option<String>,
         tip: Option<String>,
+        joints: Option<Vec<String>>,
         locked: Option<BTreeMap<String, f64>>,
     ) -> PyResult<Self> {
-        let part = Part { base, tip, joints: None, locked: locked.unwrap_or_default() };
+        let part = Part { base, tip, joints, locked: locked.unwrap_or_default() };
         let robot = phihat_model::Robot::read_part(&path, &part);
         let robot = robot.map_err(|e| failure::robot(py, &e))?;
-        Ok(Self::new(robot, checked_gravity(py, gravity)?))
+        Self::under(py, robot, gravity)
     }
 
     #[staticmethod]
-    #[pyo3(signature = (urdf, toml = None, origin = "text", gravity = (0.0, 0.0, -9.81)))]
+    #[pyo3(signature = (text, toml = None, origin = "text", gravity = None))]
     fn from_text(
         py: Python<'_>,
-        urdf: &str,
+        text: &str,
         toml: Option<&str>,
         origin: &str,
-        gravity: (f64, f64, f64),
+        gravity: Option<(f64, f64, f64)>,
     ) -> PyResult<Self> {
-        let robot = phihat_model::Robot::from_text(urdf, toml, origin);
+        let robot = phihat_model::Robot::from_text(text, toml, origin);
         let robot = robot.map_err(|e| failure::robot(py, &e))?;
-        Ok(Self::new(robot, checked_gravity(py, gravity)?))
+        Self::under(py, robot, gravity)
+    }
+
+    fn as_urdf(&self) -> String {
+        self.robot.as_urdf()
     }
 
     #[staticmethod]

@@ -17,8 +17,8 @@ ARMATURE = 0.1
 """Rotor inertia [kg m^2] of every joint: these descriptions have none, and MuJoCo Menagerie's arms have this."""
 
 
-def load(arm: str, payload_kg: float = 0.0, timestep: float = 1e-3) -> Any:
-    """A model of an arm; the payload is a small ball welded to its hand."""
+def written(arm: str, payload_kg: float = 0.0) -> str:
+    """The text of an arm's MJCF, with rotors; the payload is a small ball welded to its hand."""
     if not all((FOLDER / f"{name}.xml").exists() for name in ARMS):
         fetch(FOLDER)
     root = ElementTree.parse(FOLDER / f"{arm}.xml").getroot()
@@ -27,12 +27,18 @@ def load(arm: str, payload_kg: float = 0.0, timestep: float = 1e-3) -> Any:
     for parent in list(root.iter()):
         for child in [c for c in parent if c.tag in ("geom", "site", "camera")]:
             parent.remove(child)
+        for joint in [c for c in parent if c.tag == "joint"]:
+            joint.set("armature", repr(ARMATURE))
     if payload_kg > 0.0:
         (hand,) = (body for body in root.iter("body") if body.get("name") == "right_hand")
         ball = ElementTree.SubElement(hand, "body", name="payload")
         ElementTree.SubElement(ball, "inertial", mass=repr(payload_kg), pos="0 0 0", diaginertia="1e-6 1e-6 1e-6")
-    model = mujoco.MjModel.from_xml_string(ElementTree.tostring(root, encoding="unicode"))
-    model.dof_armature[:] = ARMATURE
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def load(arm: str, payload_kg: float = 0.0, timestep: float = 1e-3) -> Any:
+    """A model of an arm; the payload is a small ball welded to its hand."""
+    model = mujoco.MjModel.from_xml_string(written(arm, payload_kg))
     model.opt.timestep = timestep
     return model
 

@@ -10,9 +10,9 @@ import numpy as np
 import phihat
 import pinocchio
 import pytest
-from arms import load, middle
+from arms import load, middle, written
 from fetch_arms import ARMS
-from phihat.mujoco import build, describe
+from phihat.mujoco import build
 
 ROBOTS = Path(__file__).parents[2] / "phihat-model" / "robots"
 STATES = 40
@@ -114,9 +114,11 @@ def test_our_arms(name: str) -> None:
 
 @pytest.mark.parametrize("arm", ARMS)
 def test_arms_of_others(arm: str, tmp_path: Path) -> None:
-    """Each is read by MuJoCo from its authors' file, by us and Pinocchio from what `describe` wrote."""
+    """Each is read by MuJoCo and by us from its authors' file, by Pinocchio from the URDF that we make of it."""
     model = load(arm)
-    robot = describe(model, tmp_path / f"{arm}.urdf")
+    (tmp_path / f"{arm}.xml").write_text(written(arm))
+    robot = phihat.Robot.from_file(tmp_path / f"{arm}.xml")
+    (tmp_path / f"{arm}.urdf").write_text(robot.as_urdf())
     assert robot.joint_names == [model.joint(i).name for i in range(model.njnt)]
     assert robot.joint_values("torque_max") == list(model.actuator_ctrlrange[:, 1])
     check_against_pinocchio(robot, tmp_path / f"{arm}.urdf")
@@ -130,92 +132,6 @@ def test_locked_loaded_tilted() -> None:
     check_against_mujoco(robot, build(robot))
 
 
-STRANGE = """
-<mujoco><compiler angle="radian"/><worldbody>
-  <body name="fixed" pos="0.1 0.2 0.3" quat="0.5 0.5 -0.5 0.5">
-    <inertial mass="3" pos="0 0 0" diaginertia="1 1 1"/>
-    <body name="a" pos="0 0 0.5" quat="0.9 0.1 0.2 0.3">
-      <inertial mass="2" pos="0.1 -0.2 0.05" quat="0.3 0.8 0.1 0.5" diaginertia="0.04 0.03 0.02"/>
-      <joint name="a1" axis="1 2 -1" pos="0.05 0 0.1" ref="0.4" armature="0.2" damping="0.3"/>
-      <joint name="a2" type="slide" axis="0 1 0.5" range="-1 1" limited="true" ref="-0.2" armature="0.3"/>
-      <body name="b" pos="0.3 0.1 0" euler="0 1.5707963267948966 0.2">
-        <inertial mass="1" pos="0 0.1 0.1" diaginertia="0.01 0.02 0.015"/>
-        <joint name="b1" axis="0 0 1" pos="0 0.02 0" armature="0.1"/>
-      </body>
-      <body name="c" pos="-0.2 0 0.1">
-        <inertial mass="0.7" pos="0.1 0 0" diaginertia="0.01 0.01 0.01"/>
-        <joint name="c1" axis="0 1 0" ref="1.1" armature="0.1" damping="0.2"/>
-      </body>
-    </body>
-  </body>
-</worldbody></mujoco>
-"""
-
-
-def test_strange_joints(tmp_path: Path) -> None:
-    """Skew axes, anchors, reference angles, two joints in one body, a tree, and a right-angled pitch."""
-    model = mujoco.MjModel.from_xml_string(STRANGE)
-    robot = describe(model, tmp_path / "strange.urdf")
-    assert robot.joint_names == ["a1", "a2", "b1", "c1"]
-    check_against_mujoco(robot, model)
-    data = mujoco.MjData(model)
-    data.qpos[:] = [0.3, -0.4, 0.8, -0.5]
-    mujoco.mj_forward(model, data)
-    for body in ("a", "b", "c"):
-        pose = robot.frame_pose(np.array(data.qpos), body)
-        np.testing.assert_allclose(pose[:3, 3], data.body(body).xpos, atol=1e-12)
-        np.testing.assert_allclose(pose[:3, :3].ravel(), data.body(body).xmat, atol=1e-12)
-    # The joints that are not named stay where the model's reference has them.
-    part = describe(model, tmp_path / "part.urdf", joints=["a1", "b1"])
-    data.qpos[:] = [0.3, -0.2, 0.8, 1.1]
-    mujoco.mj_forward(model, data)
-    pose = part.frame_pose(np.array([0.3, 0.8]), "b")
-    np.testing.assert_allclose(pose[:3, 3], data.body("b").xpos, atol=1e-12)
-
-
-def test_joints_and_bodies_without_names(tmp_path: Path) -> None:
-    """They are called by their number, and by another name where one has that already; nothing else changes."""
-    text = STRANGE
-    for name in ("a1", "b1", "a", "b"):
-        text = text.replace(f'name="{name}"', "")
-    text = text.replace('name="c1"', 'name="joint0"').replace('name="a2"', 'name="joint1"')
-    model = mujoco.MjModel.from_xml_string(text)
-    robot = describe(model, tmp_path / "unnamed.urdf")
-    assert robot.joint_names == ["joint0_", "joint1", "joint2", "joint0"]
-    assert {"body2", "body3"} <= set(robot.frame_names)
-    check_against_mujoco(robot, model)
-    part = describe(model, tmp_path / "part.urdf", joints=["joint0_", "joint2"])
-    assert part.joint_names == ["joint0_", "joint2"]
-
-
-SCENE = """
-<mujoco><worldbody>
-  <body name="stand" pos="0 0 0.3"><freejoint/><inertial mass="9" pos="0 0 0" diaginertia="1 1 1"/>
-    <body name="arm"><inertial mass="1" pos="0.1 0 0" diaginertia="0.01 0.01 0.01"/><joint name="lift" axis="0 1 0"/></body>
-  </body>
-  <body name="cupboard"><inertial mass="9" pos="0 0 0" diaginertia="1 1 1"/>
-    <body><inertial mass="1" pos="0 0.2 0" diaginertia="0.1 0.1 0.1"/><joint axis="0 0 1"/></body>
-  </body>
-</worldbody></mujoco>
-"""
-
-
-def test_a_scene_with_several_trees(tmp_path: Path) -> None:
-    model = mujoco.MjModel.from_xml_string(SCENE)
-    with pytest.raises(phihat.ArgumentError, match=r"2 bodies .*stand: lift; cupboard: joint2\); name those of the arm"):
-        describe(model, tmp_path / "scene.urdf")
-    with pytest.raises(phihat.ArgumentError, match="an arm's hang on one body"):
-        describe(model, tmp_path / "scene.urdf", joints=["lift", "joint2"])
-    with pytest.raises(phihat.ArgumentError, match="no body 'hand'; there are stand, arm"):
-        describe(model, tmp_path / "scene.urdf", joints=["lift"], tip="hand")
-    assert not (tmp_path / "scene.urdf").exists()
-    robot = describe(model, tmp_path / "scene.urdf", joints=["lift"])
-    assert robot.joint_names == ["lift"] and "cupboard" not in robot.frame_names
-    # 1 kg on 0.1 m, level: a pendulum's weight. The stand floats in the scene; here it is fixed, and that is said.
-    np.testing.assert_allclose(robot.gravity(np.zeros(1)), [-0.981], rtol=1e-12)
-    assert any("floating" in warning for warning in robot.warnings)
-
-
 def test_middle_is_inside() -> None:
     model = load("panda")
     assert ((middle(model) > model.jnt_range[:, 0]) & (middle(model) < model.jnt_range[:, 1])).all()
@@ -225,7 +141,7 @@ def test_a_part_of_a_robot_is_the_reduced_model(tmp_path: Path) -> None:
     urdf = tmp_path / "alone.urdf"
     urdf.write_text((ROBOTS / "panda.urdf").read_text())
     locked = {"panda_joint1": 0.4, "panda_joint2": -0.3, "panda_joint7": 0.9}
-    robot = phihat.Robot.from_urdf(urdf, base="panda_link2", tip="panda_link6", locked=locked)
+    robot = phihat.Robot.from_file(urdf, base="panda_link2", tip="panda_link6", locked=locked)
     whole = pinocchio.buildModelFromUrdf(str(urdf))
     posture = np.array([locked.get(name, 0.0) for name in list(whole.names)[1:]])
     theirs = pinocchio.buildReducedModel(whole, [whole.getJointId(name) for name in locked], posture)
@@ -236,4 +152,4 @@ def test_a_part_of_a_robot_is_the_reduced_model(tmp_path: Path) -> None:
     expected = np.array([pinocchio.rnea(theirs, data, *state) for state in zip(q, dq, ddq)])
     assert relative(robot.inverse_dynamics(q, dq, ddq), expected) < 1e-13
     with pytest.raises(phihat.RobotError, match="did you mean"):
-        phihat.Robot.from_urdf(urdf, tip="panda_lnk6")
+        phihat.Robot.from_file(urdf, tip="panda_lnk6")

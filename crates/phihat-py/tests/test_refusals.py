@@ -103,7 +103,7 @@ def test_robots(tmp_path: Path) -> None:
     with pytest.raises(phihat.RobotError, match='did you mean "panda"'):
         phihat.Robot.from_name("pandas")
     with pytest.raises(phihat.RobotError, match="cannot be read"):
-        phihat.Robot.from_urdf(tmp_path / "none.urdf")
+        phihat.Robot.from_file(tmp_path / "none.urdf")
     robot = phihat.Robot.from_name("panda")
     with pytest.raises(phihat.ArgumentError, match="there is no \"hand\""):
         robot.frame_pose(np.zeros(7), "hand")

@@ -61,7 +61,7 @@
     c.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
     c.clip();
     c.lineWidth = 1.5 * devicePixelRatio;
-    c.strokeStyle = ink("--bound");
+    c.strokeStyle = ink("--limit");
     draw(c);
     c.restore();
   }
@@ -343,7 +343,49 @@
     caption.prepend(tools);
   }
 
+  // The error of every joint in its tube and its bound, small: a picture of each, which puts its joint in focus.
+  const SVG = "http://www.w3.org/2000/svg";
+  function small(chart, joint) {
+    const panel = chart.panels[joint];
+    const picture = document.createElementNS(SVG, "svg");
+    picture.setAttribute("viewBox", "0 0 100 40");
+    picture.setAttribute("preserveAspectRatio", "none");
+    picture.setAttribute("aria-hidden", "true");
+    const [at, values] = columns(chart, joint);
+    const [bt, low, high] = panel.band ?? [[], [], []];
+    const steady = (k) => bt[k + 1] > data.settle_s;
+    // Its height is that of what is claimed or accepted after settling: a start that goes beyond is cut.
+    const most = Math.max(panel.bound ?? 0, ...high.filter((_, k) => steady(k)).map(Math.abs), ...low.filter((_, k) => steady(k)).map(Math.abs)) || Math.max(...values.filter((v, k) => v != null && at[k] >= data.settle_s).map(Math.abs), 1e-9);
+    const [x, y] = [(t) => (100 * t / (data.end_s || 1)).toFixed(2), (v) => (20 - 17 * Math.min(Math.max(v / most, -1.17), 1.17)).toFixed(2)];
+    const line = (name, d) => { const path = document.createElementNS(SVG, "path"); path.setAttribute("class", name); path.setAttribute("d", d); picture.append(path); };
+    if (high.length) line("tube", `M${high.map((v, k) => `${x(bt[k])},${y(v)} ${x(bt[k + 1])},${y(v)}`).join(" ")} ${low.map((v, k) => `${x(bt[k + 1])},${y(v)} ${x(bt[k])},${y(v)}`).reverse().join(" ")}Z`);
+    if (panel.bound != null) line("bound", [panel.bound, -panel.bound].map((v) => `M${x(chart.bound_after_settle ? data.settle_s : 0)},${y(v)}H100`).join(""));
+    // Of each of 150 columns the least and the largest.
+    const each = Math.max(1, Math.ceil(values.length / 150));
+    let path = "";
+    for (let k = 0; k < values.length; k += each) {
+      const own = values.slice(k, k + each).filter((v) => v != null);
+      if (own.length) path += `${path ? "L" : "M"}${x(at[k])},${y(Math.min(...own))}L${x(at[k])},${y(Math.max(...own))}`;
+    }
+    line("curve", path);
+    const peak = values.reduce((sum, v, k) => (v != null && at[k] >= data.settle_s ? Math.max(sum, Math.abs(v)) : sum), 0);
+    const button = element("button");
+    button.type = "button";
+    button.append(element("b", "", data.joints[joint]), picture, element("span", "", `${show(peak)} ${panel.units[0]}`));
+    button.addEventListener("click", () => { view.joint = joint; picker.value = String(joint); build(); });
+    return button;
+  }
+  const strip = document.getElementById("strip");
+  function drawStrip() {
+    const chart = data.charts.find(({ stem }) => stem === "error");
+    if (chart && times.length && data.joints.length > 1) strip.replaceChildren(...data.joints.map((_, joint) => small(chart, joint)));
+  }
+  function focus() {
+    [...strip.children].forEach((button, joint) => button.setAttribute("aria-pressed", String(joint === view.joint)));
+  }
+
   function build() {
+    focus();
     for (const { u } of plots) u.destroy();
     [plots, dots] = [[], []];
     cards.replaceChildren();
@@ -411,6 +453,7 @@
       if (host.clientWidth && host.clientWidth !== u.width) u.setSize({ width: host.clientWidth, height: 250 });
     }
   }).observe(cards);
+  drawStrip();
   build();
   clock.set(clock.t, "arm");
 })();

@@ -33,7 +33,7 @@ pub fn budget_page(budget: &Budget) -> String {
         (changes(budget))
         (front(budget))
     };
-    Page { title: &title, style: "", script: None }.document(&main)
+    Page { title: &title, kind: "budget", script: None }.document(&main)
 }
 
 fn verdict(budget: &Budget) -> Markup {
@@ -61,6 +61,8 @@ fn joints(budget: &Budget) -> Markup {
     let causes = causes(&budget.joints);
     html! {
         h2 id="joints" { "What the allowed error is spent on" }
+        (spent(budget, &causes))
+        details open[budget.joints.len() == 1] { summary { "the figures" }
         div.scroll tabindex="0" role="region" aria-label="Table: error budget per joint" { table {
             thead { tr {
                 th scope="col" { "joint" }
@@ -71,7 +73,7 @@ fn joints(budget: &Budget) -> Markup {
                 }
             } }
             tbody { @for joint in &budget.joints { (row(joint, &causes)) } }
-        } }
+        } } }
         p { @match basis {
             BudgetBasis::Tube => {
                 "Largest |e| after settling by tubes of the same gains: of the motion alone, and what each other cause adds to it when "
@@ -83,6 +85,54 @@ fn joints(budget: &Budget) -> Markup {
             }
         } " A cause marked “within” is in the others already: so much less would be the whole without it." }
     }
+}
+
+/// Colours of the parts, in turn.
+const PARTS: usize = 6;
+
+/// Of each joint a bar of its parts, before what is allowed.
+fn spent(budget: &Budget, causes: &[(Cause, bool)]) -> Markup {
+    let shown = || causes.iter().filter(|(_, within)| !within).enumerate();
+    html! {
+        p.key.parts { @for (k, (cause, _)) in shown() { span.(format!("part-{}", k % PARTS)) { (cause.words()) } } }
+        ul.bullets { @for joint in &budget.joints {
+            @let unit = if joint.prismatic { "mm" } else { "mrad" };
+            li {
+                span.name { (line(&joint.name)) }
+                (bar(joint, shown().map(|(k, (cause, _))| (k % PARTS, *cause))))
+                span.values {
+                    b { (joint.total_rad.map_or("–".to_owned(), |total| number(total * MILLI))) }
+                    @if let Some(allowed) = joint.error_bound_rad { " of " (stated(allowed * MILLI)) }
+                    " " (unit)
+                }
+            }
+        } }
+    }
+}
+
+/// Parts of a joint's error side by side; the dashed line is what is allowed.
+fn bar(joint: &JointBudget, causes: impl Iterator<Item = (usize, Cause)>) -> Markup {
+    let size = |cause: Cause| {
+        let part = joint.parts.iter().find(|part| part.cause == cause && !part.within);
+        part.map_or(0.0, |part| part.error_rad).max(0.0)
+    };
+    let parts: Vec<(usize, f64)> = causes.map(|(k, cause)| (k, size(cause))).collect();
+    let sum: f64 = parts.iter().map(|(_, size)| size).sum();
+    let whole = 1.06
+        * joint.error_bound_rad.map_or(sum, |allowed| if allowed > sum { allowed } else { sum });
+    let at = |value: f64| format!("{:.1}", if whole > 0.0 { 1000.0 * value / whole } else { 0.0 });
+    let starts = parts.iter().scan(0.0, |from, (_, size)| {
+        let start = *from;
+        *from += size;
+        Some(start)
+    });
+    let placed: Vec<_> =
+        parts.iter().zip(starts).map(|((k, size), start)| (*k, start, *size)).collect();
+    html! { svg.bullet viewBox="0 0 1000 24" preserveAspectRatio="none" aria-hidden="true" {
+        rect.ground x="0" y="0" width="1000" height="24" {}
+        @for (k, start, size) in placed { rect.(format!("part-{k}")) x=(at(start)) y="4" width=(at(size)) height="16" {} }
+        @if let Some(allowed) = joint.error_bound_rad { line.limit x1=(at(allowed)) x2=(at(allowed)) y1="0" y2="24" {} }
+    } }
 }
 
 fn row(joint: &JointBudget, causes: &[(Cause, bool)]) -> Markup {

@@ -9,9 +9,10 @@ use crate::kit::text::line;
 use crate::kit::{MILLI, own_unit};
 use crate::limit::limit;
 use crate::record::Record;
+use crate::scope::{assumptions, left_out};
 use crate::tube_section::tube;
 use maud::{Markup, PreEscaped, html};
-use phihat_design::{Certificate, JointCertificate, LeftOut};
+use phihat_design::{Certificate, JointCertificate};
 use phihat_sim::JointMetrics;
 
 /// The certificate's claims, or nothing where there is none.
@@ -29,37 +30,22 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
         @if let Some(why) = certificate.refused() {
             p { strong { "These gains do not arm: " } (line(&why.to_string())) }
         }
-        @if !certificate.not_counted.is_empty() {
-            p { "What the study has and these claims leave out:" }
-            ul { @for one in &certificate.not_counted {
-                li {
-                    code { (line(&one.key)) " = " (line(&one.value)) } " – "
-                    @match one.claims {
-                        LeftOut::Bounds => "not in the bounds",
-                        LeftOut::BoundsAndStability => "neither in the bounds nor in the stability claims",
-                        LeftOut::TubeBesideValue => {
-                            "in range, stability and bounds; tube and coupled gains are for the simulated value"
-                        }
-                        LeftOut::AllButElastic => {
-                            "in the clause of elastic joints alone; bounds and tube are those of rigid joints"
-                        }
-                        LeftOut::Assumed => "assumed",
-                        LeftOut::AllButTube => "in the tube, where there is one; in no other claim",
-                    }
-                }
-            } }
-        }
+        h3 { "It assumes" }
+        (assumptions(certificate))
+        @if !certificate.not_counted.is_empty() { (left_out(certificate)) }
+        h3 { "It claims" }
         (tube(record))
         (class(record))
-        @if certificate.class.is_none() { (bounds(certificate, &record.metrics.joints)) }
-        (stability(certificate))
+        @if certificate.class.is_none() && record.tube.is_none() { (bounds(certificate, &record.metrics.joints)) }
         (moving(certificate))
-        (coupled(gains))
-        (limit(gains))
-        (coarser(gains))
+        h3 { "Its evidence" }
         @for figure in claim_figures(record) {
             figure.claim id=(figure.name) { (PreEscaped(&figure.svg)) figcaption { (reading(&figure.name)) } }
         }
+        (stability(certificate))
+        (coupled(gains))
+        (limit(gains))
+        (coarser(gains))
         @if let Some(joint) = certificate.joints.first() { (weights(joint)) }
     }
 }

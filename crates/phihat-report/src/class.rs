@@ -1,6 +1,5 @@
 //! A run against the bound for every motion of its class.
 
-use maud::{Markup, html};
 use phihat_design::ClassBound;
 use phihat_sim::{JointMetrics, Metrics};
 
@@ -81,11 +80,6 @@ impl<'a> ClassRun<'a> {
         joints.map(move |(joint, bound)| (joint, *bound, measured(joint)))
     }
 
-    /// Largest bound of a clause, and its joint.
-    fn largest(&self, clause: &ClassClause) -> Option<(&'a JointMetrics, f64, f64)> {
-        self.joints(clause).max_by(|a, b| a.1.total_cmp(&b.1))
-    }
-
     /// Measurements beyond their bound.
     fn outside(&self) -> Vec<String> {
         let each = CLASS_CLAUSES.iter().flat_map(|clause| {
@@ -112,6 +106,11 @@ impl<'a> ClassRun<'a> {
         Some(format!("{symbol} of {}, {} of its bound", line(&joint.name), percent(share, 1.0)))
     }
 
+    /// Reason why the bound is no promise for this run; `None`: it is one.
+    pub(crate) fn no_promise(&self) -> Option<&str> {
+        self.no_promise.as_deref()
+    }
+
     /// Result of the run against the bounds, in a sentence of its own without its full stop.
     pub(crate) fn sentence(&self) -> String {
         let outside = self.outside();
@@ -136,12 +135,12 @@ impl<'a> ClassRun<'a> {
     }
 
     /// Returns true if the run left what every motion of the class is inside.
-    fn broken(&self) -> bool {
+    pub(crate) fn broken(&self) -> bool {
         self.no_promise.is_none() && !self.outside().is_empty()
     }
 
     /// Limits of the class in words: `±0.3 rad, 0.2 rad/s, 0.2 rad/s², 1 rad/s³`.
-    fn limits(&self) -> String {
+    pub(crate) fn limits(&self) -> String {
         let class = self.class;
         let half = |(low, high): (&f64, &f64)| 0.5 * (high - low);
         let ends = class.box_rad.0.iter().zip(&class.box_rad.1);
@@ -172,46 +171,4 @@ fn span(values: &[f64]) -> Option<String> {
     // What is left of a difference of two ends.
     let [low, high] = [low, high].map(|value| stated((1e9 * value).round() / 1e9));
     Some(if low == high { low } else { format!("{low} … {high}") })
-}
-
-/// Verdict on the class at the head of the page, or nothing where the gains say nothing of a class.
-pub(crate) fn class_verdict(record: &Record<'_>) -> Markup {
-    let refused = record.gains.and_then(|gains| gains.certificate.as_ref()?.class_refused.as_ref());
-    if let Some(why) = refused {
-        return html! { p.verdict.unknown {
-            strong { "No bound for every motion of the class: " } (line(why)) "."
-        } };
-    }
-    let Some(run) = ClassRun::of(record) else { return html! {} };
-    if run.broken() {
-        return html! { p.verdict.outside { strong { "Outside its class bound." } " " (run.sentence()) "." } };
-    }
-    let [error, _, step, _] = &CLASS_CLAUSES;
-    let mass = run.class.payload.mass_kg;
-    let unproved =
-        record.gains.and_then(|gains| gains.certificate.as_ref()).map(|all| &all.unproved[..]);
-    let class = if run.no_promise.is_none() { "verdict within" } else { "verdict unknown" };
-    html! { div class=(class) {
-        p {
-            strong { "Any motion within " (run.limits()) ":" }
-            @if let Some((joint, bound, measured)) = run.largest(error) {
-                @let unit = unit_of(error.unit, joint.slides);
-                " |e| ≤ " (number(error.scale * bound)) " " (unit) " (the largest bound, of " (line(&joint.name))
-                "; measured " (number(error.scale * measured)) ")"
-            }
-            @if let Some((joint, bound, measured)) = run.largest(step) {
-                ", torque step ≤ " (number(bound)) " " (unit_of(step.unit, joint.slides))
-                @if let Some(limit) = joint.tau_step_limit_nm { " of " (stated(limit)) }
-                " (" (line(&joint.name)) "; measured " (number(measured)) ")"
-            }
-            "."
-        }
-        p {
-            "Not proved: derived once, on maxima that a search found; " code { "phihat verify --study" }
-            " derives it a second time. For as long as the motion lasts, payload " (stated(mass.0)) " … " (stated(mass.1))
-            " kg on "
-            (line(&run.class.payload.frame)) ", from a start at rest in balance. " (run.sentence()) "."
-        }
-        @for clause in unproved.unwrap_or_default() { p { "Not kept by every such motion: " (line(clause)) "." } }
-    } }
 }

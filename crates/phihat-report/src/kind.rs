@@ -115,7 +115,7 @@ const E: KindCurve = curve("e", "mrad", |j, k, _| at(&j.e, k));
 const DE: KindCurve = curve("ė", "mrad/s", |j, k, _| at(&j.de, k));
 
 /// All charts, in the order of the page.
-pub(crate) static CHARTS: [ChartKind; 8] = [
+pub(crate) static CHARTS: [ChartKind; 9] = [
     ChartKind {
         stem: "tracking",
         title: ["Tracking: position q and desired position q_d"; 3],
@@ -205,6 +205,13 @@ pub(crate) static CHARTS: [ChartKind; 8] = [
             curve("φ", "N·m", |j, k, _| at(&j.phi, k)),
             held("φ̂", "N·m", true, |j, k, _| at(&j.phi_hat, k)),
         ],
+        ..PLAIN
+    },
+    ChartKind {
+        stem: "estimate-error",
+        title: ["What the estimate misses: φ − φ̂"; 3],
+        y_label: "φ − φ̂ [N·m]",
+        curves: &[curve("φ − φ̂", "N·m", |j, k, _| at(&j.phi, k) - at(&j.phi_hat, k))],
         ..PLAIN
     },
     ChartKind {

@@ -1,7 +1,6 @@
 //! The page: verdict, figures per joint, plots, and everything needed to doubt them.
 
 use crate::certificate::certificate;
-use crate::class::class_verdict;
 use crate::figure::run_figures;
 use crate::kind::DRAWABLE_MAX;
 use crate::kit::number::{number, stated};
@@ -9,7 +8,9 @@ use crate::kit::text::line;
 use crate::kit::{MILLI, document};
 use crate::payload::payload;
 use crate::policy::{PAGE_SCRIPT, PLOT_SCRIPT, content_policy, style};
-use crate::record::Record;
+use crate::record::{Record, RunInfo};
+use crate::scope::not_claimed;
+use crate::standing::{every_joint, standing};
 use crate::supervision::supervision;
 use crate::verdict::{SpecVerdict, verdict};
 use crate::{sections, stage, table};
@@ -55,7 +56,7 @@ use maud::{Markup, PreEscaped, html};
 /// #     robot_description: study.robot.description.clone(),
 /// #     robot_provenance: study.robot.provenance.clone(), phihat_version: String::new(),
 /// #     toolchain: String::new(), form: "observer".to_owned(), rate_hz: 1000.0, delay_samples: 0,
-/// #     world: Vec::new(), command: String::new(), warnings: Vec::new(),
+/// #     world: Vec::new(), command: String::new(), warnings: Vec::new(), bound: None,
 /// # };
 /// // A study, its gains, and what a run of them left: trace, metrics, and where it came from.
 /// let drawing = Drawing::of(&trace, study.spec.settle);
@@ -75,22 +76,29 @@ use maud::{Markup, PreEscaped, html};
 /// ```
 pub fn page(record: &Record<'_>) -> String {
     let body = html! {
-        main {
+        main.run {
             (heading(record))
+            (standing(record))
+            div.measured-verdict {
+                @if let Some(stopped) = &record.metrics.stopped { p.verdict.outside { strong { (line(&stopped.sentence())) } "." } }
+                (verdict_box(&verdict(record.metrics, record.tube)))
+            }
             (warnings(record))
+            (contents(record))
             (stage::stage(record))
-            h2 id="figures" { "Figures per joint" }
-            (table::tracking(record.metrics))
-            (tip(record))
-            (table::torque(record.metrics))
             (plots(record))
+            h2 id="figures" { "Every joint" }
+            (every_joint(record))
+            (tip(record))
+            (table::tracking(record.metrics))
+            (table::torque_table(record.metrics, driven(record.run).is_none_or(|on| on.ends_with("sim"))))
             (supervision(&record.drawing.course))
-            @if let Some(gains) = record.gains { (sections::gains(gains)) }
             (certificate(record))
+            @if let Some(gains) = record.gains { (sections::gains(gains)) }
             (sections::world(record))
             (sections::study(record))
             (sections::origin(record))
-            (sections::not_claimed(record.gains.is_some_and(|gains| gains.certificate.is_some())))
+            (not_claimed(record))
         }
         script type="application/json" id="record" { (PreEscaped(payload(record))) }
         script { (PreEscaped(PLOT_SCRIPT)) }
@@ -109,13 +117,34 @@ fn heading(record: &Record<'_>) -> Markup {
                 "study " strong { (line(&run.study)) } " · " (line(&run.robot)) ", " (joints)
                 @if joints == 1 { " joint" } @else { " joints" }
                 " · " @if record.gains.is_some() { (line(&run.form)) " form" } @else { "another controller" } " at " (stated(run.rate_hz)) " Hz · seed " (run.seed)
-                " · simulated"
+                @if let Some(driven) = driven(run) { " · driven: " (line(driven)) } @else { " · simulated" }
             }
-            @if let Some(stopped) = &record.metrics.stopped { p.verdict.outside { strong { (line(&stopped.sentence())) } "." } }
-            (verdict_box(&verdict(record.metrics, record.tube)))
-            (class_verdict(record))
         }
     }
+}
+
+/// The other end of a link, of a drive.
+fn driven(run: &RunInfo) -> Option<&str> {
+    run.world.iter().find(|(label, _)| label == "driven").map(|(_, value)| value.as_str())
+}
+
+/// Links to the sections.
+fn contents(record: &Record<'_>) -> Markup {
+    let certified = record.gains.is_some_and(|gains| gains.certificate.is_some());
+    let drawn = record.drawing.arm.is_some();
+    let sections = [
+        (drawn, "arm", "the arm"),
+        (true, "plots", "plots"),
+        (true, "figures", "every joint"),
+        (certified, "certificate", "certificate"),
+        (record.gains.is_some(), "gains", "gains"),
+        (true, "world", "loop and world"),
+        (true, "origin", "make it again"),
+        (true, "limits", "what is not claimed"),
+    ];
+    html! { nav.contents aria-label="contents" {
+        @for (_, id, words) in sections.into_iter().filter(|(there, ..)| *there) { a href=(format!("#{id}")) { (words) } }
+    } }
 }
 
 /// Error of the tip in millimetres, alongside its bound and its tube.
@@ -213,6 +242,7 @@ fn plots(record: &Record<'_>) -> Markup {
                 "Drag to zoom, on a touch screen sideways; double-click or double-tap to see everything again. The cursor is one instant "
                 "of all plots, of the phase plane and of the arm above."
             }
+            div id="strip" role="group" aria-label="error of every joint; a joint that is picked is drawn below" {}
             div id="cards" {}
         }
         section.static aria-labelledby="plots" {

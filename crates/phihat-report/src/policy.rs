@@ -19,14 +19,14 @@ pub(crate) const PAGE_SCRIPT: &str = concat!(
 );
 /// Script of every page that explains the figure under the pointer.
 pub(crate) const HOVER_SCRIPT: &str = include_str!("../assets/hover.js");
-const PAGE_STYLE: &str = include_str!("../assets/page.css");
-const ARM_STYLE: &str = include_str!("../assets/arm.css");
+/// The one style sheet of every page.
+pub(crate) const PAGE_STYLE: &str = include_str!("../assets/page.css");
 /// uPlot's licence, which travels with every copy.
 pub(crate) const PLOT_LICENCE: &str = include_str!("../assets/uPlot.LICENSE");
 
-/// The one style sheet.
+/// The style sheet of pages with plots.
 pub(crate) fn style() -> String {
-    format!("{PLOT_STYLE}\n{PAGE_STYLE}\n{ARM_STYLE}")
+    format!("{PLOT_STYLE}\n{PAGE_STYLE}")
 }
 
 /// A page with one script of ours: it and the style sheet run by hash, nothing else does.

@@ -1,6 +1,6 @@
 //! Data that a page is made from.
 
-use phihat_design::Gains;
+use phihat_design::{Gains, Verdict};
 use phihat_sim::Metrics;
 use serde::{Deserialize, Serialize};
 
@@ -79,4 +79,19 @@ pub struct RunInfo {
     pub command: String,
     /// Warnings to read before believing the figures.
     pub warnings: Vec<String>,
+    /// Bound on the error as it was checked for this run; `None`: the certificate was not checked again.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bound: Option<RecordedBound>,
+}
+
+/// Bound on the error of a run with its standing, as a check that shares no code with its finder left it.
+#[derive(Serialize, Deserialize, Clone, Debug, PartialEq)]
+pub struct RecordedBound {
+    /// Standing of the bound.
+    pub verdict: Verdict,
+    /// Bound on `|e|` of each joint \[rad\] ([m] for a prismatic joint), the wider one of two derivations; empty: there
+    /// is none.
+    pub error_bound_rad: Vec<f64>,
+    /// Scope of the bound, or why there is none.
+    pub words: String,
 }

@@ -3,7 +3,6 @@
 use crate::kit::number::stated;
 use crate::kit::text::{line, visible};
 use crate::poles::section_poles;
-use crate::policy::PLOT_LICENCE;
 use crate::record::Record;
 use maud::{Markup, html};
 use phihat_design::{Gains, JointRecord, PositionObserver};
@@ -162,33 +161,6 @@ pub(crate) fn origin(record: &Record<'_>) -> Markup {
             @if let Some(gains) = record.gains {
                 dt { "gains made for" } dd { (line(&gains.study)) ", " (stated(gains.rate_hz)) " Hz" }
             }
-        }
-    }
-}
-
-/// Section on the limits of the claim.
-pub(crate) fn not_claimed(certified: bool) -> Markup {
-    html! {
-        h2 id="limits" { "What this page does not claim" }
-        p {
-            "This is one simulated run of a model of a robot. A real arm has dynamics, delays and faults that no model "
-            "here holds, and another start, load or seed gives another run. "
-            @if certified {
-                "The certificate's bounds hold for the linear sampled loop, inside the arm's range of inertia and the stated φ, "
-                "while no limit acts; coupling counts through the eigenvalues of the inertia only, and Coriolis torque as part "
-                "of φ along the reference. "
-            } @else {
-                "No certificate backs these figures: they are measurements, not bounds. "
-            }
-            "phihat is research software, not a safety function; whoever runs these "
-            "gains on a machine needs the machine's own protective stop, limits and risk assessment."
-        }
-        p {
-            "Columns name revolute joints. For a prismatic joint read m for rad, N for N·m and kg for kg·m²."
-        }
-        details.licence {
-            summary { "The plots are drawn by uPlot 1.6.32 (MIT)" }
-            pre tabindex="0" aria-label="licence of uPlot" { code { (PLOT_LICENCE) } }
         }
     }
 }

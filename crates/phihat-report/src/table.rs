@@ -35,6 +35,11 @@ pub fn tracking(metrics: &Metrics) -> Markup {
 
 /// Table of torque and estimate, joint by joint.
 pub fn torque(metrics: &Metrics) -> Markup {
+    torque_table(metrics, true)
+}
+
+/// The same; without φ where it is the difference of noisy readings, and no torque of the arm.
+pub(crate) fn torque_table(metrics: &Metrics, phi: bool) -> Markup {
     html! {
         div.scroll tabindex="0" role="region" aria-label="Table: torque per joint" {
             table {
@@ -46,8 +51,10 @@ pub fn torque(metrics: &Metrics) -> Markup {
                     (heading("torque limit met", "samples"))
                     (heading("rate limit met", "samples"))
                     (heading("either met, steady", "% of samples"))
-                    (heading("largest |φ|", "N·m"))
-                    (heading("largest |φ − φ̂|, steady", "N·m"))
+                    @if phi {
+                        (heading("largest |φ|", "N·m"))
+                        (heading("largest |φ − φ̂|, steady", "N·m"))
+                    }
                 } }
                 tbody { @for joint in &metrics.joints { tr {
                     th scope="row" { (line(&joint.name)) }
@@ -58,8 +65,10 @@ pub fn torque(metrics: &Metrics) -> Markup {
                     td.limited[joint.limited_steady_share > 0.0] {
                         (stated(1e2 * joint.limited_steady_share))
                     }
-                    td { (number(joint.phi_max_nm)) (own_unit("N·m", joint.slides)) }
-                    td { (number(joint.phi_error_steady_max_nm)) (own_unit("N·m", joint.slides)) }
+                    @if phi {
+                        td { (number(joint.phi_max_nm)) (own_unit("N·m", joint.slides)) }
+                        td { (number(joint.phi_error_steady_max_nm)) (own_unit("N·m", joint.slides)) }
+                    }
                 } } }
             }
         }

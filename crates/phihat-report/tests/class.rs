@@ -2,8 +2,8 @@
 //! than the document, if a run beyond it were not called so, or if a run that it says nothing of were held against it.
 #![allow(clippy::float_cmp, reason = "in a test a panic is the report")]
 
-use phihat_design::{ClassBound, ClassPace, TubePayloadSet};
-use phihat_report::{figures, page};
+use phihat_design::{ClassBound, ClassPace, TubePayloadSet, Verdict};
+use phihat_report::{RecordedBound, figures, page};
 use roxmltree::Document;
 use scraper::{Html, Selector};
 
@@ -66,76 +66,89 @@ fn class(fixture: &mut Fixture) -> &mut ClassBound {
     fixture.gains.certificate.as_mut().unwrap().class.as_deref_mut().unwrap()
 }
 
-/// Texts of the verdicts at the head of a page, with their classes.
-fn verdicts(fixture: &Fixture) -> Vec<(String, String)> {
+/// Class and text of the box with the bound's standing.
+fn standing(fixture: &Fixture) -> (String, String) {
     let page = Html::parse_document(&page(&fixture.record()));
-    let all = Selector::parse("header .verdict").unwrap();
-    let of = |node: scraper::ElementRef<'_>| {
-        let text = node.text().collect::<String>();
-        (
-            node.attr("class").unwrap().to_owned(),
-            text.split_whitespace().collect::<Vec<_>>().join(" "),
-        )
-    };
-    page.select(&all).map(of).collect()
+    let found = Selector::parse("#standing").unwrap();
+    let node = page.select(&found).next().unwrap();
+    // Without the marks that keep a magnitude on one line.
+    let text = node.text().collect::<Vec<_>>().join(" ").replace('\u{2060}', "");
+    let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    (node.attr("class").unwrap().to_owned(), words)
 }
 
 #[test]
-fn the_verdict_says_bound_measurement_and_status() {
-    let fixture = of_class();
-    let [_, (class, text)] = &verdicts(&fixture)[..] else { panic!("two verdicts") };
-    assert_eq!(class, "verdict within");
+fn the_standing_says_word_bound_measurement_and_scope() {
+    let mut fixture = of_class();
+    let (class, text) = standing(&fixture);
+    assert_eq!(class, "standing unproved");
     // The third joint starts farthest away: 70 mrad.
     let worst = &fixture.metrics.joints[2];
     assert!((worst.error_peak_rad - 0.07).abs() < 1e-3);
-    let bound = format!(
-        "|e| ≤ {:.2} mrad (the largest bound, of joint3; measured {:.2})",
-        1250.0 * worst.error_peak_rad,
-        1e3 * worst.error_peak_rad
-    );
+    let bound = format!("|e| ≤ {:.2} mrad", 1250.0 * worst.error_peak_rad);
+    let measured = format!("measured {:.2} mrad", 1e3 * worst.error_peak_rad);
     for part in [
-        "Any motion within ±0.3 rad, 0.2 rad/s, 0.4 … 0.6 rad/s², 1 rad/s³:",
+        "NOT PROVED",
+        "claimed",
         &bound,
-        "of 50 (",
-        "Not proved: derived once",
+        &measured,
+        "derived once",
+        "any motion within ±0.3 rad, 0.2 rad/s, 0.4 … 0.6 rad/s², 1 rad/s³",
         "payload 0 … 1.5 kg on tool",
-        "inside on every joint",
-        "80\u{a0}% of its bound",
+        "other forces up to 0.3 N·m",
+        "limits silent",
+        "assumptions hold",
     ] {
-        let part = part.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(text.contains(&part), "{part}: {text}");
+        assert!(text.contains(part), "{part}: {text}");
     }
-    assert!(!text.contains("proved ≤") && !text.contains("please report"));
+    // As it was checked: the wider bounds, and the word.
+    let each = |scale: f64| fixture.metrics.joints.iter().map(move |j| scale * j.error_peak_rad);
+    let checked = RecordedBound {
+        verdict: Verdict::DerivedTwice,
+        error_bound_rad: each(1.5).collect(),
+        words: String::new(),
+    };
+    fixture.run.bound = Some(checked);
+    let (class, text) = standing(&fixture);
+    assert_eq!(class, "standing proved");
+    let bound = format!(
+        "DERIVED TWICE |e| ≤ {:.1} mrad",
+        1500.0 * fixture.metrics.joints[2].error_peak_rad
+    );
+    assert!(text.starts_with(&bound) && !text.contains("NOT PROVED"), "{text}");
+    // Of a run in which a limit acted nothing is claimed.
+    fixture.metrics.joints[1].rate_limited_samples = 1;
+    let (class, text) = standing(&fixture);
+    assert!(class == "standing unproved" && text.contains("limits acted on 1 commands"), "{text}");
 }
 
 #[test]
 fn a_run_beyond_the_bound_is_called_so_where_the_bound_is_a_promise() {
     let mut broken = of_class();
     class(&mut broken).error_bound_rad[1] *= 0.5;
-    let said = verdicts(&broken);
-    assert_eq!(said[1].0, "verdict outside");
-    assert!(said[1].1.contains("please report") && said[1].1.contains("joint2: |e|"), "{said:?}");
+    let (kind, text) = standing(&broken);
+    assert_eq!(kind, "standing broken");
+    assert!(text.starts_with("BROKEN") && text.contains("please report"), "{text}");
+    assert!(text.contains("joint2: |e|"), "{text}");
     // Not where a limit acted, nor for another study.
     let mut limited = broken.clone();
     limited.metrics.joints[0].rate_limited_samples = 1;
     let mut other = broken;
     other.run.study_sha256 = "fedcba9876543210".repeat(4);
     for (fixture, why) in [(limited, "a limit acted"), (other, "another study")] {
-        let said = verdicts(&fixture);
-        assert!(said[1].1.contains(why) && !said[1].1.contains("please report"), "{said:?}");
+        let (kind, text) = standing(&fixture);
+        assert!(kind == "standing unproved" && text.contains(why), "{text}");
+        assert!(!text.contains("please report"), "{text}");
     }
     let mut much = of_class();
     let clauses = &mut much.gains.certificate.as_mut().unwrap().unproved;
     clauses.push("error_bound_rad = 1e-9 on joint1".to_owned());
-    let said = verdicts(&much);
-    assert!(said[1].1.contains("Not kept by every such motion: error_bound_rad = 1e-9 on joint1."));
+    assert!(standing(&much).1.contains("error_bound_rad = 1e-9 on joint1"));
     let mut refused = of_class();
     let certificate = refused.gains.certificate.as_mut().unwrap();
     (certificate.class, certificate.class_refused) = (None, Some("too <fast>".to_owned()));
-    assert_eq!(
-        verdicts(&refused)[1],
-        ("verdict unknown".into(), "No bound for every motion of the class: too <fast>.".into())
-    );
+    let (kind, text) = standing(&refused);
+    assert!(kind == "standing unproved" && text.contains("too <fast>"), "{text}");
 }
 
 /// Numbers of a path, whatever its letters.
@@ -196,7 +209,7 @@ fn lists_of_another_length_break_no_page() {
     class.box_rad.0.clear();
     class.speed_max_rad_s = vec![f64::NAN; 9];
     class.paces[0].factor = f64::NAN;
-    assert!(page(&fixture.record()).contains("Any motion within"));
+    assert!(page(&fixture.record()).contains("any motion within"));
     for figure in figures(&fixture.record()) {
         Document::parse(&figure.svg).unwrap_or_else(|e| panic!("{}: {e}", figure.name));
     }

@@ -40,6 +40,7 @@ fn figures_carry_titles_units_and_joints() {
         ("velocity-error", "ė [mrad/s]"),
         ("torque", "torque τ [N·m]"),
         ("unknown-dynamics", "φ, φ̂ [N·m]"),
+        ("estimate-error", "φ − φ̂ [N·m]"),
         ("phase", "ė [mrad/s]"),
         ("torque-step", "Δτ [N·m/sample]"),
     ];

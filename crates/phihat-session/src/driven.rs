@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use phihat_design::Gains;
+use phihat_report::RecordedBound;
 use phihat_sim::{ControlSide, Ended, Trace, WorldSide};
 use phihat_study::Study;
 use serde_json::{Map, Value};
@@ -35,6 +36,8 @@ pub struct DrivenSession {
     pub warnings: Vec<String>,
     /// `drive.json` of the record.
     pub document: Value,
+    /// Bound on the error as it was checked before.
+    pub bound: Option<RecordedBound>,
 }
 
 /// Takes the next samples of a record.
@@ -97,6 +100,7 @@ impl Session {
         warnings.extend(driven.warnings);
         let mut done = finished((study, gains), figures, driven.ended, (command, warnings));
         done.run.world.extend(driven.facts);
+        done.run.bound = driven.bound;
         if let Err(why) = done.leave(files, leave.folder, leave.page, Some(&driven.document)) {
             journal.abandon().iter().for_each(|line| watch.warn(line));
             return Err(why.into());

@@ -78,6 +78,7 @@ pub use origin::{how_to_recover, is_unfinished, trace_at};
 pub use outside::OutsideRun;
 pub use page::write_report;
 pub use phihat_certificate::extremes::Extremes;
+pub use phihat_report::RecordedBound;
 pub use record::Done;
 pub use referred::referred;
 pub use rigid::rigid_joints;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use phihat_design::budget::Budget;
 use phihat_design::{Arm, Gains, Infeasible, Outcome, arm_inside_window, requested_gains};
-use phihat_report::RunInfo;
+use phihat_report::{RecordedBound, RunInfo};
 use phihat_sim::{BLOCK, Divergence, Ended, Simulation, Trace};
 use phihat_study::{JOINT_BY_JOINT, Study};
 use phihat_synthesis::BudgetSearch;
@@ -21,6 +21,7 @@ use crate::log::LogFile;
 use crate::observer::{RunFigures, RunObserver, error_shares, settle, watch_bound};
 use crate::record::{Done, TraceFiles};
 use crate::run_record::designed_before;
+use crate::verify::recorded_bound;
 use crate::watch::Watch;
 use crate::words;
 
@@ -126,6 +127,8 @@ pub struct Session {
     before: bool,
     /// The build that designed them, where it can tell.
     designed_by: Option<String>,
+    /// Bound on the error as a second derivation left it; `None`: it was not made.
+    bound: Option<RecordedBound>,
 }
 
 /// Source of a run's gains.
@@ -209,6 +212,7 @@ impl Session {
             designs,
             before,
             designed_by,
+            bound: None,
         })
     }
 
@@ -286,6 +290,17 @@ impl Session {
         }
     }
 
+    /// Derives the bound on the error a second time, as [`verify`](crate::verify) does with the study, so that record
+    /// and page have its standing. Takes seconds.
+    ///
+    /// # Errors
+    ///
+    /// [`SessionError`]: the gains are of another form than the study.
+    pub fn derive_twice(&mut self) -> Result<(), SessionError> {
+        self.bound = recorded_bound(&self.gains, &self.study)?;
+        Ok(())
+    }
+
     /// Runs the loop; `progress` is told how many samples are done. With every signal of every joint.
     pub fn run(self, progress: impl FnMut(u64)) -> (Done, Trace) {
         let mut whole = Trace::default();
@@ -310,7 +325,7 @@ impl Session {
         progress: impl FnMut(u64),
         mut each: impl FnMut(&mut Trace) -> Result<(), E>,
     ) -> Result<Done, E> {
-        let Self { study, gains, simulation, command, warnings, designed_by, .. } = self;
+        let Self { study, gains, simulation, command, warnings, designed_by, bound, .. } = self;
         let mut seen = RunObserver::new(&study, Some(&gains));
         let mut shares = error_shares(&study, &gains);
         let ended = simulation.stream(block, progress, |block| {
@@ -321,7 +336,8 @@ impl Session {
             each(block)
         })?;
         let figures = seen.finish(&study.sha256);
-        let done = finished((study, gains), figures, ended, (command, warnings));
+        let mut done = finished((study, gains), figures, ended, (command, warnings));
+        done.run.bound = bound;
         Ok(Done { designed_by, ..done })
     }
 }
@@ -428,5 +444,6 @@ pub(crate) fn run_info(
         world: words::world(study),
         command,
         warnings,
+        bound: None,
     }
 }

@@ -6,6 +6,7 @@ use phihat_certificate::extremes::Extremes as _;
 use phihat_certificate::tube::TubeReference;
 use phihat_certificate::{Certificate, Refutation, TubeAgain, Verdict, Verified};
 use phihat_design::Gains;
+use phihat_report::RecordedBound;
 use phihat_sim::{Metrics, Motion, fed_along};
 use phihat_study::Study;
 use serde::Serialize;
@@ -171,7 +172,7 @@ type Again = Result<(Verified, Option<DrawnRuns>), Refutation>;
 
 /// Derives again from the study what the file has to be trusted for, and runs a few worlds of it.
 fn again(
-    mut verified: Verified,
+    verified: Verified,
     (gains, certificate): (&Gains, &Certificate),
     (study, seed): (&Study, u64),
     stage: &(dyn Fn(VerifyStage) + Sync),
@@ -179,13 +180,8 @@ fn again(
     // What is drawn comes from the file and from the reader: nobody who wrote the file knows it.
     let text = gains.to_json().map_err(SessionError::other)?;
     let seed = seed_of(&text, seed);
-    let checked = certificate.derive(gains, study).and_then(|derived| {
-        verified.derived = derived;
-        let share = |share| stage(VerifyStage::Tube(share));
-        verified.tube = derived_tube((gains, certificate), study, &share)?;
-        verified.class = certificate.derive_class(gains, study, seed)?;
-        Ok(certificate.concluded(verified, gains))
-    });
+    let share = |share| stage(VerifyStage::Tube(share));
+    let checked = derived_again(verified, (gains, certificate), (study, seed), &share);
     let verified = match checked {
         Ok(verified) => verified,
         Err(why) => return Ok(Err(why)),
@@ -204,6 +200,9 @@ pub struct BoundStanding {
     pub verdict: Verdict,
     /// Both in words: `DERIVED TWICE ≤ 0.264 mrad`.
     pub words: String,
+    /// Bound of each joint \[rad\].
+    #[serde(skip)]
+    pub each_rad: Vec<f64>,
 }
 
 impl BoundStanding {
@@ -212,7 +211,8 @@ impl BoundStanding {
         let (joint, _) = bounds.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let unit = if gains.slides(joint) { "mm" } else { "mrad" };
         let words = verdict.of_bound(&format!("{:.3} {unit}", 1e3 * error_bound_rad));
-        Some(Self { error_bound_rad, verdict, words })
+        let each_rad = bounds.iter().map(|(_, bound)| *bound).collect();
+        Some(Self { error_bound_rad, verdict, words, each_rad })
     }
 }
 
@@ -229,17 +229,68 @@ pub fn class_standing(
     let Some(certificate) = gains.certificate.as_ref().filter(|own| own.class.is_some()) else {
         return Ok(Ok(None));
     };
-    let mut study = study.clone();
-    gains.complete(&mut study).map_err(SessionError::other)?;
-    let checked = match certificate.verified(gains) {
-        Ok(verified) => again(verified, (gains, certificate), (&study, 0), &|_| {})?,
-        Err(why) => Err(why),
-    };
-    Ok(checked.map(|(verified, _)| {
+    let checked = twice(gains, certificate, study)?;
+    Ok(checked.map(|verified| {
         let bounds: Vec<(&str, f64)> =
             verified.error_bounds.iter().map(|own| (&*own.joint, own.error_bound_rad)).collect();
-        let verdict = verified.error_bounds.iter().map(|own| own.verdict).min();
-        BoundStanding::of(&bounds, verdict.unwrap_or(Verdict::NotProved), gains)
+        BoundStanding::of(&bounds, weakest(&verified), gains)
+    }))
+}
+
+/// Standing of the weakest bound.
+fn weakest(verified: &Verified) -> Verdict {
+    let verdict = verified.error_bounds.iter().map(|own| own.verdict).min();
+    verdict.unwrap_or(Verdict::NotProved)
+}
+
+/// The claims of gains after their check with the study: what [`verify`] derives again, without its runs.
+fn twice(
+    gains: &Gains,
+    certificate: &Certificate,
+    study: &Study,
+) -> Result<Result<Verified, Refutation>, SessionError> {
+    let mut study = study.clone();
+    gains.complete(&mut study).map_err(SessionError::other)?;
+    let text = gains.to_json().map_err(SessionError::other)?;
+    let subject = (gains, certificate);
+    Ok(certificate.verified(gains).and_then(|verified| {
+        derived_again(verified, subject, (&study, seed_of(&text, 0)), &|_| {})
+    }))
+}
+
+/// The claims with all that is derived a second time from the study.
+fn derived_again(
+    mut verified: Verified,
+    (gains, certificate): (&Gains, &Certificate),
+    (study, seed): (&Study, u64),
+    share: &(dyn Fn(f64) + Sync),
+) -> Result<Verified, Refutation> {
+    verified.derived = certificate.derive(gains, study)?;
+    verified.tube = derived_tube((gains, certificate), study, share)?;
+    verified.class = certificate.derive_class(gains, study, seed)?;
+    Ok(certificate.concluded(verified, gains))
+}
+
+/// Bound on the error of gains for a study, derived a second time, for the record of a run; `None`: the gains carry no
+/// certificate. Takes seconds.
+pub(crate) fn recorded_bound(
+    gains: &Gains,
+    study: &Study,
+) -> Result<Option<RecordedBound>, SessionError> {
+    let Some(certificate) = &gains.certificate else { return Ok(None) };
+    let none =
+        |words| RecordedBound { verdict: Verdict::NotProved, error_bound_rad: vec![], words };
+    Ok(Some(match twice(gains, certificate, study)? {
+        Err(why) => none(format!("a claim does not hold: {why}")),
+        Ok(verified) if !verified.bounded => none(certificate.without_bound().unwrap_or_default()),
+        Ok(verified) => {
+            let verdict = weakest(&verified);
+            let error_bound_rad =
+                verified.error_bounds.iter().map(|own| own.error_bound_rad).collect();
+            let least = verified.error_bounds.iter().find(|own| own.verdict == verdict);
+            let words = least.map_or_else(String::new, |own| own.basis.clone());
+            RecordedBound { verdict, error_bound_rad, words }
+        }
     }))
 }
 

@@ -35,6 +35,24 @@
   $("byline").textContent = `study ${state.study} · ${state.robot}, ${n} ${n === 1 ? "joint" : "joints"} at ${state.rate_hz} Hz · gains: ${state.method} · ${state.record_s == null ? "simulated" : "recorded"}`;
   if (state.warnings.length) tell(state.warnings.join(" · "));
 
+  // ── What is claimed: the bound of the gains as they were begun with, while nothing acts that no claim counts.
+  const claims = state.claims;
+  let changed = false;
+  function standing() {
+    $("standing").hidden = false;
+    const given = claims?.error_bound;
+    const most = given && Math.max(...given.filter((_, j) => state.slides[j] === state.slides[0]));
+    const meets = acting.map(([word]) => word.replaceAll("_", " "));
+    const why = meets.length ? `what acts is in no claim: ${[...new Set(meets)].join(", ")}` : changed ? "other gains run: their tube is under Gains and error" : claims ? claims.why : "these gains carry no certificate";
+    const text = why ? `NOT PROVED: ${why}` : `claimed |e| ≤ ${show(1e3 * most)} ${unit(0)}, derived once, on the study's motion from its start`;
+    if ($("standing-word").textContent !== text) $("standing-word").textContent = text;
+  }
+  if (claims) {
+    $("standing-summary").textContent = `if ${claims.assumptions.length} assumptions hold${claims.not_counted.length ? `; ${claims.not_counted.length} not counted` : ""}`;
+    for (const { number, text } of claims.assumptions) $("standing-list").append(element("li", "", `${number} ${text}`));
+    for (const one of claims.not_counted) $("standing-list").append(element("li", "", `not counted: ${one}`));
+  } else $("standing-more").hidden = true;
+
   // ── What the view of the arm reads: first the motion, for its path; then what there is now.
   const bound = (j) => (state.bounds ? 1e3 * state.bounds[j] : null);
   const way = state.path ?? { t: [0], q: [new Array(n).fill(0)] };
@@ -97,7 +115,7 @@
     const dashed = (u) => {
       const c = u.ctx;
       c.save();
-      c.strokeStyle = ink("--bound");
+      c.strokeStyle = ink("--limit");
       c.setLineDash([6, 4]);
       for (const level of limits(clock.joint)) {
         const y = u.valToPos(level, "y", true);
@@ -114,7 +132,7 @@
       axes: [axis("t [s]", 42), axis(label(0), 52)],
       hooks: { draw: [dashed] },
     }, data, place);
-    addEventListener("resize", () => u.setSize({ width: width(), height: 200 }));
+    new ResizeObserver(() => { if (u.width !== width()) u.setSize({ width: width(), height: 200 }); }).observe(place);
     return {
       clear() { data.forEach((list) => { list.length = 0; }); u.axes[1].label = label(clock.joint); u.setData(data); },
       // Least and largest of phihat's law, and of the other one where there is one.
@@ -202,6 +220,7 @@
       plots[1].add(shown.t, tau, there ? other.tau : [null, null]);
     }
     acting = shown.acting;
+    standing();
     clock.t = shown.t;
     if (canvas.paint) {
       now.live = true;
@@ -238,7 +257,14 @@
   }
   listen();
   addEventListener("pagehide", () => source.close());
-  setInterval(() => plots.forEach((plot) => plot.paint()), 66);
+  // Largest error of what is seen, as a share of what the study accepts.
+  function share() {
+    const [most, accepted] = [plots[0].most(1), bound(clock.joint)];
+    const over = accepted ? most / accepted : null;
+    $("share").textContent = `largest ${show(most)} ${unit(clock.joint)}${over == null ? ", no bound stated" : `, ${(100 * over).toFixed(0)} % of the ${show(accepted)} that the study accepts`}`;
+    $("share").className = `sub ${over > 1 ? "is-broken" : over > 0.8 ? "is-thin" : ""}`;
+  }
+  setInterval(() => { plots.forEach((plot) => plot.paint()); share(); }, 66);
 
   // ── Time.
   let paused = false;
@@ -359,15 +385,27 @@
     if (seconds != null) lastSeconds = seconds;
     const place = $("numbers");
     const list = element("dl");
-    const line = (term, text) => list.append(element("dt", "", term), element("dd", "", text));
+    const line = (term, text, level = "") => list.append(element("dt", "", term), element("dd", level, text));
+    // A margin is thin below the first figure, and hardly one below the second: what is not modelled takes it.
+    const level = (value, thin, none) => (value == null ? "" : value < none ? "is-broken" : value < thin ? "is-thin" : "");
     const figures = found.numbers;
     if (found.refused) line("refused", found.refused);
     if (figures) {
       const pair = (range) => (range ? `${show(range[0])} to ${show(range[1])} times M̄` : "none");
-      line("armed", figures.armed ? (found.now ? "yes: they run now" : "yes: from the next start on") : `no: ${figures.why}`);
+      const sample = 1e3 / state.rate_hz;
+      const levels = { phase: level(figures.phase_deg, 30, 5), delay: level(figures.delay_ms, 2 * sample, 0.5 * sample), modulus: level(figures.modulus, 0.4, 0.1) };
+      const worst = ["is-broken", "is-thin"].find((name) => Object.values(levels).includes(name)) ?? "";
+      const but = { "is-broken": ", with next to no margin", "is-thin": ", with thin margins" }[worst] ?? "";
+      if (found.now) changed = true;
+      line("armed", figures.armed ? (found.now ? `yes: they run now${but}` : `yes: from the next start on${but}`) : `no: ${figures.why}`, figures.armed ? worst : "is-broken");
       line("inertia window", pair(figures.window));
       line("range of the arm in it", pair(figures.arm));
-      line("margins", figures.phase_deg == null ? "–" : `phase ${show(figures.phase_deg)}°, delay ${show(figures.delay_ms)} ms, modulus ${show(figures.modulus)}`);
+      if (figures.phase_deg == null) line("margins", "–");
+      else {
+        line("phase margin", `${show(figures.phase_deg)}°`, levels.phase);
+        line("delay margin", `${show(figures.delay_ms)} ms`, levels.delay);
+        line("modulus margin", show(figures.modulus), levels.modulus);
+      }
       const own_ = figures.joints[clock.joint];
       line(`gains of ${state.joints[clock.joint]}`, `K_p ${show(own_.kp)} 1/s², K_d ${show(own_.kd)} 1/s, M̄ ${show(own_.inertia)} kg·m²`);
       if (own_.noise != null) line("torque noise", `${show(own_.noise)} N·m rms per sample`);

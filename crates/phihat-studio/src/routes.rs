@@ -92,7 +92,7 @@ pub(crate) fn router(shared: Arc<Shared>) -> Router {
     let asset =
         |kind: &'static str, text: &'static str| get(move || async move { typed(kind, text) });
     let script = "text/javascript; charset=utf-8";
-    let style: &'static str = concat_style();
+    let style = style();
     Router::new()
         .route(
             "/",
@@ -123,10 +123,10 @@ pub(crate) fn router(shared: Arc<Shared>) -> Router {
         .with_state(shared)
 }
 
-/// The styles of all pages, the arm's, and those of this one.
-fn concat_style() -> &'static str {
+/// The styles of all pages.
+fn style() -> &'static str {
     static STYLE: std::sync::OnceLock<String> = std::sync::OnceLock::new();
-    STYLE.get_or_init(|| format!("{}\n{}", parts::style(), include_str!("../assets/studio.css")))
+    STYLE.get_or_init(parts::style)
 }
 
 fn typed(kind: &'static str, text: &'static str) -> Response {

@@ -1,6 +1,7 @@
 //! State of a study for a page that opens.
 
 use phihat::Form;
+use phihat_design::Gains;
 use phihat_model::JointKind;
 use phihat_sim::Motion;
 use phihat_study::Study;
@@ -35,6 +36,7 @@ pub(crate) fn state(open: &Open) -> Value {
         "rate_hz": 1e9 / study.control.period_ns as f64,
         "scales": study.control.form != Form::Positions,
         "method": gains.as_ref().map_or("another controller's", |gains| gains.method.as_str()),
+        "claims": gains.as_ref().and_then(claims),
         "supervised": study.supervisor.is_some(),
         "arm": arm,
         "path": played.as_ref().map_or_else(
@@ -47,6 +49,21 @@ pub(crate) fn state(open: &Open) -> Value {
         "offers": OFFERS,
         "warnings": warnings,
     })
+}
+
+/// Claims of gains about the error: bounds per joint \[rad\], and the assumptions; `None`: there is no certificate.
+fn claims(gains: &Gains) -> Option<Value> {
+    let certificate = gains.certificate.as_ref()?;
+    let bounds = (0..gains.joints.len()).map(|i| certificate.error_bound(i));
+    let bounds: Option<Vec<f64>> = bounds.map(|own| own.map(|own| own.error_bound_rad)).collect();
+    let not_counted =
+        certificate.not_counted.iter().map(|one| format!("{} = {}", one.key, one.value));
+    Some(json!({
+        "error_bound": bounds,
+        "why": certificate.without_bound(),
+        "assumptions": certificate.assumptions(),
+        "not_counted": not_counted.collect::<Vec<_>>(),
+    }))
 }
 
 /// Path of the motion: times and desired positions.

@@ -113,7 +113,7 @@ static ROBOT: FormatSection = FormatSection {
             unit: "",
             shape: Shape::Text,
             need: Need::Optional("`name` is given"),
-            doc: "A robot description (`.toml`) or a bare `.urdf`, relative to the study.",
+            doc: "A robot description (`.toml`), or a bare URDF or MJCF, relative to the study.",
         },
         Key {
             name: "locked",

@@ -118,7 +118,7 @@ fn text_of(path: &Path) -> Result<(String, String), StudyError> {
     })?;
     let other = match text.trim_start_matches('\u{feff}').trim_start().chars().next() {
         Some('<') => {
-            Some(("XML, such as a URDF, not a study", "name it in one: `file` in [robot]"))
+            Some(("XML, such as a URDF or MJCF, not a study", "name it in one: `file` in [robot]"))
         }
         Some('{') => Some(("JSON, not a study", "gains are given beside one: --gains FILE")),
         None => Some(("is empty", "begin with a copy of studies/first.toml")),

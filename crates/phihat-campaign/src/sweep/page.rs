@@ -1,14 +1,21 @@
 //! The page of a sweep: what holds for how many runs, distributions, errors against what varied, the worst runs.
 
 use maud::{Markup, html};
-use phihat_report::kit::Page;
 use phihat_report::kit::draw::{FigureSize, svg};
 use phihat_report::kit::number::{number, stated};
 use phihat_report::kit::text::line;
+use phihat_report::kit::{MILLI, Page};
 
 use super::plot::{DrawnRun, distribution, scatter};
 use super::row::SweepRow;
 use super::summary::{FigureRecord, Quantile, SweepSummary};
+
+/// Units for people: the factor from those of the data, and the word.
+fn people(unit: &str) -> (f64, String) {
+    let own = line(unit);
+    let milli = ["rad", "m", "rad/s", "rad·s", "m/s"].contains(&own.as_str());
+    if milli { (MILLI, format!("m{own}")) } else { (1.0, own) }
+}
 
 /// Quantiles of the table.
 const SHOWN: [f64; 4] = [0.5, 0.95, 0.99, 0.999];
@@ -32,11 +39,12 @@ pub(super) fn sweep_page(summary: &SweepSummary, drawn: &[SweepRow]) -> String {
         h2 { "Distributions" }
         p { "Bars: how many runs, the highest drawn to 0.9; curve: the share of runs at or below a value; dashed: the bound." }
         div.plots { @for figure in summary.figures.iter().filter(|figure| differs(figure)) { figure {
-            (svg(&distribution((&figure.name, &figure.unit), &figure.curve, bound(figure)), &FigureSize::SMALL))
+            (drawn_distribution(figure))
             figcaption { (line(&figure.what)) }
         } } }
         @for figure in summary.figures.iter().filter(|figure| !differs(figure)) {
-            p { (line(&figure.what)) ": " (shown(figure.least)) @if !figure.unit.is_empty() { "\u{a0}" (line(&figure.unit)) } " in every run." }
+            @let (scale, unit) = people(&figure.unit);
+            p { (line(&figure.what)) ": " (shown(scale * figure.least)) @if !unit.is_empty() { "\u{a0}" (unit) } " in every run." }
         }
         h2 { "Errors against what varied" }
         (scatters(summary, drawn))
@@ -47,7 +55,22 @@ pub(super) fn sweep_page(summary: &SweepSummary, drawn: &[SweepRow]) -> String {
         p { "Runs are simulated and drawn at random from what was asked for. What lies between them, or outside of it, was not tried; "
             "a share of runs is no certificate." }
     };
-    Page { title: &title, style: include_str!("page.css"), script: None }.document(&main)
+    Page { title: &title, kind: "sweep", script: None }.document(&main)
+}
+
+/// Distribution of a figure in the units for people.
+fn drawn_distribution(figure: &FigureRecord) -> Markup {
+    let (scale, unit) = people(&figure.unit);
+    let curve: Vec<(f64, f64)> =
+        figure.curve.iter().map(|(v, share)| (scale * v, *share)).collect();
+    let name = people_name(&figure.name);
+    svg(&distribution((&name, &unit), &curve, bound(figure)), &FigureSize::SMALL)
+}
+
+/// A figure's name in words, without the unit of the data.
+fn people_name(name: &str) -> String {
+    let bare = ["_rad_s", "_rad", "_nm", "_m"].iter().find_map(|end| name.strip_suffix(end));
+    line(bare.unwrap_or(name)).replace('_', " ")
 }
 
 /// Returns true if the figure is not the same in all runs, so that there is a distribution to draw.
@@ -92,37 +115,39 @@ fn table(summary: &SweepSummary) -> Markup {
             th scope="col" { "largest" }
         } }
         tbody { @for figure in &summary.figures { tr {
-            th scope="row" { (line(&figure.what)) @if !figure.unit.is_empty() { " " span.unit { "[" (line(&figure.unit)) "]" } } }
-            td { (shown(figure.least)) }
-            @for share in SHOWN { td { (quantile(figure, share)) } }
-            td { (shown(figure.largest)) }
+            @let (scale, unit) = people(&figure.unit);
+            th scope="row" { (line(&figure.what)) @if !unit.is_empty() { " " span.unit { "[" (unit) "]" } } }
+            td { (shown(scale * figure.least)) }
+            @for share in SHOWN { td { (quantile(figure, share, scale)) } }
+            td { (shown(scale * figure.largest)) }
         } } }
     } } }
 }
 
-fn quantile(figure: &FigureRecord, share: f64) -> Markup {
+fn quantile(figure: &FigureRecord, share: f64, scale: f64) -> Markup {
     let found = figure.quantiles.iter().find(|q| (q.share - share).abs() < 1e-12);
     let ends = |q: &Quantile| {
-        let end = |end: Option<f64>| end.map_or("–".to_owned(), shown);
+        let end = |end: Option<f64>| end.map_or("–".to_owned(), |end| shown(scale * end));
         format!("{} … {}", end(q.low), end(q.high))
     };
-    html! { @if let Some(q) = found { (shown(q.value)) span.note { (ends(q)) } } @else { "–" } }
+    html! { @if let Some(q) = found { (shown(scale * q.value)) span.note { (ends(q)) } } @else { "–" } }
 }
 
 /// Figure by which runs are compared: its index in a row, its label, its bound.
 fn compared(summary: &SweepSummary) -> (usize, &'static str, Option<f64>) {
     match usize::from(summary.figures.iter().any(|f| f.name == "error_over_spec")) {
-        0 => (0, "largest |e| after settle_s [rad]", None),
+        0 => (0, "largest |e| after settling [mrad]", None),
         by => (by, "largest |e| over its bound", Some(1.0)),
     }
 }
 
 fn scatters(summary: &SweepSummary, drawn: &[SweepRow]) -> Markup {
     let (by, beside, bound) = compared(summary);
+    let scale = if bound.is_none() { MILLI } else { 1.0 };
     let runs = |i: usize| -> Vec<DrawnRun> {
         let run = |row: &SweepRow| DrawnRun {
             value: row.values[i],
-            error: row.figures[by],
+            error: scale * row.figures[by],
             within: row.within_spec,
         };
         drawn.iter().map(run).collect()
@@ -142,6 +167,7 @@ fn scatters(summary: &SweepSummary, drawn: &[SweepRow]) -> Markup {
 }
 
 fn worst(summary: &SweepSummary) -> Markup {
+    let scale = if compared(summary).2.is_none() { MILLI } else { 1.0 };
     html! { div.scroll.worst tabindex="0" role="region" aria-label="Table: the worst runs" { table {
         thead { tr {
             th scope="col" { "run" }
@@ -153,7 +179,7 @@ fn worst(summary: &SweepSummary) -> Markup {
         tbody { @for run in &summary.worst { tr {
             th scope="row" { (run.run) }
             td { (run.ended) }
-            td { (shown(run.error)) }
+            td { (shown(scale * run.error)) }
             @for value in &run.values { td { (number(*value)) } }
             td { code { (line(&run.command)) } }
         } } }

@@ -6,7 +6,7 @@ use phihat_report::kit::number::{number, stated};
 use phihat_report::kit::text::line;
 use phihat_report::kit::{MILLI, Page};
 
-use super::picture::{curve, mean_ranks, picture};
+use super::picture::{curve, mean_ranks, name, name_of, picture};
 use super::record::{AtCap, ChosenGains, Fronts, LawRecord, Restart};
 use super::tier::Tier;
 use crate::protocol::hardest;
@@ -47,7 +47,7 @@ pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
              the nominal inertia, and whether the torque that acted or the one commanded last is handed over are free for every law \
              that uses them, and tuned with its own scalars." }
     };
-    Page { title: &title, style: include_str!("fronts.css"), script: None }.document(&main)
+    Page { title: &title, kind: "fronts", script: None }.document(&main)
 }
 
 /// The cap of the details: where most laws have gains; of equal ones the least.
@@ -86,10 +86,11 @@ fn verdict(fronts: &Fronts) -> Markup {
         let (law, error) = known.first().copied()?;
         let (better, worse, alike) = counts(fronts, tier, cap);
         Some(html! { li {
-        strong { (tier.words()) } ": least median error " (line(&law.id)) ", " (number(MILLI * error.median)) " mrad"
+        strong { (tier.words()) } ": least median error " strong { (name(law)) } ", " (number(MILLI * error.median)) " mrad"
         @if let Some((own, error)) = known.iter().find(|(law, _)| law.ours).filter(|(own, _)| own.id != law.id) {
-            "; of ours " (line(&own.id)) ", " (number(MILLI * error.median)) " mrad"
+            "; of ours " (name(own)) ", " (number(MILLI * error.median)) " mrad"
         }
+        @if let Some(place) = last_of_ours(&known) { ". " strong { "Of ours " (name(place)) " is the last of " (known.len()) } }
         @if better + worse + alike > 0 {
             ". Against the best of ours that knows no more, " (better) " of the others are better, " (worse) " worse, " (alike)
             " not to be told apart"
@@ -97,10 +98,17 @@ fn verdict(fronts: &Fronts) -> Markup {
         "." } })
     };
     html! {
-        p { "At a cap of " (stated(100.0 * cap)) " % of the torque limit on noise:" }
-        ul.verdicts { @for tier in Tier::ALL { @if let Some(said) = sentence(tier) { (said) } } }
-        (told(band))
+        div.verdict {
+            p { strong { "At a cap of " (stated(100.0 * cap)) " % of the torque limit on noise" } }
+            ul.verdicts { @for tier in Tier::ALL { @if let Some(said) = sentence(tier) { (said) } } }
+            (told(band))
+        }
     }
+}
+
+/// The worst of several laws, best first, where it is one of ours.
+fn last_of_ours<'a>(known: &[(&'a LawRecord, Spread)]) -> Option<&'a LawRecord> {
+    known.last().map(|(law, _)| *law).filter(|law| law.ours && known.len() > 1)
 }
 
 fn told(band: Option<Placebo>) -> Markup {
@@ -146,11 +154,11 @@ fn tier_part(fronts: &Fronts, tier: Tier) -> Markup {
             figcaption { "Chosen gains in the test worlds: medians, one mark per cap; upright lines from quartile to quartile. \
                 Below and to the left is less of both. Ours of this tier or of less knowledge are blue; a law's second name is dashed." }
         }
-        (table(fronts, tier, &laws))
+        details.behind { summary { "The figures: " (laws.len()) " laws under " (fronts.extent.caps.len()) " caps" } (table(fronts, tier, &laws)) }
         @if let Some(ordered) = ordered {
             h3 { "Ranks at a cap of " (stated(100.0 * cap)) " %" }
             figure.plot {
-                (mean_ranks(&ordered.laws, ordered.critical_difference))
+                (mean_ranks(fronts, &ordered.laws, ordered.critical_difference))
                 figcaption { "Mean rank over the test worlds, 1 is best. Laws inside the shaded stretch cannot be told from the first one \
                     by ranks (Nemenyi, 5 %; difference " (number(ordered.critical_difference)) ")." }
             }
@@ -199,7 +207,7 @@ fn row(fronts: &Fronts, tier: Tier, law: &LawRecord, cap: f64) -> Markup {
         })
         .collect();
     html! { tr {
-        th scope="row" { (line(&law.id)) @if let Some(end) = ends.first() { span.note { (line(end)) } } }
+        th scope="row" { (name(law)) @if let Some(end) = ends.first() { span.note { (line(end)) } } }
         td { (stated(100.0 * cap)) }
         @match &point.chosen {
             Some(chosen) => {
@@ -313,15 +321,15 @@ fn volumes(fronts: &Fronts) -> Markup {
         h2 { "Whole fronts in one number" }
         p { "The area above a law's front, error and noise in natural logarithms, up to the largest cap and 1 rad. Half the error at every \
              cap is ln 2 times the stretch of noise more. Larger is better; the interval is over worlds and restarts." }
-        div.scroll tabindex="0" role="region" aria-label="Table: areas above fronts" { table {
+        details.behind { summary { (all.len()) " laws" } div.scroll tabindex="0" role="region" aria-label="Table: areas above fronts" { table {
             thead { tr { th scope="col" { "law" } th scope="col" { "knows" } th scope="col" { "area" } th scope="col" { "95 %" } } }
             tbody { @for one in all { tr {
-                th scope="row" { (line(&one.law)) }
+                th scope="row" { (name_of(fronts, &one.law)) }
                 td { (tier(&one.law).map_or("", Tier::words)) }
                 td { (number(one.area)) }
                 td { (number(one.interval[0])) " … " (number(one.interval[1])) }
             } } }
-        } }
+        } } }
     }
 }
 
@@ -330,16 +338,16 @@ fn held_out(fronts: &Fronts) -> Markup {
     html! {
         h2 { "On an arm that nothing was tuned on: " (line(&held.arm.robot)) }
         p { "The same scalars, in units of that arm's nominal inertia per joint." }
-        div.scroll tabindex="0" role="region" aria-label="Table: the arm that nothing was tuned on" { table {
+        details.behind { summary { (held.points.len()) " tunings" } div.scroll tabindex="0" role="region" aria-label="Table: the arm that nothing was tuned on" { table {
             thead { tr { @for head in ["law", "cap [%]", "noise [%]", "error [mrad]", "did not follow [%]"] { th scope="col" { (head) } } } }
             tbody { @for (law, cap, chosen) in &held.points { tr {
-                th scope="row" { (line(law)) }
+                th scope="row" { (name_of(fronts, law)) }
                 td { (stated(100.0 * cap)) }
                 td { (chosen.noise.map_or("–".to_owned(), |noise| percent(noise.median))) }
                 td { (chosen.error_rad.map_or("–".to_owned(), |error| number(MILLI * error.median))) }
                 td { (percent(chosen.failed)) }
             } } }
-        } }
+        } } }
         p { "A cap of " (stated(100.0 * held.points.first().map_or(0.0, |p| p.1))) " % and more was kept on the other arm; here nothing was asked." }
     }
 }

@@ -3,9 +3,21 @@
 use maud::Markup;
 use phihat_report::kit::draw::{FigureSize, svg};
 use phihat_report::kit::figure::{Axis, AxisTicks, Band, Figure, Fill, Ink, Marker, Panel, Series};
-use phihat_report::kit::text::line;
+use phihat_report::kit::text::{line, short};
 
-use super::record::LawRecord;
+use super::record::{Fronts, LawRecord};
+
+/// A law's name for people, marked where it is tuned a second time.
+pub(super) fn name(law: &LawRecord) -> String {
+    let title = line(&law.title).replace(" (this project)", "");
+    let again = law.again.is_some() && !title.ends_with("again");
+    if again { format!("{title}, again") } else { title }
+}
+
+/// The name of a law by its id.
+pub(super) fn name_of(fronts: &Fronts, id: &str) -> String {
+    fronts.laws.iter().find(|law| law.id == id).map_or_else(|| line(id), name)
+}
 
 /// A law's curve with its name at the end: ours before the others, a second name dashed.
 pub(super) fn curve(law: &LawRecord, points: Vec<[f64; 2]>) -> Series {
@@ -16,7 +28,7 @@ pub(super) fn curve(law: &LawRecord, points: Vec<[f64; 2]>) -> Series {
     } else {
         Ink::Soft
     };
-    Series { named: true, ..Series::curve(line(&law.id), points).in_ink(ink) }
+    Series { named: true, ..Series::curve(short(&name(law), 30), points).in_ink(ink) }
 }
 
 /// Curves as a picture.
@@ -27,13 +39,13 @@ pub(super) fn picture(title: &str, axes: (Axis, Axis), curves: Vec<Series>) -> M
 }
 
 /// Mean ranks on a line, the best first, over the stretch in which they do not differ.
-pub(super) fn mean_ranks(laws: &[(String, f64)], difference: f64) -> Markup {
+pub(super) fn mean_ranks(fronts: &Fronts, laws: &[(String, f64)], difference: f64) -> Markup {
     let count = laws.len() as f64;
     let rows = || laws.iter().zip((0..).map(|place| count - f64::from(place) - 0.5));
-    let marker = |((name, rank), y): (&(String, f64), f64)| Marker {
+    let marker = |((id, rank), y): (&(String, f64), f64)| Marker {
         at: [*rank, y],
-        note: format!("{}: {rank:.2}", line(name)),
-        ink: if name.starts_with("proposed") { Ink::Curve(0) } else { Ink::Soft },
+        note: format!("{}: {rank:.2}", name_of(fronts, id)),
+        ink: if id.starts_with("proposed") { Ink::Curve(0) } else { Ink::Soft },
         ..Marker::default()
     };
     let most = laws.iter().map(|(_, rank)| *rank).fold(2.0, f64::max).ceil();
@@ -45,7 +57,8 @@ pub(super) fn mean_ranks(laws: &[(String, f64)], difference: f64) -> Markup {
     };
     let ranks =
         Axis { ticks: AxisTicks::Multiples(1.0), ..Axis::new("mean rank").over(0.8, most + 0.2) };
-    let names = AxisTicks::Names(rows().map(|((name, _), y)| (y, line(name))).collect());
+    let names =
+        AxisTicks::Names(rows().map(|((id, _), y)| (y, short(&name_of(fronts, id), 34))).collect());
     let names = Axis { ticks: names, ..Axis::default().over(0.0, count) };
     let panel = Panel::lines("", (ranks, names), Vec::new(), Vec::new());
     let panel = Panel { bands: vec![alike], markers: rows().map(marker).collect(), ..panel };

@@ -28,7 +28,6 @@ pub use names::main_world;
 pub use trial::{PageTrial, trial_page};
 pub use words::{DEFAULTS, NOT_TUNED, UNITS, model_free, model_free_in_full};
 
-const STYLE: &str = include_str!("comparison.css");
 /// Script that sorts the tables.
 const SCRIPT: &str = include_str!("comparison.js");
 
@@ -52,7 +51,7 @@ pub fn comparison_page(comparison: &Comparison, command: &str) -> String {
         (terms::fairness(comparison, command))
         (terms::not_claimed())
     };
-    Page { title: &title, style: STYLE, script: Some(SCRIPT) }.document(&main)
+    Page { title: &title, kind: "comparison", script: Some(SCRIPT) }.document(&main)
 }
 
 /// A part that is opened by a click, or by a link into it.

@@ -12,7 +12,7 @@ use phihat_report::kit::anchor;
 use phihat_report::kit::draw::{FigureSize, svg};
 use phihat_report::kit::figure::{Axis, Figure, Ink, Marker, Panel, Series};
 use phihat_report::kit::number::{number, stated};
-use phihat_report::kit::text::line;
+use phihat_report::kit::text::{line, short};
 
 /// Efforts within this part of the middle one count as the same, and this share of laws makes a figure of them idle.
 const SAME_EFFORT: (f64, f64) = (0.05, 0.8);
@@ -153,7 +153,7 @@ fn same_effort(comparison: &Comparison, arm: &ArmRecord, world: &str) -> Option<
     let percent = |value: f64| stated((10.0 * value).round() / 10.0);
     let (least, most) = (same.first()?.price, same.last()?.price);
     let others: Vec<_> =
-        others.iter().map(|point| format!("{} {} %", point.id, percent(point.price))).collect();
+        others.iter().map(|point| format!("{} {} %", point.name, percent(point.price))).collect();
     let rest = if others.is_empty() {
         String::new()
     } else {
@@ -182,7 +182,7 @@ fn plot(comparison: &Comparison, arm: &ArmRecord, world: &str, against: &Against
             @if points.is_empty() { p { "No arm followed in “" (line(world)) "”." } }
             @else { (drawing(&points, &name, against)) }
             figcaption {
-                (name) ", gains tuned: worst of all motions, after the settling time. Below and to the left is less of both. Labels are the ids of the cards; on a small screen, tap a mark. In a ring: the paper's law, and this project's. "
+                (name) ", gains tuned: worst of all motions, after the settling time. Below and to the left is less of both. Named are laws that none beats in both, and in a ring the paper's law and this project's; point at a mark or tap it, and it says its name. "
                 "A part of a model: gravity, regressor, tip position, or a design for the arm."
                 @if !absent.is_empty() { " Not drawn, because the arm did not follow: " (absent.join(", ")) "." }
             }
@@ -212,9 +212,15 @@ fn point(
 
 /// The picture, and the same for a narrow screen: without labels, which it has no room for.
 fn drawing(points: &[LawPoint], name: &str, against: &Against) -> Markup {
+    // Names of ours, and of laws that none beats in both: the others say theirs when they are pointed at.
+    let beaten = |point: &LawPoint| {
+        points.iter().any(|other| other.error < point.error && other.price < point.price)
+    };
+    let labelled = |point: &LawPoint| is_proposed(&point.id) || !beaten(point);
+    let label = |point: &LawPoint| short(&point.name.replace(" (this project)", ""), 34);
     let marker = |point: &LawPoint| Marker {
         at: [point.price, point.error],
-        label: point.id.clone(),
+        label: if labelled(point) { label(point) } else { String::new() },
         note: format!(
             "{}: {} mrad, {} {}",
             point.name,

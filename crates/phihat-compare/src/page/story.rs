@@ -19,8 +19,8 @@ use crate::{ArmRecord, Comparison, GainsKind, LawCell, LawRow, SATURATION};
 /// First part of the page for an arm.
 pub(super) fn story(comparison: &Comparison, arm: &ArmRecord) -> Markup {
     html! {
-        (scatter::noise(comparison, arm))
         (whose(comparison, arm))
+        (scatter::noise(comparison, arm))
         (ranks(comparison, arm))
     }
 }
@@ -221,6 +221,32 @@ fn ours(comparison: &Comparison, best: &LawRow, rows: &[&LawRow]) -> Markup {
     } }
 }
 
+/// Place of the best and of the worst of the proposed laws by its error over the worlds, among all that followed.
+pub(super) fn place_of_ours(comparison: &Comparison, arm: &ArmRecord) -> Markup {
+    let rows = comparison.rows_of(&arm.name).filter(|row| row.refused.is_none());
+    let mut rows: Vec<(f64, &LawRow)> =
+        rows.filter_map(|row| Some((error(comparison, row)?, row))).collect();
+    rows.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    let own: Vec<(usize, &LawRow)> = (1..)
+        .zip(rows.iter().map(|(_, row)| *row))
+        .filter(|(_, row)| is_proposed(&row.rival))
+        .collect();
+    let (Some((best, first)), Some((worst, last))) = (own.first(), own.last()) else {
+        return html! {};
+    };
+    html! {
+        " By error over these worlds, the best of the proposed laws is " strong { "place " (best) " of " (rows.len()) } " ("
+        (short_name(comparison, first)) ")"
+        @if worst != best { ", the worst " strong { "place " (worst) } " (" (short_name(comparison, last)) ")" }
+        "."
+    }
+}
+
+/// A law's name without whose it is.
+fn short_name(comparison: &Comparison, row: &LawRow) -> String {
+    title(comparison, &row.rival).replace(" (this project)", "")
+}
+
 /// Place of a row in a world by its error, from 1, among rows that followed quietly.
 fn places<'a>(
     comparison: &'a Comparison,
@@ -265,6 +291,7 @@ fn ranks(comparison: &Comparison, arm: &ArmRecord) -> Markup {
             (shades(&KEY))
             " Sorted by the mean place; ● a proposed law."
         }
+        details.behind { summary { "Places of " (rows.len()) " laws in " (names.len()) " worlds" }
         div.scroll.tall tabindex="0" role="region" aria-label=(label) { table.ranks {
             thead { tr {
                 th scope="col" { "law" } th scope="col" { "mean" }
@@ -275,7 +302,7 @@ fn ranks(comparison: &Comparison, arm: &ArmRecord) -> Markup {
                 td { (stated((10.0 * mean).round() / 10.0)) }
                 @for (own, of) in own.iter().zip(&worlds) { (cell(*own, of.len())) }
             } } }
-        } }
+        } } }
     }
 }
 

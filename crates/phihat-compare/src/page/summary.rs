@@ -25,7 +25,7 @@ pub(super) fn heading(comparison: &Comparison, page: &str) -> Markup {
                 "on, and then meets every world. No law is declared the winner: each column has its own best row."
             }
             ul {
-                @for arm in &comparison.arms { li { (tally(comparison, &arm.name)) } }
+                @for arm in &comparison.arms { li { (tally(comparison, &arm.name)) (super::story::place_of_ours(comparison, arm)) } }
                 @if refused > 0 { li {
                     (refused) " of " (comparison.rows.len())
                     " rows have no figures, because the law does not apply to the arm or its task; each says why."
@@ -47,8 +47,14 @@ fn at_ends(comparison: &Comparison) -> Option<String> {
     let of = |row: &LawRow| {
         let ends = &row.tuning.as_ref()?.at_end;
         let names: Vec<_> = ends.iter().map(|end| line(&end.scalar)).collect();
-        (!ends.is_empty())
-            .then(|| format!("{} on {} ({})", line(&row.rival), line(&row.arm), names.join(", ")))
+        (!ends.is_empty()).then(|| {
+            format!(
+                "{} on {} ({})",
+                title(comparison, &row.rival),
+                line(&row.arm),
+                names.join(", ")
+            )
+        })
     };
     let rows: Vec<_> = comparison.rows.iter().filter_map(of).collect();
     (!rows.is_empty()).then(|| {

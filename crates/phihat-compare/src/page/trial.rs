@@ -43,7 +43,7 @@ pub fn trial_page(trial: &PageTrial<'_>) -> String {
                 (torque(trial.metrics))
                 h2 { "Figures" }
                 div { @for figure in run_figures(&RunMeasurements { drawing: trial.drawing, metrics: trial.metrics, envelope: None }) {
-                    @if figure.name != "unknown-dynamics" { figure.claim { (PreEscaped(&figure.svg)) } }
+                    @if !["unknown-dynamics", "estimate-error"].contains(&figure.name.as_str()) { figure.claim { (PreEscaped(&figure.svg)) } }
                 } }
                 (gains(trial))
                 h2 { "Study" }
@@ -52,7 +52,7 @@ pub fn trial_page(trial: &PageTrial<'_>) -> String {
                 h2 { "Not claimed" }
                 p { "One simulated run of a law as it is written here: not its authors' program, and nothing about other runs." }
     };
-    Page { title: &title, style: super::STYLE, script: None }.document(&main)
+    Page { title: &title, kind: "comparison", script: None }.document(&main)
 }
 
 fn gains(trial: &PageTrial<'_>) -> Markup {

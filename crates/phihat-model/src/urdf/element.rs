@@ -4,9 +4,10 @@ use std::cell::RefCell;
 
 use roxmltree::Node;
 
-use super::Result;
 use crate::error::RobotError;
+use crate::markup::LineEnds;
 use crate::placement::{Placement, from_rpy};
+use crate::whole::{NamedElement, Result};
 
 /// Longest name \[bytes\].
 const NAME_MAX: usize = 1024;
@@ -14,12 +15,13 @@ const NAME_MAX: usize = 1024;
 /// Name of the file in errors, and notes on its deviations from the format and how they were read.
 pub(super) struct ElementSource<'s> {
     pub(super) origin: &'s str,
+    lines: LineEnds,
     notes: RefCell<Vec<String>>,
 }
 
 impl<'s> ElementSource<'s> {
-    pub(super) fn of(origin: &'s str) -> Self {
-        Self { origin, notes: RefCell::new(Vec::new()) }
+    pub(super) fn of(origin: &'s str, text: &str) -> Self {
+        Self { origin, lines: LineEnds::of(text), notes: RefCell::new(Vec::new()) }
     }
 
     /// Notes what was read how, once.
@@ -32,6 +34,13 @@ impl<'s> ElementSource<'s> {
 
     pub(super) fn notes(&self) -> Vec<String> {
         self.notes.take()
+    }
+
+    /// Result of `read`, and the notes that it alone makes.
+    pub(super) fn apart<T>(&self, read: impl FnOnce() -> T) -> (T, Vec<String>) {
+        let before = self.notes.take();
+        let read = read();
+        (read, self.notes.replace(before))
     }
 }
 
@@ -55,19 +64,23 @@ impl<'a, 'x> Element<'a, 'x> {
         }
     }
 
-    /// The error `why`, with file, line and name.
-    pub(super) fn error(&self, why: String) -> RobotError {
-        let (origin, name) = (self.source.origin.to_owned(), self.name.to_owned());
-        let line = self.line();
-        if self.node.has_tag_name("link") {
-            RobotError::Link { origin, line, link: name, why }
-        } else {
-            RobotError::Joint { origin, line, joint: name, why }
+    /// Its name and its place.
+    pub(super) fn named(&self) -> NamedElement {
+        NamedElement {
+            name: self.name.to_owned(),
+            origin: self.source.origin.into(),
+            line: self.line(),
+            is_link: self.node.has_tag_name("link"),
         }
     }
 
-    pub(super) fn line(&self) -> u32 {
-        self.node.document().text_pos_at(self.node.range().start).row
+    /// The error `why`, with file, line and name.
+    pub(super) fn error(&self, why: String) -> RobotError {
+        self.named().error(why)
+    }
+
+    fn line(&self) -> u32 {
+        self.source.lines.line(self.node)
     }
 
     /// Notes how something is read that is not written as the format has it.

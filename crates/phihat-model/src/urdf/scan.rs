@@ -6,8 +6,9 @@
 //! this scan and the parser see the same elements and attributes. So the parser never meets more
 //! than the limits below: no deep recursion, no quadratic time, no entities.
 
-use super::{BYTES_MAX, Result};
+use super::BYTES_MAX;
 use crate::error::RobotError;
+use crate::whole::Result;
 
 /// Deepest nesting of elements.
 const DEPTH_MAX: usize = 64;

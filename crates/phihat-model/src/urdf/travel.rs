@@ -2,9 +2,9 @@
 
 use roxmltree::Node;
 
-use super::Result;
 use super::element::Element;
 use crate::joint::{Friction, Joint, JointKind};
+use crate::whole::{Moves, Result};
 
 /// A travel beyond this is what some exporters write for none \[rad, m\].
 const BOUNDLESS: f64 = 1e4;
@@ -23,27 +23,16 @@ const SPEED_DEGREES: f64 = 60.0;
 /// further apart than this; otherwise their meaning is unknown \[rad, m\].
 const SWAPPED_MAX: f64 = 8.0 * std::f64::consts::PI;
 
-/// Motion of a joint in its element.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Moves<'a> {
-    /// Fixed.
-    Not,
-    /// By a drive of its own.
-    Driven(JointKind),
-    /// With another joint: `factor` times its position, and `offset` \[rad, m\].
-    Follows { kind: JointKind, leader: &'a str, factor: f64, offset: f64 },
-    /// In more ways than one drive serves: a floating, planar or spherical joint.
-    Free(&'a str),
-}
-
 /// Motion by the type and a `<mimic>`.
-pub(super) fn read_moves<'a>(element: &Element<'a, '_>) -> Result<Moves<'a>> {
+pub(super) fn read_moves(element: &Element<'_, '_>) -> Result<Moves> {
     let kind = match element.text(element.node, "type")? {
         "fixed" => return Ok(Moves::Not),
         "revolute" => JointKind::Revolute,
         "continuous" => JointKind::Continuous,
         "prismatic" => JointKind::Prismatic,
-        free @ ("floating" | "planar" | "spherical") => return Ok(Moves::Free(free)),
+        "floating" => return Ok(Moves::Free("floating")),
+        "planar" => return Ok(Moves::Free("planar")),
+        "spherical" => return Ok(Moves::Free("spherical")),
         other => {
             return Err(element.error(format!(
                 "type \"{other}\" is not read; revolute, continuous, prismatic, fixed, floating, planar and spherical are"
@@ -53,21 +42,20 @@ pub(super) fn read_moves<'a>(element: &Element<'a, '_>) -> Result<Moves<'a>> {
     let Some(mimic) = element.child(element.node, "mimic")? else {
         return Ok(Moves::Driven(kind));
     };
-    let leader = element.text(mimic, "joint")?;
+    let leader = element.text(mimic, "joint")?.to_owned();
     let factor = element.number_if_any(mimic, "multiplier")?.unwrap_or(1.0);
     let offset = element.number_if_any(mimic, "offset")?.unwrap_or(0.0);
     Ok(Moves::Follows { kind, leader, factor, offset })
 }
 
-/// Position of a joint that is not driven, as near to `wanted` as its limits permit: the limits are not
-/// checked here.
-pub(super) fn nearest(joint: &Element<'_, '_>, kind: JointKind, wanted: f64) -> f64 {
+/// Positions that a joint can be held at, as its limits have it: they are not checked here. `None`: any.
+pub(super) fn reach(joint: &Element<'_, '_>, kind: JointKind) -> Option<(f64, f64)> {
     let limit = joint.child(joint.node, "limit").ok().flatten();
     let end = |key| limit.and_then(|node| joint.limit_if_any(node, key).ok().flatten());
     let (low, high) = (end("lower").unwrap_or(0.0), end("upper").unwrap_or(0.0));
     let swapped = low >= 0.0 && high <= 0.0;
     let (low, high) = if swapped { (high, low) } else { (low, high) };
-    if kind == JointKind::Continuous || low >= high { wanted } else { wanted.clamp(low, high) }
+    (kind != JointKind::Continuous && low < high).then_some((low, high))
 }
 
 /// Ends of travel; `None` where there are none, or they are such that somebody meant none.

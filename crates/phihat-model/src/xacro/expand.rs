@@ -12,10 +12,10 @@ use super::expression::parse;
 use super::reason::{Reasoned, reason};
 use super::scope::{Macro, Property, XacroScope, parameters};
 use super::text::{TextPart, parts};
-use super::tree::{PREFIX, XacroElement, XacroPart, XacroPlace};
 use super::value::{TEXT_MAX, XacroValue};
 use super::{packages, yaml};
 use crate::error::RobotError;
+use crate::markup::{MarkupElement, MarkupPart, MarkupPlace, PREFIX};
 use crate::robot_text::read_text;
 use crate::urdf::{XACRO_ATTRIBUTES_MAX, declared, scanned};
 
@@ -101,12 +101,12 @@ pub fn is_xacro(path: &Path) -> bool {
 /// Refusal with its place.
 #[derive(Debug)]
 enum Wrong {
-    Here(XacroPlace, String),
+    Here(MarkupPlace, String),
     File(RobotError),
 }
 
 impl Wrong {
-    fn error(self, calls: &[(String, XacroPlace)]) -> RobotError {
+    fn error(self, calls: &[(String, MarkupPlace)]) -> RobotError {
         let (place, why) = match self {
             Self::Here(place, why) => (place, why),
             Self::File(error) => return error,
@@ -128,8 +128,8 @@ struct Expander<'o> {
     scopes: Vec<XacroScope>,
     files: Vec<PathBuf>,
     /// Macros that are being expanded, and where they were called.
-    calls: Vec<(String, XacroPlace)>,
-    here: XacroPlace,
+    calls: Vec<(String, MarkupPlace)>,
+    here: MarkupPlace,
     levels: usize,
     open: usize,
     steps: usize,
@@ -137,7 +137,7 @@ struct Expander<'o> {
 
 impl<'o> Expander<'o> {
     fn new(path: &Path, options: &'o XacroOptions) -> Self {
-        let here = XacroPlace { file: Rc::from(path.display().to_string()), line: 1 };
+        let here = MarkupPlace { file: Rc::from(path.display().to_string()), line: 1 };
         Self {
             options,
             arguments: options.arguments.clone(),
@@ -153,7 +153,7 @@ impl<'o> Expander<'o> {
     }
 
     /// The root of a file.
-    fn file(&mut self, path: &Path) -> Result<XacroElement, RobotError> {
+    fn file(&mut self, path: &Path) -> Result<MarkupElement, RobotError> {
         let origin: Rc<str> = Rc::from(path.display().to_string());
         if self.files.len() >= FILES_MAX {
             let (origin, limit) = (origin.to_string(), FILES_MAX);
@@ -168,7 +168,7 @@ impl<'o> Expander<'o> {
             line: error.pos().row,
             why: error.to_string(),
         })?;
-        Ok(XacroElement::of(&document, &origin))
+        Ok(MarkupElement::of(&document, &origin))
     }
 
     /// Refuses values of arguments that the file does not have.
@@ -259,25 +259,25 @@ impl<'o> Expander<'o> {
     }
 
     /// The text of a text with its expressions.
-    fn text(&mut self, text: &str, place: &XacroPlace) -> Result<String> {
+    fn text(&mut self, text: &str, place: &MarkupPlace) -> Result<String> {
         self.value(text, place).map(|value| value.to_string())
     }
 
-    fn value(&mut self, text: &str, place: &XacroPlace) -> Result<XacroValue> {
+    fn value(&mut self, text: &str, place: &MarkupPlace) -> Result<XacroValue> {
         self.here = place.clone();
         let depth = self.scopes.len();
         self.evaluated(text, depth).map_err(|why| Wrong::Here(place.clone(), why.0))
     }
 
     /// An attribute that must be there, evaluated.
-    fn needed(&mut self, element: &XacroElement, key: &str) -> Result<String> {
+    fn needed(&mut self, element: &MarkupElement, key: &str) -> Result<String> {
         match element.attribute(key) {
             Some(text) => self.text(text, &element.place),
             None => Err(wrong(element, format!("<{}> has no \"{key}\"", element.name))),
         }
     }
 
-    fn condition(&mut self, element: &XacroElement, key: &str, default: bool) -> Result<bool> {
+    fn condition(&mut self, element: &MarkupElement, key: &str, default: bool) -> Result<bool> {
         let Some(text) = element.attribute(key) else { return Ok(default) };
         let value = self.value(text, &element.place)?;
         value.condition().ok_or_else(|| {
@@ -286,13 +286,13 @@ impl<'o> Expander<'o> {
     }
 
     /// An element that xacro leaves, with what it expands to inside.
-    fn element(&mut self, element: &XacroElement) -> Result<XacroElement> {
+    fn element(&mut self, element: &MarkupElement) -> Result<MarkupElement> {
         self.count(1).map_err(|why| wrong(element, why.0))?;
         self.levels += 1;
         if self.levels > LEVELS_MAX {
             return Err(wrong(element, format!("more than {LEVELS_MAX} levels inside each other")));
         }
-        let mut own = XacroElement {
+        let mut own = MarkupElement {
             name: element.name.clone(),
             attributes: Vec::new(),
             parts: Vec::new(),
@@ -311,16 +311,20 @@ impl<'o> Expander<'o> {
     }
 
     /// Parts that those of an element expand to; `parent` takes attributes.
-    fn parts(&mut self, parts: &[XacroPart], parent: &mut XacroElement) -> Result<Vec<XacroPart>> {
+    fn parts(
+        &mut self,
+        parts: &[MarkupPart],
+        parent: &mut MarkupElement,
+    ) -> Result<Vec<MarkupPart>> {
         let mut out = Vec::new();
         for part in parts {
             match part {
-                XacroPart::Text(text) => {
+                MarkupPart::Text(text) => {
                     let place = parent.place.clone();
                     let text = self.text(text, &place)?;
-                    out.push(XacroPart::Text(text));
+                    out.push(MarkupPart::Text(text));
                 }
-                XacroPart::Element(element) => self.one(element, parent, &mut out)?,
+                MarkupPart::Element(element) => self.one(element, parent, &mut out)?,
             }
         }
         Ok(out)
@@ -328,12 +332,12 @@ impl<'o> Expander<'o> {
 
     fn one(
         &mut self,
-        element: &XacroElement,
-        parent: &mut XacroElement,
-        out: &mut Vec<XacroPart>,
+        element: &MarkupElement,
+        parent: &mut MarkupElement,
+        out: &mut Vec<MarkupPart>,
     ) -> Result<()> {
         let Some(verb) = element.name.strip_prefix(PREFIX) else {
-            out.push(XacroPart::Element(self.element(element)?));
+            out.push(MarkupPart::Element(self.element(element)?));
             return Ok(());
         };
         match verb {
@@ -360,8 +364,8 @@ impl<'o> Expander<'o> {
             }
             "element" => {
                 let name = self.needed(element, "xacro:name")?;
-                out.push(XacroPart::Element(
-                    self.element(&XacroElement { name, ..element.clone() })?,
+                out.push(MarkupPart::Element(
+                    self.element(&MarkupElement { name, ..element.clone() })?,
                 ));
                 Ok(())
             }
@@ -380,7 +384,7 @@ impl<'o> Expander<'o> {
         }
     }
 
-    fn property(&mut self, element: &XacroElement) -> Result<()> {
+    fn property(&mut self, element: &MarkupElement) -> Result<()> {
         let name = self.needed(element, "name")?;
         let top = self.scopes.len() - 1;
         if self.condition(element, "remove", false)? {
@@ -413,7 +417,7 @@ impl<'o> Expander<'o> {
         Ok(())
     }
 
-    fn define(&mut self, element: &XacroElement) -> Result<()> {
+    fn define(&mut self, element: &MarkupElement) -> Result<()> {
         let name = self.needed(element, "name")?;
         let text = element.attribute("params").unwrap_or_default();
         let own = Macro { parameters: parameters(text), body: element.clone() };
@@ -423,7 +427,7 @@ impl<'o> Expander<'o> {
         Ok(())
     }
 
-    fn argument(&mut self, element: &XacroElement) -> Result<()> {
+    fn argument(&mut self, element: &MarkupElement) -> Result<()> {
         let name = self.needed(element, "name")?;
         if !self.arguments.contains_key(&name) {
             let default = self.needed(element, "default")?;
@@ -435,9 +439,9 @@ impl<'o> Expander<'o> {
 
     fn include(
         &mut self,
-        element: &XacroElement,
-        parent: &mut XacroElement,
-        out: &mut Vec<XacroPart>,
+        element: &MarkupElement,
+        parent: &mut MarkupElement,
+        out: &mut Vec<MarkupPart>,
     ) -> Result<()> {
         if element.attribute("ns").is_some() {
             return Err(wrong(element, "<xacro:include ns=…> is not read".to_owned()));
@@ -465,7 +469,7 @@ impl<'o> Expander<'o> {
     }
 
     /// A block by its name, the nearest scope first.
-    fn block(&self, name: &str) -> Option<Rc<Vec<XacroPart>>> {
+    fn block(&self, name: &str) -> Option<Rc<Vec<MarkupPart>>> {
         let keys = [format!("**{name}"), format!("*{name}")];
         let near = self.scopes.iter().rev();
         near.flat_map(|scope| keys.iter().filter_map(|key| scope.blocks.get(key))).next().cloned()
@@ -474,9 +478,9 @@ impl<'o> Expander<'o> {
     fn call(
         &mut self,
         name: &str,
-        element: &XacroElement,
-        parent: &mut XacroElement,
-        out: &mut Vec<XacroPart>,
+        element: &MarkupElement,
+        parent: &mut MarkupElement,
+        out: &mut Vec<MarkupPart>,
     ) -> Result<()> {
         let own = self.scopes.iter().rev().find_map(|scope| scope.macros.get(name)).cloned();
         let own = own.ok_or_else(|| wrong(element, format!("there is no macro \"{name}\"")))?;
@@ -493,7 +497,7 @@ impl<'o> Expander<'o> {
     }
 
     /// The scope of a macro's call: its parameters and blocks, all evaluated where it is called.
-    fn given(&mut self, name: &str, own: &Macro, element: &XacroElement) -> Result<XacroScope> {
+    fn given(&mut self, name: &str, own: &Macro, element: &MarkupElement) -> Result<XacroScope> {
         let mut scope = XacroScope::default();
         let stars = |name: &str| name.starts_with('*');
         let known = |key: &str| own.parameters.iter().any(|p| p.name == key && !stars(key));
@@ -507,9 +511,9 @@ impl<'o> Expander<'o> {
             let value = literal(self.value(text, &element.place)?);
             scope.properties.insert(key.clone(), Property::Value(value));
         }
-        let mut holder = XacroElement { parts: Vec::new(), ..element.clone() };
+        let mut holder = MarkupElement { parts: Vec::new(), ..element.clone() };
         let inside = self.parts(&element.parts, &mut holder)?;
-        let mut blocks = inside.into_iter().filter(|part| matches!(part, XacroPart::Element(_)));
+        let mut blocks = inside.into_iter().filter(|part| matches!(part, MarkupPart::Element(_)));
         for parameter in &own.parameters {
             if stars(&parameter.name) {
                 let missing = || {
@@ -520,7 +524,7 @@ impl<'o> Expander<'o> {
                 };
                 let block = blocks.next().ok_or_else(missing)?;
                 let content = match block {
-                    XacroPart::Element(block) if parameter.name.starts_with("**") => block.parts,
+                    MarkupPart::Element(block) if parameter.name.starts_with("**") => block.parts,
                     block => vec![block],
                 };
                 scope.blocks.insert(parameter.name.clone(), Rc::new(content));
@@ -530,7 +534,7 @@ impl<'o> Expander<'o> {
             }
         }
         match blocks.next() {
-            Some(XacroPart::Element(block)) => Err(wrong(
+            Some(MarkupPart::Element(block)) => Err(wrong(
                 element,
                 format!("the macro \"{name}\" has no use for the block <{}>", block.name),
             )),
@@ -542,7 +546,7 @@ impl<'o> Expander<'o> {
         &mut self,
         name: &str,
         parameter: &super::scope::Parameter,
-        element: &XacroElement,
+        element: &MarkupElement,
     ) -> Result<XacroValue> {
         let place = &element.place;
         if parameter.forward {
@@ -561,7 +565,7 @@ impl<'o> Expander<'o> {
     }
 }
 
-fn wrong(element: &XacroElement, why: String) -> Wrong {
+fn wrong(element: &MarkupElement, why: String) -> Wrong {
     Wrong::Here(element.place.clone(), why)
 }
 

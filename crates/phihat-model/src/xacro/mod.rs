@@ -27,7 +27,6 @@ mod packages;
 mod reason;
 mod scope;
 mod text;
-mod tree;
 mod value;
 mod yaml;
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use super::tree::{XacroElement, XacroPart};
 use super::value::XacroValue;
+use crate::markup::{MarkupElement, MarkupPart};
 
 /// A property.
 #[derive(Debug, Clone)]
@@ -30,7 +30,7 @@ pub(super) struct Parameter {
 #[derive(Debug)]
 pub(super) struct Macro {
     pub(super) parameters: Vec<Parameter>,
-    pub(super) body: XacroElement,
+    pub(super) body: MarkupElement,
 }
 
 /// Definitions of one scope.
@@ -38,7 +38,7 @@ pub(super) struct Macro {
 pub(super) struct XacroScope {
     pub(super) properties: BTreeMap<String, Property>,
     /// Blocks, by name with its stars.
-    pub(super) blocks: BTreeMap<String, Rc<Vec<XacroPart>>>,
+    pub(super) blocks: BTreeMap<String, Rc<Vec<MarkupPart>>>,
     pub(super) macros: BTreeMap<String, Rc<Macro>>,
 }
 

@@ -2,9 +2,23 @@
 #![allow(dead_code, reason = "each test uses a part")]
 
 use std::fmt::Write as _;
+use std::time::Duration;
 
 use phihat_model::{Model, Robot, Workspace};
 use serde_json::Value;
+
+/// Processor time of this thread.
+#[cfg(unix)]
+pub(crate) fn processor_time() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Duration::new(time.tv_sec.unsigned_abs(), u32::try_from(time.tv_nsec).unwrap())
+}
+
+/// Zero where the system gives no processor time: it is then not bounded.
+#[cfg(not(unix))]
+pub(crate) fn processor_time() -> Duration {
+    Duration::ZERO
+}
 
 /// A splitmix64 generator: small, seeded, the same everywhere.
 pub(crate) struct Random(pub(crate) u64);

@@ -42,6 +42,5 @@ pub fn own_page(own: &OwnReproduction) -> String {
         h2 id="limits" { "Not claimed" }
         p { "Everything here is simulated. No verdict on the paper follows: its figures are of another arm, with other gains." }
     };
-    let style = include_str!("../page/reproduction.css");
-    Page { title: "The paper, on an own arm", style, script: None }.document(&main)
+    Page { title: "The paper, on an own arm", kind: "reproduction", script: None }.document(&main)
 }

@@ -34,12 +34,8 @@ pub fn reproduction_page(reproduction: &Reproduction) -> String {
         (again(reproduction))
         (not_claimed())
     };
-    Page {
-        title: "The paper, reproduced",
-        style: include_str!("reproduction.css"),
-        script: Some(SCRIPT),
-    }
-    .document(&main)
+    Page { title: "The paper, reproduced", kind: "reproduction", script: Some(SCRIPT) }
+        .document(&main)
 }
 
 /// A part that is opened by a click.

@@ -96,21 +96,24 @@ class Robot:
     """
 
     @staticmethod
-    def from_urdf(
+    def from_file(
         path: _Path,
-        gravity: tuple[float, float, float] = ...,
+        gravity: tuple[float, float, float] | None = ...,
         *,
         base: str | None = None,
         tip: str | None = None,
+        joints: Sequence[str] | None = None,
         locked: dict[str, float] | None = None,
     ) -> Robot:
-        """Read a URDF, or the TOML file beside one that adds rotors, friction and limits.
+        """Read a URDF or an MJCF, or the TOML file beside one that adds rotors, friction and limits.
 
         Args:
-            gravity: in the axes of the robot's base [m/s^2].
+            gravity: in the axes of the robot's base [m/s^2]; default: an MJCF's own, else 9.81 downward.
             base: link that the arm stands on, in a file of a larger robot: joints from it to ``tip`` are the arm's.
-            tip: link that the arm ends in.
-            locked: where joints stand that are none of the arm's [rad, m]; those not named, as near to 0 as they come.
+            tip: link that the arm ends in; of an MJCF, a body, a site or a joint.
+            joints: the arm's joints, in place of those from ``base`` to ``tip``.
+            locked: where joints stand that are none of the arm's [rad, m]; those not named, as near to where they are
+                drawn as they come.
 
         Raises:
             RobotError: with file and line, link or joint, and what would be valid.
@@ -118,12 +121,15 @@ class Robot:
 
     @staticmethod
     def from_text(
-        urdf: str,
+        text: str,
         toml: str | None = None,
         origin: str = "text",
-        gravity: tuple[float, float, float] = ...,
+        gravity: tuple[float, float, float] | None = ...,
     ) -> Robot:
-        """Read a URDF and what it leaves out from their texts; ``origin`` stands for the file in errors."""
+        """Read a URDF or an MJCF and what it leaves out from their texts; ``origin`` stands for the file in errors."""
+
+    def as_urdf(self) -> str:
+        """The text of a URDF with the same links, joints, limits and friction; rotor inertia has no place in it."""
 
     @staticmethod
     def from_name(name: str, gravity: tuple[float, float, float] = ...) -> Robot:

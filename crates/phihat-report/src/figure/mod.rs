@@ -15,7 +15,7 @@ mod claims;
 pub(crate) use claims::{claim_figures, front};
 
 /// The name of every figure that a record may have.
-pub const FIGURES: [&str; 14] = [
+pub const FIGURES: [&str; 15] = [
     "arm",
     "tracking",
     "error",
@@ -24,6 +24,7 @@ pub const FIGURES: [&str; 14] = [
     "velocity-error",
     "torque",
     "unknown-dynamics",
+    "estimate-error",
     "phase",
     "torque-step",
     "inertia-window",

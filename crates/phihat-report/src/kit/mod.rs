@@ -9,9 +9,7 @@ pub mod text;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::policy::{HOVER_SCRIPT, scripted_policy};
-
-const PAGE_STYLE: &str = include_str!("../../assets/page.css");
+use crate::policy::{HOVER_SCRIPT, PAGE_STYLE, scripted_policy};
 
 /// From SI units to those of a page: rad to mrad, m to mm, s to ms.
 pub const MILLI: f64 = 1e3;
@@ -35,8 +33,8 @@ pub fn own_unit(turning: &str, slides: bool) -> String {
 pub struct Page<'a> {
     /// The name of the page in a browser; ` – phihat` is added.
     pub title: &'a str,
-    /// Styles beside those that all pages share (CSS).
-    pub style: &'a str,
+    /// Kind of page, by which the one style sheet knows it: `faults`, `comparison`, ….
+    pub kind: &'a str,
     /// A script (JavaScript) beside that of all pages, which tells of a figure that somebody points at what it is.
     pub script: Option<&'a str>,
 }
@@ -44,14 +42,13 @@ pub struct Page<'a> {
 impl Page<'_> {
     /// The page with this body.
     pub fn document(&self, main: &Markup) -> String {
-        let style = format!("{PAGE_STYLE}\n{}", self.style);
         let script = format!("{HOVER_SCRIPT}{}", self.script.unwrap_or_default());
-        let policy = scripted_policy(&script, &style);
+        let policy = scripted_policy(&script, PAGE_STYLE);
         let body = html! {
-            main { (main) }
+            main class=(self.kind) { (main) }
             script { (PreEscaped(&script)) }
         };
-        document(self.title, &policy, &style, &body)
+        document(self.title, &policy, PAGE_STYLE, &body)
     }
 }
 

@@ -16,6 +16,21 @@ export async function graveFaults(page) {
   return grave.map((one) => `${one.id} (${one.nodes.length}): ${one.nodes[0].target.join(" ")} ${one.nodes[0].failureSummary}`);
 }
 
+// Texts of less than 12 px, as they are seen: those of pictures by their own scale.
+export const smallTexts = (page) => page.evaluate(() => {
+  const small = [];
+  const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let node = walk.nextNode(); node; node = walk.nextNode()) {
+    const own = node.parentElement;
+    if (!node.data.trim() || !own || own.closest("script, style, noscript, sup, sub") || !own.checkVisibility({ visibilityProperty: true })) continue;
+    const turned = own instanceof SVGElement ? own.getScreenCTM?.() : null;
+    const scale = turned ? Math.hypot(turned.a, turned.b) : 1;
+    const size = parseFloat(getComputedStyle(own).fontSize) * scale;
+    if (size < 11.95) small.push(`${size.toFixed(1)} px: ${node.data.trim().slice(0, 30)}`);
+  }
+  return small;
+});
+
 // What invites a click, and cannot be come to by keys.
 export const mouseOnly = (page) => page.evaluate(() => {
   const keyed = "a[href], button, summary, label, input, select, textarea, [tabindex]";

@@ -30,11 +30,11 @@ pub(super) struct ChosenArm {
     pub(super) unheld: Option<String>,
 }
 
-/// A file of an arm, its URDF beside it.
+/// A file of an arm, its description beside it.
 pub(super) struct ArmFile {
     pub(super) name: String,
     pub(super) urdf: String,
-    /// A copy of the URDF, where it is in another folder: its name and its text.
+    /// A copy of the description, where it is in another folder: its name and its text.
     pub(super) copy: Option<(String, String)>,
     text: String,
 }
@@ -47,7 +47,7 @@ impl ChosenArm {
     ) -> Result<Self, SessionError> {
         let (mut robot, part, mut notes) = described(&options.arm)?;
         // Where a file of the arm is written, an assumption has its place.
-        if robot.files.len() == 1 {
+        if robot.bare_file().is_some() {
             notes.extend(assume(&mut robot, options.payload_kg, &options.arm.arm)?);
         }
         let (lines, written, posture_added) = (Vec::new(), None, false);
@@ -55,8 +55,8 @@ impl ChosenArm {
         let mut chosen = Self { robot, part, lines, written, notes: before, posture_added, unheld };
         if Robot::names().contains(&options.arm.arm.as_str()) && chosen.robot.files.is_empty() {
             chosen.lines.push(format!("name = {:?}", options.arm.arm));
-        } else if let [urdf] = &chosen.robot.files[..] {
-            notes.extend(chosen.complete(&urdf.clone(), folder, name)?);
+        } else if let Some(bare) = chosen.robot.bare_file().map(Path::to_owned) {
+            notes.extend(chosen.complete(&bare, folder, name)?);
         } else {
             let file = Path::new(&options.arm.arm);
             chosen.lines.push(format!("file = {}", quoted(&relative(folder, file))));
@@ -75,18 +75,18 @@ impl ChosenArm {
         Ok(chosen)
     }
 
-    /// Estimates what a bare URDF leaves out.
+    /// Estimates what a bare description leaves out.
     fn complete(
         &mut self,
         urdf: &Path,
         folder: &Path,
         name: &str,
     ) -> Result<Vec<String>, SessionError> {
-        let text = files::read(urdf)?;
+        let (text, extension) = Robot::description_text(urdf).map_err(SessionError::other)?;
         self.robot = self.robot.clone().estimated();
         let beside = fs::canonicalize(folder_of(urdf)).ok() == fs::canonicalize(folder).ok();
         let own = urdf.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-        let copied = format!("{name}_arm.urdf");
+        let copied = format!("{name}_arm.{extension}");
         let urdf = if beside { own } else { copied };
         let copy = (!beside).then(|| (urdf.clone(), text.clone()));
         let file = ArmFile { name: format!("{name}_arm.toml"), urdf, copy, text };
@@ -134,7 +134,7 @@ pub fn described(options: &ArmOptions) -> Result<(Robot, Part, Vec<String>), Ses
     let n = robot.joints.len();
     options.limit(&mut robot.joints)?;
     let without = robot.without_torque_limit();
-    if without.is_empty() || robot.files.len() == 1 {
+    if without.is_empty() || robot.bare_file().is_some() {
         return Ok((robot, part, notes));
     }
     let names = without.join(", ");
@@ -162,7 +162,7 @@ fn read(options: &ArmOptions) -> Result<(Robot, Part, Vec<String>), SessionError
     let whole = if part.is_stated() { None } else { Some(Robot::read_part(path, &part)) };
     let alone = |robot: &Robot| match &chains[..] {
         [] => true,
-        [first, ..] => first.joints == robot.model.joint_names() || robot.files.len() > 1,
+        [first, ..] => first.joints == robot.model.joint_names() || robot.bare_file().is_none(),
     };
     if let Some(read) = whole {
         match (read, &chains[..]) {
@@ -191,13 +191,15 @@ pub(super) fn to_write(
     out: &Path,
 ) -> Result<(Robot, Part, String, Vec<String>), SessionError> {
     let (robot, part, notes) = read(options)?;
-    let [urdf] = &robot.files[..] else {
-        let why = "it has a file of its own already: a bare URDF is what a file is written for";
+    let Some(urdf) = robot.bare_file() else {
+        let why =
+            "it has a file of its own already: a bare description is what a file is written for";
         return Err(SessionError::at(Path::new(&options.arm), why));
     };
     let place = relative(folder_of(out), urdf);
     if Path::new(&place).components().any(|part| !matches!(part, Component::Normal(_))) {
-        let why = format!("the URDF {} must be beside this file or below it", urdf.display());
+        let why =
+            format!("the description {} must be beside this file or below it", urdf.display());
         return Err(SessionError::at(out, why));
     }
     let mut robot = robot;

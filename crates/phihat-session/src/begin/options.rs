@@ -10,7 +10,7 @@ use crate::error::SessionError;
 /// Arm of a new study.
 #[derive(Debug, Clone, Default)]
 pub struct ArmOptions {
-    /// Name of a built-in arm, or a URDF, xacro or TOML file.
+    /// Name of a built-in arm, or a URDF, MJCF, xacro or TOML file.
     pub arm: String,
     /// The part of the file that is the arm; the chain that is proposed, where none is stated.
     pub part: Part,

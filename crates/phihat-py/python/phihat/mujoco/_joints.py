@@ -21,11 +21,6 @@ def joint_names(model: Any) -> list[str]:
     return _named([str(model.joint(i).name) for i in range(model.njnt)], "joint")
 
 
-def body_names(model: Any) -> list[str]:
-    """Names of all bodies; one that has none is called ``body`` and its number."""
-    return _named([str(model.body(i).name) for i in range(model.nbody)], "body")
-
-
 def _named(names: list[str], what: str) -> list[str]:
     taken, all_named = set(names), []
     for at, name in enumerate(names):

@@ -18,10 +18,10 @@ impl FigureSize {
     pub const PAPER: Self = Self { width: 960.0, text: 16.0, titled: true, height: None };
 
     /// A wide figure under a heading, with many labels.
-    pub const WIDE: Self = Self { width: 960.0, text: 13.0, titled: false, height: Some(600.0) };
+    pub const WIDE: Self = Self { width: 960.0, text: 15.0, titled: false, height: Some(600.0) };
 
     /// The same for a narrow screen.
-    pub const NARROW: Self = Self { width: 400.0, text: 12.5, titled: false, height: Some(285.0) };
+    pub const NARROW: Self = Self { width: 400.0, text: 14.5, titled: false, height: Some(285.0) };
 
     /// A small figure, several beside each other.
     pub const SMALL: Self = Self { width: 560.0, text: 16.0, titled: false, height: Some(330.0) };

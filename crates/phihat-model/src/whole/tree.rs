@@ -2,25 +2,60 @@
 
 use std::collections::BTreeMap;
 
-use super::Result;
-use super::element::Element;
-use super::travel::Moves;
+use super::{NamedElement, Result};
 use crate::body::LumpedBody;
 use crate::description::{DescribedLink, Description, JointOf};
 use crate::error::RobotError;
+use crate::joint::{Joint, JointKind};
 
-pub(super) struct LinkElement<'a, 'x> {
-    pub(super) element: Element<'a, 'x>,
-    /// With what is odd about it. What it says of its mass may be wrong, which counts where a joint moves it.
-    pub(super) matter: Result<(LumpedBody, Vec<String>)>,
+/// Motion of a joint in its file.
+#[derive(Debug, Clone)]
+pub(crate) enum Moves {
+    /// Fixed.
+    Not,
+    /// By a drive of its own.
+    Driven(JointKind),
+    /// With another joint: `factor` times its position, and `offset` \[rad, m\].
+    Follows { kind: JointKind, leader: String, factor: f64, offset: f64 },
+    /// In more ways than one drive serves: a floating, planar or spherical joint.
+    Free(&'static str),
 }
 
-pub(super) struct JointElement<'a, 'x> {
-    pub(super) element: Element<'a, 'x>,
-    pub(super) parent: &'a str,
-    pub(super) child: &'a str,
-    pub(super) joint: JointOf,
-    pub(super) moves: Moves<'a>,
+/// A link of a file.
+pub(crate) struct LinkElement {
+    pub(crate) element: NamedElement,
+    /// With what is odd about it. What it says of its mass may be wrong, which counts where a joint moves it.
+    pub(crate) matter: Result<(LumpedBody, Vec<String>)>,
+}
+
+/// Limits, drive and friction of a joint, and what is odd about them.
+pub(crate) struct StatedJoint {
+    pub(crate) joint: Joint,
+    pub(crate) warnings: Vec<String>,
+    pub(crate) notes: Vec<String>,
+}
+
+/// A joint of a file.
+pub(crate) struct JointElement {
+    pub(crate) element: NamedElement,
+    pub(crate) parent: String,
+    pub(crate) child: String,
+    pub(crate) joint: JointOf,
+    pub(crate) moves: Moves,
+    /// Positions that it can be held at \[rad, m\]; `None`: any.
+    pub(crate) reach: Option<(f64, f64)>,
+    /// Position in the posture that the file is drawn in \[rad, m\]: where it is held if nothing else is stated.
+    pub(crate) drawn_at: f64,
+    /// Limits and drive that it states, which may be wrong: that counts where it is one of the arm's. `None`: none
+    /// drives it.
+    pub(crate) stated: Option<Result<StatedJoint>>,
+}
+
+impl JointElement {
+    /// Position that it can be held at, as near to `wanted` as may be.
+    pub(crate) fn nearest(&self, wanted: f64) -> f64 {
+        self.reach.map_or(wanted, |(low, high)| wanted.clamp(low, high))
+    }
 }
 
 /// Parents and children, by index into the lists of links and joints.
@@ -38,14 +73,10 @@ pub(super) struct Tree {
 
 impl Tree {
     /// Checks that links and joints make one tree.
-    pub(super) fn of(
-        links: &[LinkElement<'_, '_>],
-        joints: &[JointElement<'_, '_>],
-        origin: &str,
-    ) -> Result<Self> {
+    pub(super) fn of(links: &[LinkElement], joints: &[JointElement], origin: &str) -> Result<Self> {
         let index: BTreeMap<&str, usize> =
-            links.iter().enumerate().map(|(at, link)| (link.element.name, at)).collect();
-        let find = |joint: &JointElement<'_, '_>, which, name: &str| {
+            links.iter().enumerate().map(|(at, link)| (&*link.element.name, at)).collect();
+        let find = |joint: &JointElement, which, name: &str| {
             let unknown =
                 || joint.element.error(format!("its {which} link \"{name}\" does not exist"));
             index.get(name).copied().ok_or_else(unknown)
@@ -55,9 +86,9 @@ impl Tree {
         let (mut parent_of_joint, mut child_of_joint) = (Vec::new(), Vec::new());
         for (at, joint) in joints.iter().enumerate() {
             let (parent, child) =
-                (find(joint, "parent", joint.parent)?, find(joint, "child", joint.child)?);
+                (find(joint, "parent", &joint.parent)?, find(joint, "child", &joint.child)?);
             if let Some(other) = hangs[child] {
-                let (link, other) = (joint.child, joints[other].element.name);
+                let (link, other) = (&joint.child, &joints[other].element.name);
                 let why = format!("its child link \"{link}\" is already the child of \"{other}\"");
                 return Err(joint.element.error(why));
             }
@@ -92,8 +123,8 @@ impl Tree {
     /// The description, and the joints in its order, where each link's matter is at hand.
     pub(super) fn describe(
         &self,
-        links: &[LinkElement<'_, '_>],
-        joints: &[JointElement<'_, '_>],
+        links: &[LinkElement],
+        joints: &[JointElement],
         matter: &[LumpedBody],
     ) -> (Description, Vec<usize>) {
         let mut description = Description { links: Vec::new() };
@@ -104,18 +135,14 @@ impl Tree {
                 order.push(j);
                 JointOf { parent: places[self.parent_of_joint[j]], ..joints[j].joint.clone() }
             });
-            let name = links[*at].element.name.to_owned();
+            let name = links[*at].element.name.clone();
             description.links.push(DescribedLink { name, matter: matter[*at], joint });
         }
         (description, order)
     }
 }
 
-fn only_root(
-    links: &[LinkElement<'_, '_>],
-    hangs: &[Option<usize>],
-    origin: &str,
-) -> Result<usize> {
+fn only_root(links: &[LinkElement], hangs: &[Option<usize>], origin: &str) -> Result<usize> {
     let roots: Vec<usize> = (0..links.len()).filter(|at| hangs[*at].is_none()).collect();
     match roots[..] {
         [root] => Ok(root),
@@ -124,7 +151,7 @@ fn only_root(
             Err(RobotError::Tree { origin: origin.to_owned(), why })
         }
         [_, second, ..] => {
-            let first = links[roots[0]].element.name;
+            let first = &links[roots[0]].element.name;
             let why = format!("it has no parent, nor has \"{first}\"; there must be one root");
             Err(links[second].element.error(why))
         }

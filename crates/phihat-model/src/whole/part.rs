@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::Result;
-use super::travel::{Moves, nearest};
-use super::tree::{JointElement, LinkElement, Tree};
+use super::tree::Tree;
+use super::{JointElement, LinkElement, Moves, Result};
 use crate::error::RobotError;
 use crate::part::Part;
 
@@ -20,14 +19,15 @@ pub(super) struct Cut {
 }
 
 /// Description that a part is cut out of.
-pub(super) struct WholeDescription<'e, 'a, 'x> {
-    pub(super) links: &'e [LinkElement<'a, 'x>],
-    pub(super) joints: &'e [JointElement<'a, 'x>],
+pub(super) struct WholeDescription<'e> {
+    pub(super) links: &'e [LinkElement],
+    pub(super) joints: &'e [JointElement],
     pub(super) tree: &'e Tree,
-    pub(super) origin: &'a str,
+    pub(super) origin: &'e str,
+    pub(super) follows: &'static str,
 }
 
-impl WholeDescription<'_, '_, '_> {
+impl WholeDescription<'_> {
     /// Cuts a part; what is locked or held without having been asked for is warned about.
     pub(super) fn cut(&self, part: &Part, warnings: &mut Vec<String>) -> Result<Cut> {
         let mut driven = self.asked(part)?;
@@ -37,12 +37,11 @@ impl WholeDescription<'_, '_, '_> {
         for (name, position) in &part.locked {
             let at = self.joint(name)?;
             let element = &self.joints[at].element;
-            let (Moves::Driven(kind) | Moves::Follows { kind, .. }) = self.joints[at].moves else {
-                return Err(
-                    element.error("it is locked, but no position of it could be".to_owned())
-                );
-            };
-            if (nearest(element, kind, *position) - position).abs() > 0.0 {
+            if !matches!(self.joints[at].moves, Moves::Driven(_) | Moves::Follows { .. }) {
+                let why = "it is locked, but no position of it could be";
+                return Err(element.error(why.to_owned()));
+            }
+            if (self.joints[at].nearest(*position) - position).abs() > 0.0 {
                 return Err(element.error(format!("locked at {position}, outside its limits")));
             }
             driven[at] = false;
@@ -75,14 +74,14 @@ impl WholeDescription<'_, '_, '_> {
         let path = self.tree.to_link(self.link(tip)?);
         let start = path.iter().position(|at| self.tree.parent_of_joint[*at] == base);
         let Some(start) = start else {
-            let base = self.links[base].element.name;
+            let base = &self.links[base].element.name;
             return Err(self.error(format!("link \"{tip}\" is not carried by link \"{base}\"")));
         };
         let mut driven = vec![false; self.joints.len()];
         path[start..].iter().for_each(|at| driven[*at] = true);
         let moves = |at: &usize| matches!(self.joints[*at].moves, Moves::Driven(_));
         if !path[start..].iter().any(moves) {
-            let base = self.links[base].element.name;
+            let base = &self.links[base].element.name;
             let why = format!("no joint moves between link \"{base}\" and link \"{tip}\"");
             return Err(self.error(why));
         }
@@ -102,12 +101,15 @@ impl WholeDescription<'_, '_, '_> {
     /// A joint that was named must be one that a drive moves.
     fn drives(&self, at: usize) -> Result<()> {
         let joint = &self.joints[at];
-        let why = match joint.moves {
+        let why = match &joint.moves {
             Moves::Driven(_) => return Ok(()),
             Moves::Not => "it is fixed, so it is no joint of an arm".to_owned(),
             Moves::Free(kind) => format!("it is {kind}, so it is no joint of an arm"),
             Moves::Follows { leader, .. } => {
-                format!("it follows joint \"{leader}\" (<mimic>), so it is no joint of its own")
+                format!(
+                    "it follows joint \"{leader}\" ({}), so it is no joint of its own",
+                    self.follows
+                )
             }
         };
         Err(joint.element.error(why))
@@ -123,10 +125,10 @@ impl WholeDescription<'_, '_, '_> {
             let Some(joint) = self.tree.hangs[*at] else { continue };
             let parent = self.tree.parent_of_joint[joint];
             (before[*at], floats[*at]) = (driven[joint] || before[parent], floats[parent]);
-            match (self.joints[joint].moves, floats[parent]) {
+            match (&self.joints[joint].moves, floats[parent]) {
                 (Moves::Free(kind), _) if before[parent] => floats[*at] = Some((joint, kind)),
                 (_, Some((free, kind))) if driven[joint] => {
-                    let own = self.joints[joint].element.name;
+                    let own = &self.joints[joint].element.name;
                     return Err(self.joints[free].element.error(format!(
                         "it is {kind}, between joints of the arm: \"{own}\" is behind it; name a base and a tip on one side of it"
                     )));
@@ -137,26 +139,27 @@ impl WholeDescription<'_, '_, '_> {
         Ok(())
     }
 
-    /// Position of every joint that moves, when it is not driven: as requested, else as near to 0 as its
-    /// limits permit; of a joint that follows another, the position that the other one gives it.
+    /// Position of every joint that moves, when it is not driven: as requested, else as near to where
+    /// it is drawn as its limits permit; of a joint that follows another, the position that the other
+    /// one gives it.
     fn stand(&self, part: &Part) -> Vec<f64> {
         let places: BTreeMap<&str, usize> =
-            self.joints.iter().enumerate().map(|(at, j)| (j.element.name, at)).collect();
+            self.joints.iter().enumerate().map(|(at, j)| (&*j.element.name, at)).collect();
         let own = |at: usize| {
             let joint = &self.joints[at];
-            let asked = part.locked.get(joint.element.name).copied();
+            let asked = part.locked.get(&joint.element.name).copied();
             match joint.moves {
                 Moves::Not | Moves::Free(_) => 0.0,
-                Moves::Driven(kind) | Moves::Follows { kind, .. } => {
-                    asked.unwrap_or_else(|| nearest(&joint.element, kind, 0.0))
+                Moves::Driven(_) | Moves::Follows { .. } => {
+                    asked.unwrap_or_else(|| joint.nearest(joint.drawn_at))
                 }
             }
         };
-        let stand = |(at, joint): (usize, &JointElement<'_, '_>)| match joint.moves {
+        let stand = |(at, joint): (usize, &JointElement)| match &joint.moves {
             Moves::Follows { leader, factor, offset, .. }
-                if !part.locked.contains_key(joint.element.name) =>
+                if !part.locked.contains_key(&joint.element.name) =>
             {
-                places.get(leader).map_or(0.0, |leader| factor * own(*leader) + offset)
+                places.get(&**leader).map_or(0.0, |leader| factor * own(*leader) + offset)
             }
             _ => own(at),
         };
@@ -164,20 +167,20 @@ impl WholeDescription<'_, '_, '_> {
     }
 
     fn tell(&self, (driven, at): (&[bool], &[f64]), part: &Part, warnings: &mut Vec<String>) {
-        let list = |wanted: &dyn Fn(usize, &JointElement<'_, '_>) -> bool| -> Vec<String> {
+        let list = |wanted: &dyn Fn(usize, &JointElement) -> bool| -> Vec<String> {
             let own = self.joints.iter().enumerate().filter(|(i, joint)| wanted(*i, joint));
             own.map(|(i, joint)| format!("\"{}\" at {}", joint.element.name, at[i])).collect()
         };
-        let locked = |joint: &JointElement<'_, '_>| part.locked.contains_key(joint.element.name);
+        let locked = |joint: &JointElement| part.locked.contains_key(&joint.element.name);
         let outside = list(&|i, joint| {
             matches!(joint.moves, Moves::Driven(_)) && !driven[i] && !locked(joint)
         });
         let following =
             list(&|_, joint| matches!(joint.moves, Moves::Follows { .. }) && !locked(joint));
-        for (names, what) in [
-            (outside, "outside of the arm, held where they stand"),
-            (following, "following others (<mimic>), held where they stand"),
-        ] {
+        let follow = format!("following others ({}), held where they stand", self.follows);
+        for (names, what) in
+            [(outside, "outside of the arm, held where they stand"), (following, &follow)]
+        {
             if !names.is_empty() {
                 warnings.push(format!("{} joint(s) {what}: {}", names.len(), shown(&names)));
             }
@@ -193,10 +196,11 @@ impl WholeDescription<'_, '_, '_> {
 
     /// Nothing is left to be driven; what might have been.
     fn nothing_moves(&self) -> RobotError {
-        let held = self.joints.iter().filter_map(|joint| match joint.moves {
+        let held = self.joints.iter().filter_map(|joint| match &joint.moves {
             Moves::Free(kind) => Some(format!("\"{}\" is {kind}", joint.element.name)),
             Moves::Follows { leader, .. } => {
-                Some(format!("\"{}\" follows \"{leader}\" (<mimic>)", joint.element.name))
+                let own = &joint.element.name;
+                Some(format!("\"{own}\" follows \"{leader}\" ({})", self.follows))
             }
             Moves::Not | Moves::Driven(_) => None,
         });
@@ -211,10 +215,15 @@ impl WholeDescription<'_, '_, '_> {
         RobotError::Tree { origin: self.origin.to_owned(), why }
     }
 
-    fn link(&self, name: &str) -> Result<usize> {
+    /// A link by its name, or by that of the joint that moves it.
+    pub(super) fn link(&self, name: &str) -> Result<usize> {
         let at = self.links.iter().position(|link| link.element.name == name);
-        at.ok_or_else(|| {
-            let names = self.links.iter().map(|link| link.element.name);
+        let moved = || {
+            let at = self.joints.iter().position(|joint| joint.element.name == name);
+            at.map(|at| self.tree.child_of_joint[at])
+        };
+        at.or_else(moved).ok_or_else(|| {
+            let names = self.links.iter().map(|link| &*link.element.name);
             self.error(format!("there is no link \"{name}\"{}", close(name, names)))
         })
     }
@@ -222,7 +231,7 @@ impl WholeDescription<'_, '_, '_> {
     fn joint(&self, name: &str) -> Result<usize> {
         let at = self.joints.iter().position(|joint| joint.element.name == name);
         at.ok_or_else(|| {
-            let names = self.joints.iter().map(|joint| joint.element.name);
+            let names = self.joints.iter().map(|joint| &*joint.element.name);
             self.error(format!("there is no joint \"{name}\"{}", close(name, names)))
         })
     }

@@ -1,7 +1,7 @@
 //! Chains of a tree that could be arms.
 
+use super::Moves;
 use super::part::WholeDescription;
-use super::travel::Moves;
 use crate::part::Chain;
 
 /// Words in the names of what grasps: it ends an arm.
@@ -11,8 +11,18 @@ const GRASPS: [&str; 8] = ["gripper", "finger", "thumb", "knuckle", "jaw", "claw
 const FINGERS: [&str; 5] = ["finger", "thumb", "knuckle", "jaw", "claw"];
 
 /// Words in the names of the link that does the work, the best first.
-const WORKS: [&str; 9] =
-    ["tcp", "tool0", "tool_center", "end_effector", "ee_link", "flange", "tool", "ee", "grasp"];
+const WORKS: [&str; 10] = [
+    "tcp",
+    "tool0",
+    "tool_center",
+    "end_effector",
+    "ee_link",
+    "attachment",
+    "flange",
+    "tool",
+    "ee",
+    "grasp",
+];
 
 /// A branch with more joints than this is no finger.
 const FINGER_MAX: usize = 5;
@@ -20,7 +30,7 @@ const FINGER_MAX: usize = 5;
 /// An arm of so many joints can end in fingers without a name.
 const ARM_MIN: usize = 3;
 
-impl WholeDescription<'_, '_, '_> {
+impl WholeDescription<'_> {
     /// Chains from the root to a link that only fingers continue; the longest first, else in the order of the
     /// file.
     pub(super) fn chains(&self) -> Vec<Chain> {
@@ -87,13 +97,13 @@ impl WholeDescription<'_, '_, '_> {
         };
         let before = path.len();
         // What is a finger from its root on carries none: it is the arm, joint after joint.
-        if before > 0 && path.iter().all(|at| has(self.joints[*at].element.name, &FINGERS)) {
+        if before > 0 && path.iter().all(|at| has(&self.joints[*at].element.name, &FINGERS)) {
             return false;
         }
         // A wrist may carry a link that is called gripper, but none that is called finger.
         let named = |at: usize| {
-            has(self.joints[at].element.name, &GRASPS)
-                || has(self.links[child(at)].element.name, &FINGERS)
+            has(&self.joints[at].element.name, &GRASPS)
+                || has(&self.links[child(at)].element.name, &FINGERS)
                 || matches!(self.joints[at].moves, Moves::Follows { .. })
         };
         let short = |at: usize| counts[child(at)] + usize::from(self.moves(at)) <= FINGER_MAX;
@@ -104,7 +114,7 @@ impl WholeDescription<'_, '_, '_> {
 
     fn chain(&self, path: &[usize]) -> Option<Chain> {
         let (first, last) = (*path.first()?, *path.last()?);
-        let name = |link: usize| self.links[link].element.name;
+        let name = |link: usize| &*self.links[link].element.name;
         let moved = self.tree.child_of_joint[last];
         // All that is welded to the link that moves last.
         let (mut welded, mut next) = (Vec::new(), vec![moved]);
@@ -120,7 +130,7 @@ impl WholeDescription<'_, '_, '_> {
         Some(Chain {
             base: name(self.tree.parent_of_joint[first]).to_owned(),
             tip: name(*works.unwrap_or(&moved)).to_owned(),
-            joints: path.iter().map(|at| self.joints[*at].element.name.to_owned()).collect(),
+            joints: path.iter().map(|at| self.joints[*at].element.name.clone()).collect(),
         })
     }
 }

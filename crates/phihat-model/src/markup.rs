@@ -6,47 +6,71 @@ use std::rc::Rc;
 use roxmltree::{Document, Node};
 
 /// Prefix of what xacro itself reads.
-pub(super) const PREFIX: &str = "xacro:";
+pub(crate) const PREFIX: &str = "xacro:";
 
 /// A file, and a line of it from 1.
 #[derive(Debug, Clone)]
-pub(super) struct XacroPlace {
-    pub(super) file: Rc<str>,
-    pub(super) line: u32,
+pub(crate) struct MarkupPlace {
+    pub(crate) file: Rc<str>,
+    pub(crate) line: u32,
 }
 
 /// An element or a text.
 #[derive(Debug, Clone)]
-pub(super) enum XacroPart {
-    Element(XacroElement),
+pub(crate) enum MarkupPart {
+    Element(MarkupElement),
     Text(String),
 }
 
 /// An element with its place.
 #[derive(Debug, Clone)]
-pub(super) struct XacroElement {
+pub(crate) struct MarkupElement {
     /// Name; of what xacro reads, with [`PREFIX`].
-    pub(super) name: String,
-    pub(super) attributes: Vec<(String, String)>,
-    pub(super) parts: Vec<XacroPart>,
-    pub(super) place: XacroPlace,
+    pub(crate) name: String,
+    pub(crate) attributes: Vec<(String, String)>,
+    pub(crate) parts: Vec<MarkupPart>,
+    pub(crate) place: MarkupPlace,
 }
 
-impl XacroElement {
+/// Places of the line ends of a text, to tell a line without reading all before it.
+#[derive(Debug)]
+pub(crate) struct LineEnds(Vec<usize>);
+
+impl LineEnds {
+    pub(crate) fn of(text: &str) -> Self {
+        Self(
+            text.bytes()
+                .enumerate()
+                .filter_map(|(at, byte)| (byte == b'\n').then_some(at))
+                .collect(),
+        )
+    }
+
+    /// Line of a node's begin, from 1.
+    pub(crate) fn line(&self, node: Node<'_, '_>) -> u32 {
+        let begin = node.range().start;
+        u32::try_from(self.0.partition_point(|end| *end < begin) + 1).unwrap_or(u32::MAX)
+    }
+}
+
+impl MarkupElement {
     /// The root of a document.
-    pub(super) fn of(document: &Document<'_>, file: &Rc<str>) -> Self {
-        Self::copied(document.root_element(), file)
+    pub(crate) fn of(document: &Document<'_>, file: &Rc<str>) -> Self {
+        let lines = LineEnds::of(document.input_text());
+        Self::copied(document.root_element(), (file, &lines))
     }
 
     /// The scan before has bounded the depth.
-    fn copied(node: Node<'_, '_>, file: &Rc<str>) -> Self {
+    fn copied(node: Node<'_, '_>, (file, lines): (&Rc<str>, &LineEnds)) -> Self {
         let qualified = |space: Option<&str>, name: &str| {
             let xacro = space.is_some_and(|space| space.contains("xacro"));
             if xacro { format!("{PREFIX}{name}") } else { name.to_owned() }
         };
         let parts = node.children().filter_map(|child| match child {
-            child if child.is_element() => Some(XacroPart::Element(Self::copied(child, file))),
-            child if child.is_text() => Some(XacroPart::Text(child.text()?.to_owned())),
+            child if child.is_element() => {
+                Some(MarkupPart::Element(Self::copied(child, (file, lines))))
+            }
+            child if child.is_text() => Some(MarkupPart::Text(child.text()?.to_owned())),
             _ => None,
         });
         let attributes = node.attributes().map(|attribute| {
@@ -56,20 +80,17 @@ impl XacroElement {
             name: qualified(node.tag_name().namespace(), node.tag_name().name()),
             attributes: attributes.collect(),
             parts: parts.collect(),
-            place: XacroPlace {
-                file: Rc::clone(file),
-                line: node.document().text_pos_at(node.range().start).row,
-            },
+            place: MarkupPlace { file: Rc::clone(file), line: lines.line(node) },
         }
     }
 
-    pub(super) fn attribute(&self, name: &str) -> Option<&str> {
+    pub(crate) fn attribute(&self, name: &str) -> Option<&str> {
         let own = self.attributes.iter().find(|(own, _)| own == name);
         own.map(|(_, value)| value.as_str())
     }
 
     /// Sets an attribute, which may be there.
-    pub(super) fn set(&mut self, name: String, value: String) {
+    pub(crate) fn set(&mut self, name: String, value: String) {
         match self.attributes.iter_mut().find(|(own, _)| *own == name) {
             Some((_, own)) => *own = value,
             None => self.attributes.push((name, value)),
@@ -77,15 +98,15 @@ impl XacroElement {
     }
 
     /// Elements among its parts.
-    pub(super) fn elements(&self) -> impl Iterator<Item = &Self> {
+    pub(crate) fn elements(&self) -> impl Iterator<Item = &Self> {
         self.parts.iter().filter_map(|part| match part {
-            XacroPart::Element(element) => Some(element),
-            XacroPart::Text(_) => None,
+            MarkupPart::Element(element) => Some(element),
+            MarkupPart::Text(_) => None,
         })
     }
 
     /// Writes it as XML.
-    pub(super) fn write(&self, depth: usize, out: &mut String) {
+    pub(crate) fn write(&self, depth: usize, out: &mut String) {
         // Infallible: a String takes everything.
         let _ = write!(out, "{:indent$}<{}", "", self.name, indent = 2 * depth);
         for (name, value) in &self.attributes {
@@ -95,7 +116,7 @@ impl XacroElement {
             .parts
             .iter()
             .filter_map(
-                |part| if let XacroPart::Text(text) = part { Some(text.trim()) } else { None },
+                |part| if let MarkupPart::Text(text) = part { Some(text.trim()) } else { None },
             )
             .collect();
         let mut elements = self.elements().peekable();
@@ -118,6 +139,7 @@ impl XacroElement {
     }
 }
 
-fn escaped(text: &str) -> String {
+/// A text for an attribute in quotes.
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
