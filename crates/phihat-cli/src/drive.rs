@@ -111,7 +111,7 @@ impl DriveVerb {
         let counts = beside.ended();
         write_layout(self.layout.as_deref(), &driven.done)?;
         let measured = first.map(|first| self.first.measured(&first, &folder)).transpose()?;
-        let missing = measured.as_ref().is_some_and(|found| found.all().is_none());
+        let missing = measured.as_ref().is_some_and(|first| first.found.all().is_none());
         let page = folder.join("report.html");
         let audited = audit::after(&folder);
         if self.json {
@@ -121,8 +121,9 @@ impl DriveVerb {
             if let Some(counts) = &counts {
                 all["ros2"] = counts.clone();
             }
-            if let Some(found) = &measured {
-                all["first_motion"] = json!(found);
+            if let Some(first) = &measured {
+                all["first_motion"] = json!(first.found);
+                all["first_motion_arm"] = json!(first.arm(&folder));
             }
             println!("{all:#}");
         } else {
@@ -131,8 +132,8 @@ impl DriveVerb {
             if let Some(counts) = &counts {
                 println!("{}", counted(counts));
             }
-            if let Some(found) = &measured {
-                println!("{}", verdict(found, &folder));
+            if let Some(first) = &measured {
+                println!("{}", verdict(first, &folder));
             }
             if let Some(audited) = &audited {
                 println!("{}", audit::lines(audited, false));

@@ -1,15 +1,15 @@
 //! `phihat drive --first-motion`: how it is asked for, and what is shown of it.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use phihat_drive::Prepared;
 use phihat_model::JointKind;
 use phihat_report::kit::unit_of;
 use phihat_session::{
-    FIRST_WIDTH, FirstMeasured, FirstMotion, FirstStudy, IdentifyOptions, MeasuredJoint, files,
-    first_measured,
+    FIRST_WIDTH, FirstMeasured, FirstMotion, FirstStudy, IdentifyOptions, MeasuredJoint,
+    NarrowedArm, files, first_measured, narrowed_arm,
 };
 use phihat_study::Study;
 
@@ -66,7 +66,7 @@ impl FirstMotionArguments {
         &self,
         first: &FirstStudy,
         folder: &Path,
-    ) -> Result<FirstMeasured, Failure> {
+    ) -> Result<MeasuredAndWritten, Failure> {
         let options = IdentifyOptions {
             width: FIRST_WIDTH,
             margin: self.margin,
@@ -77,7 +77,24 @@ impl FirstMotionArguments {
         if let Some(joints) = found.all() {
             files::write(&folder.join(JOINTS), &sections(&joints, self.margin))?;
         }
-        Ok(found)
+        let narrowed = narrowed_arm(&first.study, &found)?;
+        for (name, text) in narrowed.iter().flat_map(|arm| &arm.files) {
+            files::write(&folder.join(name), text)?;
+        }
+        Ok(MeasuredAndWritten { found, narrowed })
+    }
+}
+
+/// Measurements of a first motion, and the arm's file with narrower intervals, where there is one.
+pub(crate) struct MeasuredAndWritten {
+    pub(crate) found: FirstMeasured,
+    narrowed: Option<NarrowedArm>,
+}
+
+impl MeasuredAndWritten {
+    /// The written file of the arm.
+    pub(crate) fn arm(&self, folder: &Path) -> Option<PathBuf> {
+        self.narrowed.as_ref()?.files.first().map(|(name, _)| folder.join(name))
     }
 }
 
@@ -106,7 +123,8 @@ pub(crate) fn announced(prepared: &Prepared) -> Option<String> {
 }
 
 /// The verdict, on one screen.
-pub(crate) fn verdict(found: &FirstMeasured, folder: &Path) -> String {
+pub(crate) fn verdict(measured: &MeasuredAndWritten, folder: &Path) -> String {
+    let found = &measured.found;
     let mut lines = Vec::new();
     let known: Vec<_> = found.joints.iter().filter_map(|joint| joint.found.clone()).collect();
     if !known.is_empty() {
@@ -122,7 +140,28 @@ pub(crate) fn verdict(found: &FirstMeasured, folder: &Path) -> String {
             found.joints.len()
         )
     });
+    let written = measured.narrowed.as_ref().zip(measured.arm(folder));
+    lines.extend(written.into_iter().flat_map(|(arm, path)| narrower(arm, &path)));
     lines.join("\n")
+}
+
+/// The arm's file with narrower intervals, and the next command.
+fn narrower(arm: &NarrowedArm, path: &Path) -> Vec<String> {
+    let mut lines = Vec::new();
+    if !arm.contradicted.is_empty() {
+        lines.push(format!(
+            "{}: no rotor within its interval explains the measured inertia: the masses of the description, a load, or \
+             the interval are wrong; its interval stays",
+            arm.contradicted.join(", ")
+        ));
+    }
+    lines.push(format!(
+        "written: {}, the arm with rotors and friction as measured ({:.3} times narrower, all rotors together)",
+        path.display(),
+        arm.rotor_factor
+    ));
+    lines.push(format!("next: phihat new {}", path.display()));
+    lines
 }
 
 /// A joint beside what the study says of it.

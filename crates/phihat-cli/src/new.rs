@@ -201,7 +201,13 @@ impl New {
         };
         let told: Vec<String> = [false, true].into_iter().filter_map(of).collect();
         println!("{} joints; {}", begun.joints.len(), told.join("; where they slide, "));
-        println!("next: phihat run {}", begun.study.display());
+        let study = begun.study.display();
+        println!("next: phihat run {study}");
+        if begun.files.len() > 1 {
+            println!(
+                "on the arm: phihat drive {study} --on ROBOT --first-motion, which measures what is estimated here"
+            );
+        }
     }
 }
 

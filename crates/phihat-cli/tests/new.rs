@@ -96,6 +96,55 @@ fn a_bare_urdf_comes_to_a_certified_run() {
     assert!(files_of(&folder.join("mine")) == before);
 }
 
+/// From a bare URDF to a tighter promise, with no edit by hand: estimate, first motion, and the study anew.
+#[test]
+fn a_first_motion_narrows_what_was_estimated() {
+    let folder = folder("new-measured");
+    write(&folder, "two.urdf", &urdf("effort=\"60\"", false));
+    let first = json(&folder, &["new", "two.urdf", "--json"]);
+    assert_eq!(first["exit_code"], 0, "{first:#}");
+    let moved =
+        phihat(&folder, &["drive", "two.toml", "--on", "sim", "--first-motion", "--out", "moved"]);
+    assert_eq!(moved.code, 0, "{}{}", moved.out, moved.err);
+    let arm = "moved/two_arm.toml";
+    assert!(moved.out.contains(&format!("next: phihat new {arm}")), "{}", moved.out);
+    let read = |path: &str| -> toml::Table {
+        fs::read_to_string(folder.join(path)).unwrap().parse().unwrap()
+    };
+    let (before, after) = (read("two_arm.toml"), read(arm));
+    let list = |of: &toml::Table, section: &str, key: &str| -> Vec<f64> {
+        let list = of[section][key].as_array().unwrap();
+        list.iter().map(|value| value.as_float().unwrap()).collect()
+    };
+    for (section, value, low, high) in [
+        ("rotor", "armature_kg_m2", "armature_min_kg_m2", "armature_max_kg_m2"),
+        ("friction", "coulomb_nm", "coulomb_min_nm", "coulomb_max_nm"),
+    ] {
+        // The simulated arm has the value of the first file.
+        let truth = list(&before, section, value);
+        let ends = |of: &toml::Table| [list(of, section, low), list(of, section, high)];
+        let ([least, most], [low, high]) = (ends(&before), ends(&after));
+        let mut narrower = 1.0;
+        for (i, truth) in truth.iter().enumerate() {
+            assert!(
+                low[i] <= *truth && *truth <= high[i],
+                "{section} {i}: {truth}, {low:?} … {high:?}"
+            );
+            assert!(least[i] <= low[i] && high[i] <= most[i], "{section} {i}");
+            narrower *= (most[i] - least[i]) / (high[i] - low[i]);
+        }
+        println!("{section}: {narrower:.1} times narrower");
+        assert!(narrower > 1.5, "{section}: {narrower}");
+    }
+    // Whatever else the file says stays, comments too.
+    let text = fs::read_to_string(folder.join(arm)).unwrap();
+    assert!(text.contains("data sheet") && text.contains("first motion"), "{text}");
+    let second = json(&folder, &["new", arm, "--out", "second.toml", "--json"]);
+    let promised = |of: &serde_json::Value| of["error_bound_rad"][0].as_f64().unwrap();
+    println!("promised: {} before, {} after", promised(&first), promised(&second));
+    assert!(promised(&second) < promised(&first), "{second:#}");
+}
+
 /// The same gains with every rotor at either end of its interval.
 fn at_both_ends(folder: &Path) {
     let options = RunOptions { study: folder.join("mine/first.toml"), ..RunOptions::default() };

@@ -126,5 +126,5 @@ pub use positions::{PositionEstimate, PositionSearch, TubeParts};
 pub use request::requested_gains;
 pub use reversals::DryFriction;
 pub use smoothed::{FOURTH_VARIANCE, RecordedJoint, Smoothed, fourth_differences, near_turns};
-pub use trace::{EstimateError, InertiaEstimate, JointSignals, estimate_inertia_of};
+pub use trace::{EstimateError, InertiaEstimate, JointSignals};
 pub use undetermined::Undetermined;

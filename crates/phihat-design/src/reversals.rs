@@ -1,10 +1,10 @@
 //! Dry friction, from what the torque jumps by where a joint reverses.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use phihat_certificate::extremes::{Extremes as _, larger, smaller};
 use serde::{Deserialize, Serialize};
 
-use crate::trace::{JointSignals, SIGMAS, coefficient};
+use crate::trace::JointSignals;
 
 /// From a reversal to either end of its window \[s\].
 const WINDOW: f64 = 0.3;
@@ -20,6 +20,9 @@ const SLOW: f64 = 0.03;
 
 /// No window is believed to know its level better \[N·m\].
 const EXACT: f64 = 1e-9;
+
+/// Standard errors on either side of an estimate.
+const SIGMAS: f64 = 3.0;
 
 /// Powers of time beside the jump: what goes on smoothly through a reversal, gravity and smooth friction.
 const POWERS: u8 = 4;
@@ -158,6 +161,24 @@ fn jump(
     }
     let x = DMatrix::from_fn(rows.len(), columns.len(), |row, column| columns[column][row]);
     coefficient(x, rows.iter().map(|&k| joint.tau[k]), 0)
+}
+
+/// One coefficient of a least-squares fit and its standard error, from the residual as if it were white;
+/// `None` where the columns do not determine it.
+fn coefficient(mut x: DMatrix<f64>, y: impl Iterator<Item = f64>, at: usize) -> Option<(f64, f64)> {
+    let sizes: Vec<f64> = x.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
+    for (mut column, size) in x.column_iter_mut().zip(&sizes) {
+        column /= *size;
+    }
+    let y = DVector::from_iterator(x.nrows(), y);
+    let normal = (x.transpose() * &x).cholesky()?;
+    let solution = normal.solve(&(x.transpose() * &y));
+    let spare = x.nrows().checked_sub(x.ncols()).filter(|spare| *spare > 0)?;
+    let residual = (&y - &x * &solution).norm_squared() / spare as f64;
+    let mut unit = DVector::zeros(x.ncols());
+    unit[at] = 1.0;
+    let variance = residual * normal.solve(&unit)[at];
+    Some((solution[at] / sizes[at], variance.max(0.0).sqrt() / sizes[at]))
 }
 
 #[cfg(test)]

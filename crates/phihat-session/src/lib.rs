@@ -63,7 +63,7 @@ pub use error::SessionError;
 pub use files::read_gains;
 pub use first_motion::{
     FIRST_WIDTH, FirstMeasured, FirstMotion, FirstMotionError, FirstStudy, MeasuredJoint,
-    first_measured, first_study,
+    NarrowedArm, first_measured, first_study, narrowed_arm,
 };
 pub use hash::{sha256, share, short_hash};
 pub use identify::{

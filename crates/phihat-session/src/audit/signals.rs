@@ -154,8 +154,7 @@ impl Audited<'_> {
                 continue;
             }
             moved += 1;
-            let same = |q: &[f64]| q[k].to_bits() == q[k - 1].to_bits();
-            if trace.joints.iter().all(|joint| same(&joint.q_measured)) {
+            if self.is_lost(k, &quantum) {
                 lost += 1;
                 first.get_or_insert(self.time(k));
             }
@@ -185,6 +184,21 @@ impl Audited<'_> {
             AuditRow::not_told(Assumption::Jitter, "its times are counted, not measured")
         };
         vec![losses, jitter]
+    }
+
+    /// Returns true if no position changed in a sample, and the next that changes makes up for it; an arm that
+    /// turns or sticks goes on from where it stood.
+    fn is_lost(&self, k: usize, quantum: &[f64]) -> bool {
+        let joints = &self.trace.joints;
+        let stays = |k: usize| {
+            joints.iter().all(|one| one.q_measured[k].to_bits() == one.q_measured[k - 1].to_bits())
+        };
+        let next = (k + 1..self.tracked.end).find(|next| !stays(*next));
+        let jumps = |next: usize| {
+            let off = |q: &[f64]| (q[next] - q[k - 1]).abs();
+            joints.iter().zip(quantum).any(|(one, quantum)| off(&one.q_measured) > MOVES * quantum)
+        };
+        stays(k) && next.is_some_and(jumps)
     }
 
     /// Quantum of a joint's encoder by the study \[rad\]; 0: exact.

@@ -38,7 +38,10 @@ const MORE: f64 = 1.4;
 const FORM_CHOSEN: f64 = 0.6;
 
 /// Rounds of the search for an error, at most.
-const ROUNDS: u32 = 5;
+const ROUNDS: u32 = 8;
+
+/// Smaller errors that are tried in turn once one is kept, at most.
+const LESS_ROUNDS: u32 = 4;
 
 /// Share of a torque limit that the motion may take, and the slowest one; factor on the pace, and number of
 /// paces.
@@ -268,22 +271,26 @@ impl<'a> BeginStudy<'a> {
         Ok(self.infeasible(error, why))
     }
 
-    /// A smaller error than one that is kept, if it is kept where the design chooses the form of law; else that one.
+    /// The smallest error that is kept where the design chooses the form of law, each 0.6 times the one before,
+    /// until one is not; if none is, the error that was kept.
     fn with_form_chosen(
         &mut self,
-        (error, simulated): (f64, Vec<f64>),
+        (mut error, mut simulated): (f64, Vec<f64>),
         out: &Path,
         watch: &mut dyn Watch,
     ) -> BeginResult {
-        let less = two_digits(FORM_CHOSEN * error);
-        watch
-            .step(&format!("laws from positions for an error of {:.3} mrad, and runs", 1e3 * less));
-        self.study.control.form_designed = true;
-        // A search that cannot begin is no reason to have nothing.
-        if let Ok(ErrorOutcome::Kept(simulated)) = self.asked(less, out) {
-            return self.found(less, Some(simulated), None);
+        for _ in 0..LESS_ROUNDS {
+            let less = two_digits(FORM_CHOSEN * error);
+            let milli = 1e3 * less;
+            watch.step(&format!("laws from positions for an error of {milli:.3} mrad, and runs"));
+            let form_designed = core::mem::replace(&mut self.study.control.form_designed, true);
+            // A search that cannot begin is no reason to have nothing.
+            let Ok(ErrorOutcome::Kept(runs)) = self.asked(less, out) else {
+                self.study.control.form_designed = form_designed;
+                break;
+            };
+            (error, simulated) = (less, runs);
         }
-        self.study.control.form_designed = false;
         self.found(error, Some(simulated), None)
     }
 

@@ -7,7 +7,7 @@ use phihat::Mode;
 use phihat_certificate::extremes::Extremes as _;
 use phihat_design::RecordedJoint;
 use phihat_sim::Trace;
-use phihat_study::Study;
+use phihat_study::{InertiaSource, Study};
 use serde::Serialize;
 
 use super::plan::described;
@@ -43,6 +43,9 @@ pub struct MeasuredJoint {
     /// Inertia by the study in this posture, without payload, from and to \[kg·m²\]; the two differ only for
     /// an arm known joint by joint.
     pub study_kg_m2: (f64, f64),
+    /// Inertia of the links alone by the description, in this posture, without payload \[kg·m²\]; `None` for an arm
+    /// known joint by joint.
+    pub links_kg_m2: Option<f64>,
     /// Result; `None`: the reason stands in `why`.
     pub found: Option<IdentifiedJoint>,
     /// Why nothing was found.
@@ -82,6 +85,7 @@ pub fn first_measured(
     let q: Vec<f64> =
         trace.joints.iter().filter_map(|joint| joint.q_desired.first().copied()).collect();
     let told = told(study, &q);
+    let by_robot = matches!(study.design.inertia, InertiaSource::Robot);
     let joint = |(i, study_kg_m2): (usize, &(f64, f64))| {
         let moving = moving(&trace, i);
         let most = trace.joints[i].q_desired.iter().map(|wanted| (wanted - q[i]).abs());
@@ -93,7 +97,9 @@ pub fn first_measured(
             Some(Err(why)) => (None, Some(why.to_string())),
             None => (None, Some("the drive ended before it was moved".to_owned())),
         };
-        MeasuredJoint { name: trace.joints[i].name.clone(), study_kg_m2: *study_kg_m2, found, why }
+        let links_kg_m2 = by_robot.then(|| study_kg_m2.0 - study.robot.joints[i].armature);
+        let name = trace.joints[i].name.clone();
+        MeasuredJoint { name, study_kg_m2: *study_kg_m2, links_kg_m2, found, why }
     };
     let joints = told.iter().enumerate().map(joint).collect();
     Ok(FirstMeasured { joints })
@@ -101,7 +107,7 @@ pub fn first_measured(
 
 /// Inertia of each joint by the study, from and to \[kg·m²\].
 fn told(study: &Study, q: &[f64]) -> Vec<(f64, f64)> {
-    if let phihat_study::InertiaSource::Typed { low, high } = &study.design.inertia {
+    if let InertiaSource::Typed { low, high } = &study.design.inertia {
         return low.iter().copied().zip(high.iter().copied()).collect();
     }
     described(study, q).into_iter().map(|inertia| (inertia, inertia)).collect()

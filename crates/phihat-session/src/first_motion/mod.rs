@@ -15,9 +15,11 @@
 //! more.
 
 mod measured;
+mod narrowed;
 mod plan;
 
 pub use measured::{FIRST_WIDTH, FirstMeasured, MeasuredJoint, first_measured};
+pub use narrowed::{NarrowedArm, narrowed_arm};
 pub use plan::{FirstMotionError, FirstStudy, first_study};
 
 /// Parameters of a first motion.

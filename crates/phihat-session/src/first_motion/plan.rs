@@ -73,9 +73,8 @@ pub fn first_study(
     for section in ["design", "gains", "spec", "reference", "feedforward"] {
         table.remove(section);
     }
-    if let Some(start) = table.get_mut("start").and_then(Value::as_table_mut) {
-        start.retain(|key, _| key == "torque_nm");
-    }
+    // The supervisor arms the law, with the torque that holds the arm until then.
+    table.remove("start");
     if let Some(supervisor) = table.get_mut("supervisor").and_then(Value::as_table_mut) {
         // Under gains that nobody designed, it goes nowhere else.
         let elsewhere = |key: &str| ["reference_", "park"].iter().any(|own| key.starts_with(own));
@@ -89,6 +88,9 @@ pub fn first_study(
     put(&["loop", "form"], Value::from("observer"));
     put(&["loop", "torque_max_nm"], list(&torque));
     put(&["supervisor", "error_stop_rad"], Value::from(told_stop));
+    if let Some(holding) = study.held_torque(center) {
+        put(&["supervisor", "preset_nm"], list(&holding));
+    }
     put(&["reference", "kind"], Value::from("waypoints"));
     put(&["reference", "waypoint"], waypoints);
     put(&["gains", "order"], Value::from(1));

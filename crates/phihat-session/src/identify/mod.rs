@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use phihat_certificate::extremes::{Extremes as _, hull, larger, smaller};
 use phihat_design::{
-    DryFriction, InertiaEstimate, JointSignals, Smoothed, Undetermined, enclose_dry_friction,
-    enclose_inertia,
+    DryFriction, InertiaEstimate, JointSignals, RecordedJoint, Smoothed, Undetermined,
+    enclose_dry_friction, enclose_inertia,
 };
 use phihat_sim::Observed;
 use serde::Serialize;
@@ -172,18 +172,15 @@ fn together(
         Some(UndeterminedJoint { name, why })
     };
     let inertia = found().filter_map(|found| found.ok()).reduce(both).ok_or_else(undetermined)?;
-    let all = records.iter().map(|(record, smoothed, _)| {
-        let found = shown(smoothed, joint, inertia, options);
-        let enclosed = enclose_dry_friction(&record.joints, joint, smoothed);
-        let dry = found.dry_friction.zip(enclosed);
-        IdentifiedJoint { dry_friction: dry.map(|(dry, enclosed)| dry.widened(enclosed)), ..found }
-    });
+    let all = records
+        .iter()
+        .map(|(record, smoothed, _)| shown((&record.joints, smoothed), joint, inertia, options));
     all.reduce(|before, next| before.and(&next)).ok_or(None)
 }
 
 /// A joint of this inertia in one record.
 fn shown(
-    smoothed: &Smoothed,
+    (record, smoothed): (&[RecordedJoint], &Smoothed),
     joint: usize,
     inertia: InertiaEstimate,
     options: &IdentifyOptions,
@@ -203,11 +200,22 @@ fn shown(
         phi_rate_max_nm_s: margin * phi.rate,
         // A filter smears what dry friction does where a joint reverses: over its length φ swings by the whole jump.
         phi_jump_max_nm: margin * larger(phi.jump, swing(signals, nominal, rows)),
-        dry_friction: DryFriction::of(&smoothed.signals(), joint, smoothed.period_ns, rows),
+        dry_friction: dry_friction(record, smoothed, joint, rows),
         position_rad: signals.q.iter().copied().ends(),
         velocity_max_rad_s: size(signals.dq),
         torque_max_nm: size(signals.tau),
     }
+}
+
+/// The level of dry friction in one record, its interval widened to what the record does not exclude.
+fn dry_friction(
+    record: &[RecordedJoint],
+    smoothed: &Smoothed,
+    joint: usize,
+    rows: usize,
+) -> Option<DryFriction> {
+    let level = DryFriction::of(&smoothed.signals(), joint, smoothed.period_ns, rows)?;
+    Some(level.widened(enclose_dry_friction(record, joint, smoothed)?))
 }
 
 /// Largest change of φ over so many rows in which the joint reverses \[N·m\].

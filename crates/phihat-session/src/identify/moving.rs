@@ -1,6 +1,6 @@
 //! One joint of an arm that moved while the others were held.
 
-use phihat_design::{EstimateError, RecordedJoint, Smoothed, estimate_inertia_of};
+use phihat_design::{EstimateError, RecordedJoint, Smoothed, enclose_inertia};
 
 use super::{IdentifiedJoint, IdentifyOptions, shown};
 
@@ -8,18 +8,26 @@ use super::{IdentifiedJoint, IdentifyOptions, shown};
 ///
 /// # Errors
 ///
-/// [`EstimateError`]: the record is too short, or the joint moved too little.
+/// [`EstimateError`]: the record is too short, or does not determine the joint's inertia.
 pub fn identify_moving(
     joints: &[RecordedJoint],
     moved: usize,
     period_ns: u64,
     options: &IdentifyOptions,
 ) -> Result<IdentifiedJoint, EstimateError> {
-    let too_short = || {
-        let joint = joints.get(moved).map_or_else(String::new, |joint| joint.name.clone());
-        EstimateError::Excitation { joint, windows: 0 }
-    };
-    let smoothed = Smoothed::new(joints, period_ns, options.width).ok_or_else(too_short)?;
-    let inertia = estimate_inertia_of(&smoothed.signals(), moved)?;
-    Ok(shown(&smoothed, moved, inertia, options))
+    let name = || joints.get(moved).map_or_else(String::new, |joint| joint.name.clone());
+    let mut enclosed = enclose_inertia(joints, period_ns, options.width)?;
+    if moved >= enclosed.len() {
+        let expected = enclosed.len();
+        return Err(EstimateError::Length { joint: name(), found: 0, expected });
+    }
+    let undetermined = |why| EstimateError::Undetermined { joint: name(), why };
+    let inertia = enclosed.swap_remove(moved).map_err(undetermined)?;
+    let smoothed = Smoothed::new(joints, period_ns, options.width);
+    let smoothed = smoothed.ok_or_else(|| EstimateError::Length {
+        joint: name(),
+        found: joints.first().map_or(0, |joint| joint.q.len()),
+        expected: 0,
+    })?;
+    Ok(shown((joints, &smoothed), moved, inertia, options))
 }
