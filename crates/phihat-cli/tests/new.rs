@@ -79,7 +79,7 @@ fn a_bare_urdf_comes_to_a_certified_run() {
         serde_json::from_str(&fs::read_to_string(folder.join("run/gains.json")).unwrap()).unwrap();
     let certificate = &gains["certificate"];
     for joint in certificate["tube"]["joints"].as_array().unwrap() {
-        assert!(joint["error_peak_rad"].as_f64().unwrap() <= promised);
+        assert!(joint["error_bound_rad"].as_f64().unwrap() <= promised);
     }
     // What holds for the interval, and what for the value in it, is said.
     let left = certificate["not_counted"].to_string();
@@ -216,7 +216,8 @@ fn light_joints_without_a_rotor_are_told_by_name() {
     // The figure is true: with it there are gains, and with half of it there are none.
     let figure = words.split("at least ").nth(1).unwrap().split(' ').next().unwrap();
     let figure: f64 = figure.parse().unwrap();
-    for (share, code) in [(1.0, 0), (0.5, 1)] {
+    // Gains for a wide interval of friction come without a proof that they keep the specification: code 3.
+    for (share, codes) in [(1.0, [0, 3]), (0.5, [1, 1])] {
         let arm = format!(
             "urdf = \"two.urdf\"\n[rotor]\narmature_kg_m2 = {:e}\n[encoder]\nbits = 18\n",
             share * figure
@@ -226,7 +227,7 @@ fn light_joints_without_a_rotor_are_told_by_name() {
         let line = study.lines().find(|line| line.starts_with("error_bound_rad")).unwrap();
         write(&folder, "easy.toml", &study.replace(line, "error_bound_rad = 50.0"));
         let told = phihat(&folder, &["design", "easy.toml", "--out", "gains.json"]);
-        assert_eq!(told.code, code, "{share}: {}{}", told.out, told.err);
+        assert!(codes.contains(&told.code), "{share}: {}{}", told.out, told.err);
     }
 }
 

@@ -211,8 +211,8 @@ fn every_root_of_the_second_order() {
 /// Other limits: as many roots as elimination has.
 #[test]
 fn roots_at_other_limits() {
-    let mut counts = [0; 4];
-    for (k, phi) in [0.4, 3.0, 22.2, 100.0].into_iter().enumerate() {
+    let mut counts = [0; 3];
+    for (k, phi) in [0.4, 3.0, 22.2].into_iter().enumerate() {
         for ratio in [6.0, 10.0, 20.0] {
             let x = [1e-4, 1e-3, 1e-3 * ratio, 1e-2 * ratio];
             for (feedback, term) in [(Feedback::Ignored, false), (Feedback::Included, true)] {

@@ -97,7 +97,10 @@ fn edge((from, to): (f64, f64), holds: impl Fn(f64) -> bool) -> [f64; 2] {
         return [to, to];
     }
     let (mut good, mut bad) = (from, to);
-    while (good - bad).abs() > APART * good.abs().max(bad.abs()) {
+    for _ in 0..200 {
+        if (good - bad).abs() <= APART * good.abs().max(bad.abs()) {
+            break;
+        }
         let middle = 0.5 * (good + bad);
         if holds(middle) { good = middle } else { bad = middle }
     }

@@ -236,7 +236,7 @@ impl<'a> BeginStudy<'a> {
                 "try {round}: gains for an error of {:.3} mrad, and runs",
                 1e3 * error
             ));
-            let (why, by) = match self.asked(error, out)? {
+            let (why, by) = match self.in_either_form(error, out)? {
                 ErrorOutcome::Kept(simulated) if fixed.is_none() => {
                     return Ok(self.with_form_chosen((error, simulated), out, watch));
                 }
@@ -269,6 +269,24 @@ impl<'a> BeginStudy<'a> {
         let why =
             last.map_or_else(|| tried.clone(), |last| format!("{tried}; the last try: {last}"));
         Ok(self.infeasible(error, why))
+    }
+
+    /// Gains for an error: of the observer form, and where its tube or a run exceeds the error, of the form that the
+    /// design chooses.
+    fn in_either_form(&mut self, error: f64, out: &Path) -> Result<ErrorOutcome, SessionError> {
+        let first = self.asked(error, out)?;
+        let exceeds = matches!(first, ErrorOutcome::Beyond(..) | ErrorOutcome::No(_));
+        if !exceeds || self.study.control.form_designed {
+            return Ok(first);
+        }
+        self.study.control.form_designed = true;
+        match self.asked(error, out) {
+            Ok(ErrorOutcome::Kept(simulated)) => Ok(ErrorOutcome::Kept(simulated)),
+            _ => {
+                self.study.control.form_designed = false;
+                Ok(first)
+            }
+        }
     }
 
     /// The smallest error that is kept where the design chooses the form of law, each 0.6 times the one before,

@@ -10,7 +10,7 @@ use phihat_sim::Trace;
 use phihat_study::{InertiaSource, Study};
 use serde::Serialize;
 
-use super::plan::described;
+use super::plan::{described, described_with_payload};
 use crate::error::SessionError;
 use crate::files;
 use crate::identify::{IdentifiedJoint, IdentifyOptions, identify_moving};
@@ -43,9 +43,9 @@ pub struct MeasuredJoint {
     /// Inertia by the study in this posture, without payload, from and to \[kg·m²\]; the two differ only for
     /// an arm known joint by joint.
     pub study_kg_m2: (f64, f64),
-    /// Inertia of the links alone by the description, in this posture, without payload \[kg·m²\]; `None` for an arm
-    /// known joint by joint.
-    pub links_kg_m2: Option<f64>,
+    /// Inertia of the links by the description, in this posture, without rotor, from no payload to the heaviest of the
+    /// study's design \[kg·m²\]; `None` for an arm known joint by joint.
+    pub links_kg_m2: Option<(f64, f64)>,
     /// Result; `None`: the reason stands in `why`.
     pub found: Option<IdentifiedJoint>,
     /// Why nothing was found.
@@ -85,7 +85,10 @@ pub fn first_measured(
     let q: Vec<f64> =
         trace.joints.iter().filter_map(|joint| joint.q_desired.first().copied()).collect();
     let told = told(study, &q);
-    let by_robot = matches!(study.design.inertia, InertiaSource::Robot);
+    let loaded = match study.design.inertia {
+        InertiaSource::Typed { .. } => Vec::new(),
+        _ => described_with_payload(study, &q),
+    };
     let joint = |(i, study_kg_m2): (usize, &(f64, f64))| {
         let moving = moving(&trace, i);
         let most = trace.joints[i].q_desired.iter().map(|wanted| (wanted - q[i]).abs());
@@ -97,7 +100,8 @@ pub fn first_measured(
             Some(Err(why)) => (None, Some(why.to_string())),
             None => (None, Some("the drive ended before it was moved".to_owned())),
         };
-        let links_kg_m2 = by_robot.then(|| study_kg_m2.0 - study.robot.joints[i].armature);
+        let rotor = study.robot.joints[i].armature;
+        let links_kg_m2 = loaded.get(i).map(|(low, high)| (low - rotor, high - rotor));
         let name = trace.joints[i].name.clone();
         MeasuredJoint { name, study_kg_m2: *study_kg_m2, links_kg_m2, found, why }
     };

@@ -39,11 +39,12 @@ pub struct NarrowedArm {
 /// file, or it states no intervals of rotor inertia.
 ///
 /// ```text
-/// rotor of joint i within [low_i − m_i, high_i − m_i] and its interval;   dry friction ≤ ½ largest jump of φ
+/// rotor of joint i within [low_i − m̄_i, high_i − m_i] and its interval;   dry friction ≤ ½ largest jump of φ
 /// ```
 ///
-/// with the measured inertia `[low_i, high_i]` and that of the links, `m_i`, by the description in the posture of the
-/// motion, without payload \[kg·m²\]. Masses of the description are taken to be right.
+/// with the measured inertia `[low_i, high_i]` and that of the links by the description in the posture of the motion,
+/// `m_i` without payload and `m̄_i` with the heaviest of the study \[kg·m²\]. Masses of the description are taken to be
+/// right, and the arm carries no more than the study says.
 ///
 /// # Errors
 ///
@@ -96,8 +97,8 @@ fn rotor(joint: &Joint, measured: &MeasuredJoint) -> Result<Narrowed, Narrowed> 
     let (Some(found), Some(links)) = (&measured.found, measured.links_kg_m2) else {
         return Ok(same);
     };
-    let low = larger(before.0, outward(found.inertia.low_kg_m2 - links, f64::floor));
-    let high = smaller(before.1, outward(found.inertia.high_kg_m2 - links, f64::ceil));
+    let low = larger(before.0, outward(found.inertia.low_kg_m2 - links.1, f64::floor));
+    let high = smaller(before.1, outward(found.inertia.high_kg_m2 - links.0, f64::ceil));
     if low > high { Err(same) } else { Ok(Narrowed { before, after: (low, high) }) }
 }
 

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use phihat_certificate::extremes::larger;
 use phihat_design::claims::Refutation;
 use phihat_design::{Arm, Gains, arm_inside_window, requested_gains};
-use phihat_model::{Joint, Workspace};
+use phihat_model::{Body, Joint, Model, Workspace};
 use phihat_study::{InertiaSource, ReferenceRequest, Study};
 use thiserror::Error;
 use toml::{Table, Value};
@@ -70,8 +71,12 @@ pub fn first_study(
     let (waypoints, duration) = motion(study, center, told).map_err(refuse)?;
     let mut table: Table = study.table().map_err(|e| SessionError::at(path, e))?;
     let told_stop = 2.0 * told.amplitude;
-    for section in ["design", "gains", "spec", "reference", "feedforward"] {
+    for section in ["gains", "spec", "reference", "feedforward"] {
         table.remove(section);
+    }
+    // Of a design only what it may carry.
+    if let Some(design) = table.get_mut("design").and_then(Value::as_table_mut) {
+        design.retain(|key, _| key.starts_with("payload_"));
     }
     // The supervisor arms the law, with the torque that holds the arm until then.
     table.remove("start");
@@ -160,10 +165,32 @@ fn guessed(study: &Study, center: &[f64]) -> Vec<f64> {
 
 /// The inertia of each joint \[kg·m²\] by the description in a posture, rotors included, without payload.
 pub(super) fn described(study: &Study, q: &[f64]) -> Vec<f64> {
-    let model = study.robot.plant_model();
+    diagonal(&study.robot.plant_model(), q)
+}
+
+/// The least and the largest inertia of each joint \[kg·m²\] by the description in a posture, rotors included, over
+/// the payloads that the study's design bears.
+pub(super) fn described_with_payload(study: &Study, q: &[f64]) -> Vec<(f64, f64)> {
+    let payload = &study.design.payload;
+    let bare = study.robot.plant_model();
+    let with = |body: &Body| {
+        // A payload that cannot be attached is refused elsewhere.
+        let model = bare.clone().with_payload_on(&payload.frame, body);
+        diagonal(&model.unwrap_or_else(|_| bare.clone()), q)
+    };
+    let least = with(&payload.lightest());
+    payload.heaviest().iter().map(with).fold(
+        least.iter().map(|inertia| (*inertia, *inertia)).collect(),
+        |ends: Vec<(f64, f64)>, next| {
+            ends.into_iter().zip(next).map(|((low, high), own)| (low, larger(high, own))).collect()
+        },
+    )
+}
+
+fn diagonal(model: &Model, q: &[f64]) -> Vec<f64> {
     let n = q.len();
     let mut mass = vec![0.0; n * n];
-    model.mass_matrix(&mut Workspace::new(&model), q, &mut mass);
+    model.mass_matrix(&mut Workspace::new(model), q, &mut mass);
     (0..n).map(|i| mass[i * n + i]).collect()
 }
 
