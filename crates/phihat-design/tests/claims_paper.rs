@@ -138,8 +138,8 @@ fn newton_finds_minimum_gains_of_every_order() {
     ));
 }
 
-/// Rows of (44) at m = 2 by elimination, in other code: for a given K_p, row 1 gives b_0 K̃/(K̃ − 2b_0), row 4 then b_0,
-/// row 3 K_d (the larger root; the other is negative); what is left of row 2 changes its sign at a root.
+/// Rows of (44) at m = 2 by elimination, in other code: for a given K_p, row 1 gives b_0 K̃/(K̃ − 2b_0), row 4 b_0,
+/// row 3 K_d, the larger root (the other is negative); the rest of row 2 changes its sign at a root.
 fn roots_by_elimination(phi: f64, x: [f64; 4], with_term: bool) -> Vec<[f64; 4]> {
     let row_2 = |kp: f64| -> [f64; 4] {
         let beta = x[3] / (kp * x[0]);

@@ -244,7 +244,7 @@ fn is_finite_root(y: &DVector<f64>, limits: &ErrorLimits, feedback: Feedback) ->
     jacobian(y, limits, feedback).singular_values().min() > LEAST_SLOPE
 }
 
-/// Point `k` of an evenly spread sequence in `[−6, 6]^count` (Kronecker's, of the roots of 2, 3, 5, …); 0 is the middle.
+/// Point `k` of an evenly spread sequence in `[−6, 6]^count` (Kronecker's, by roots of primes); 0 is the middle.
 fn spread(k: usize, count: usize) -> DVector<f64> {
     let primes = [2.0_f64, 3.0, 5.0, 7.0, 11.0, 13.0];
     let along = |prime: f64| 12.0 * ((0.5 + k as f64 * prime.sqrt()).fract() - 0.5);
