@@ -280,13 +280,11 @@ impl<'a> BeginStudy<'a> {
             return Ok(first);
         }
         self.study.control.form_designed = true;
-        match self.asked(error, out) {
-            Ok(ErrorOutcome::Kept(simulated)) => Ok(ErrorOutcome::Kept(simulated)),
-            _ => {
-                self.study.control.form_designed = false;
-                Ok(first)
-            }
+        if let Ok(ErrorOutcome::Kept(simulated)) = self.asked(error, out) {
+            return Ok(ErrorOutcome::Kept(simulated));
         }
+        self.study.control.form_designed = false;
+        Ok(first)
     }
 
     /// The smallest error that is kept where the design chooses the form of law, each 0.6 times the one before,
