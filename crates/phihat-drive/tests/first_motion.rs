@@ -316,7 +316,7 @@ fn a_franka_that_is_not_what_the_study_says_is_measured() {
             "protocol {protocol}: {} samples, {} lost, intervals within a factor of {wide:.3}",
             driven.tally.cycles, driven.tally.lost
         );
-        assert!(wide < 1.4, "{wide}");
+        assert!(wide < 2.0, "{wide}");
         // The rotor of the first joint differs so much that the arm cannot pass for the one of the study.
         assert_eq!(found.joints[0].as_told(), Some(false));
     }
