@@ -15,12 +15,14 @@ const CRATES: [CrateRow; 24] = [
     (
         "phihat",
         &[],
-        "the real-time core: `no_std`, no heap, no panic, no `unsafe`. It cannot see a model, so \"model-free\" is proved by the dependency graph",
+        "the real-time core: `no_std`, no heap, no panic, no `unsafe`. It cannot see a model, so \"model-free\" is \
+            proved by the dependency graph",
     ),
     (
         "phihat-model",
         &[],
-        "robot description (URDF, xacro, MJCF, plus what they lack; what an arm looks like), the arms in `robots/`, and rigid-body dynamics; useful alone",
+        "robot description (URDF, xacro, MJCF, plus what they lack; what an arm looks like), the arms in `robots/`, \
+            and rigid-body dynamics; useful alone",
     ),
     (
         "phihat-study",
@@ -30,22 +32,28 @@ const CRATES: [CrateRow; 24] = [
     (
         "phihat-kernel",
         &[],
-        "the trusted base: stability and margins of sampled linear loops, proved in exact arithmetic; to be read in an evening. It knows no law, no document and no arm",
+        "the trusted base: stability and margins of sampled linear loops, proved in exact arithmetic; to be read in an \
+            evening. It knows no law, no document and no arm",
     ),
     (
         "phihat-certificate",
         &["phihat", "phihat-kernel", "phihat-model", "phihat-study"],
-        "the documents: gains and every claim about them, as data, and `verify`. It sees neither the finders nor a package of linear algebra: whoever checks does not know how a claim was found",
+        "the documents: gains and every claim about them, as data, and `verify`. It sees neither the finders nor a \
+            package of linear algebra: whoever checks does not know how a claim was found",
     ),
     (
         "phihat-design",
         &["phihat", "phihat-certificate", "phihat-model", "phihat-study"],
-        "specification to gains and certificate: `claims/` finds those about the continuous law, `sampled/` those about the loop as it runs, `elastic/` joints that bend, `tube/` the envelope of a motion, `class/` the bound for every motion of a class, `limit/` what no linear law undercuts; `export/` the gains for ROS 2, C, tables",
+        "specification to gains and certificate: `claims/` finds those about the continuous law, `sampled/` those \
+            about the loop as it runs, `elastic/` joints that bend, `tube/` the envelope of a motion, `class/` the \
+            bound for every motion of a class, `limit/` what no linear law undercuts; `export/` the gains for ROS 2, \
+            C, tables",
     ),
     (
         "phihat-sim",
         &["phihat", "phihat-model", "phihat-study"],
-        "plant, drives, sensors, references, the closed loop, the trace. It does not see `-design`: whoever judges did not tune",
+        "plant, drives, sensors, references, the closed loop, the trace. It does not see `-design`: whoever judges did \
+            not tune",
     ),
     (
         "phihat-rivals",
@@ -55,12 +63,14 @@ const CRATES: [CrateRow; 24] = [
     (
         "phihat-fci",
         &[],
-        "the Franka Control Interface for torque control: codec, client, and the robot's side as a state machine with sockets around it. It knows no arm and no study",
+        "the Franka Control Interface for torque control: codec, client, and the robot's side as a state machine with \
+            sockets around it. It knows no arm and no study",
     ),
     (
         "phihat-report",
         &["phihat-design", "phihat-sim"],
-        "figures as data and the one drawer of them (`kit`), and the page of a run: a pure function of recorded data, which runs nothing and does no I/O. It cannot see the paper or a rival",
+        "figures as data and the one drawer of them (`kit`), and the page of a run: a pure function of recorded data, \
+            which runs nothing and does no I/O. It cannot see the paper or a rival",
     ),
     (
         "phihat-synthesis",
@@ -72,7 +82,8 @@ const CRATES: [CrateRow; 24] = [
             "phihat-sim",
             "phihat-study",
         ],
-        "from a study to gains: `synthesize.rs` is the algorithm (specification, candidates, tube, shares, certificate). Only here a candidate of an arm meets the motion whose tube bounds its error",
+        "from a study to gains: `synthesize.rs` is the algorithm (specification, candidates, tube, shares, \
+            certificate). Only here a candidate of an arm meets the motion whose tube bounds its error",
     ),
     (
         "phihat-session",
@@ -87,7 +98,8 @@ const CRATES: [CrateRow; 24] = [
             "phihat-study",
             "phihat-synthesis",
         ],
-        "a study taken through gains, closed loop and record, and a record read back and checked; `disk`, the one way to the disk. Every shell is made of it",
+        "a study taken through gains, closed loop and record, and a record read back and checked; `disk`, the one way \
+            to the disk. Every shell is made of it",
     ),
     (
         "phihat-drive",
@@ -100,7 +112,8 @@ const CRATES: [CrateRow; 24] = [
             "phihat-sim",
             "phihat-study",
         ],
-        "one loop for every robot behind a link, which it knows by its facts alone; the links, the simulated arm and a Franka; the checks before it, and how well a machine keeps time",
+        "one loop for every robot behind a link, which it knows by its facts alone; the links, the simulated arm and a \
+            Franka; the checks before it, and how well a machine keeps time",
     ),
     (
         "phihat-campaign",
@@ -113,7 +126,8 @@ const CRATES: [CrateRow; 24] = [
             "phihat-sim",
             "phihat-study",
         ],
-        "many runs with one answer: runner and resumable journal; the fault matrix, the sweep, their pages; rollouts, which leave arrays; `statistics/`, the one place for them",
+        "many runs with one answer: runner and resumable journal; the fault matrix, the sweep, their pages; rollouts, \
+            which leave arrays; `statistics/`, the one place for them",
     ),
     (
         "phihat-compare",
@@ -129,7 +143,8 @@ const CRATES: [CrateRow; 24] = [
             "phihat-study",
             "phihat-synthesis",
         ],
-        "the rivals tuned alike, run in the same worlds and judged, and the page of it; `fronts/` the comparison at equal noise, `protocol/` its parts",
+        "the rivals tuned alike, run in the same worlds and judged, and the page of it; `fronts/` the comparison at \
+            equal noise, `protocol/` its parts",
     ),
     (
         "phihat-studio",
@@ -145,7 +160,8 @@ const CRATES: [CrateRow; 24] = [
             "phihat-study",
             "phihat-synthesis",
         ],
-        "a run that goes on while faults come, another law beside it, or a record that is played; and the pages of this machine that look on and give orders; the only crate with a web server",
+        "a run that goes on while faults come, another law beside it, or a record that is played; and the pages of \
+            this machine that look on and give orders; the only crate with a web server",
     ),
     (
         "phihat-paper",
@@ -231,7 +247,8 @@ const CRATES: [CrateRow; 24] = [
             "phihat-sim",
             "phihat-study",
         ],
-        "bytes that nobody would write, against every reader and the core: in the tests a few, `cargo xtask fuzz` for longer. Only the tests of `phihat-c` use it",
+        "bytes that nobody would write, against every reader and the core: in the tests a few, `cargo xtask fuzz` for \
+            longer. Only the tests of `phihat-c` use it",
     ),
     (
         "phihat-examples",

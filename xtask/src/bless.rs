@@ -8,7 +8,7 @@ use crate::shell::{cargo, read, write};
 use crate::{book, programs};
 
 /// The README's main job.
-const MAIN_JOB: [&str; 3] = ["run", "studies/panda.toml", "--verify"];
+const MAIN_JOB: [&str; 3] = ["run", "studies/panda_any.toml", "--verify"];
 
 const OPEN: &str = "<!-- output of the main job, by cargo xtask bless -->\n```text\n";
 const CLOSE: &str = "```\n";
@@ -59,8 +59,9 @@ pub(crate) fn comparison(root: &Path) -> Result<(), String> {
 }
 
 /// The laws of the fronts that are kept: those that were best in the comparison, and ours.
-const FRONTS: &str = "effort-pid,industrial-pid,super-twisting,disturbance-observer,adrc,time-delay,indi,computed-torque-integral,\
-    momentum-observer,proposed-1,proposed-positions-1,proposed-positions-2,proposed-positions-designed";
+const FRONTS: &str = "effort-pid,industrial-pid,super-twisting,disturbance-observer,adrc,time-delay,indi,\
+    computed-torque-integral,momentum-observer,proposed-1,proposed-positions-1,\
+    proposed-positions-2,proposed-positions-designed";
 
 /// A part of the fronts on the planar arm and on the Panda, what was chosen on one tried on the other, and
 /// the pages kept. What was interrupted goes on where it was.

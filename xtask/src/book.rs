@@ -38,7 +38,7 @@ const FIGURES: [(&str, &str, &str); 6] = [
     ("tutorial", "panda_design", "trade-off"),
     ("tutorial", "panda_design", "arm"),
     ("how-to/franka", "panda", "error"),
-    ("how-to/franka", "panda", "arm"),
+    ("how-to/franka", "panda_any", "arm"),
 ];
 
 /// Pages whose commands take more than a quarter of a minute: the gate leaves them to `--all`.

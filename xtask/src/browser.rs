@@ -24,7 +24,7 @@ pub(crate) fn short(root: &Path) -> Result<(), String> {
     let folder = tools(root)?;
     let look =
         |words: &[&str]| command(&folder, "node", &[&["check.mjs", "--short"], words].concat());
-    look(&[&root.join("out/panda/report.html").display().to_string()])?;
+    look(&[&root.join("out/panda_any/report.html").display().to_string()])?;
     let [made_up, hostile] =
         ["reproduction-page", "hostile"].map(|name| root.join("target").join(name));
     example(root, "phihat-paper/made_up", &[&made_up.display().to_string()])?;
@@ -119,7 +119,7 @@ pub(crate) fn every(root: &Path) -> Result<(), String> {
 fn studio(root: &Path, folder: &Path) -> Result<(), String> {
     let program = programs::program(root, "phihat-cli/phihat")?.display().to_string();
     let at = |path: &str| root.join(path).display().to_string();
-    let (study, gains) = (at("studies/panda.toml"), at("out/panda/gains.json"));
+    let (study, gains) = (at("studies/panda_any.toml"), at("out/panda_any/gains.json"));
     command(folder, "node", &["studio.mjs", &program, &study, &gains])?;
     command(folder, "node", &["studio.mjs", &program, &at("studies/first.toml")])?;
     command(folder, "node", &["studio.mjs", &program, "--replay", &at("out/panda")])?;

@@ -59,8 +59,8 @@ impl Labels {
     fn wrong(&self) -> Vec<String> {
         let twice = self.defined.iter().filter(|(_, places)| places.len() > 1).map(|(label, at)| {
             format!(
-                "({label}) is defined at {}; one label has one meaning (write `as ({label})` where the same equation is \
-                 repeated)",
+                "({label}) is defined at {}; one label has one meaning (write `as ({label})` where the same equation \
+                 is repeated)",
                 at.join(" and ")
             )
         });

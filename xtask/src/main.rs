@@ -44,49 +44,63 @@ use std::process::ExitCode;
 const USAGE: &str = "usage:
   cargo xtask check            within a minute after an edit: format, house rules, and of the crates that differ from
                                HEAD the lints, the unit tests and the tests that were edited; ends with what it left out
-  cargo xtask test [STEP …]    the gate: everything that an edit can break, in a quarter of an hour; or the steps whose name contains STEP
-  cargo xtask test --all       the gate, then the long campaigns (hours); with --keep, the processor times become those that later runs
+  cargo xtask test [STEP …]    the gate: everything that an edit can break, in a quarter of an hour; or the steps \
+  whose name contains STEP
+  cargo xtask test --all       the gate, then the long campaigns (hours); with --keep, the processor times become \
+  those that later runs
                                are compared with (xtask/times.json)
   cargo xtask attack [N] [--seed S] [--jobs J] [--json FILE] [--alone]
                                N random studies that try to break what is certified about them (resumes);
                                one in twenty also in Pinocchio and MuJoCo, unless --alone
   cargo xtask fuzz [MINUTES]   documents and samples that nobody would write, against every reader and the core
   cargo xtask mutants [--shard K/N] [FILE …]
-                               changes the core in one place at a time and counts what no test notices (hours; K from 0);
+                               changes the core in one place at a time and counts what no test notices (hours; K from \
+                               0);
                                files of phihat-kernel or phihat-certificate: its mutants
   cargo xtask twice [PACKAGE]  builds what is committed in two folders and compares the bytes
-  cargo xtask dist             makes what a release consists of in target/dist: the command for the baseline processor, a wheel, source
+  cargo xtask dist             makes what a release consists of in target/dist: the command for the baseline \
+  processor, a wheel, source
                                packages, their hashes (minutes)
   cargo xtask theory           one PDF of docs/theory, target/theory/theory.pdf
   cargo xtask packages         packs every library crate and builds each from its package alone (minutes)
   cargo xtask arrows           writes which crate may use which into ARCHITECTURE.md
   cargo xtask bench [--quick] [--keep]
-                               dynamics, core and closed loop, side by side with Pinocchio and MuJoCo; --keep puts a line into
+                               dynamics, core and closed loop, side by side with Pinocchio and MuJoCo; --keep puts a \
+                               line into
                                docs/speed.md
   cargo xtask verbs [--beside PROGRAM] [--rounds N]
-                               what the verbs that people wait for take, and another program's beside them, in turns (a minute)
+                               what the verbs that people wait for take, and another program's beside them, in turns \
+                               (a minute)
   cargo xtask soak [SAMPLES]   a billion samples, every pattern of 32 bits (minutes)
-  cargo xtask exact [LAWS]     linear claims of so many random laws (1,000: minutes): where the kernel says that each ends, decided
+  cargo xtask exact [LAWS]     linear claims of so many random laws (1,000: minutes): where the kernel says that each \
+  ends, decided
                                again in FLINT's exact and ball arithmetic, on both sides
-  cargo xtask stops [N]        N stops of random coupled arms and N of the repository's arms, under pushes, drops, lost samples, lies and reversed drives (10,000: six minutes)
+  cargo xtask stops [N]        N stops of random coupled arms and N of the repository's arms, under pushes, drops, \
+  lost samples, lies and reversed drives (10,000: six minutes)
   cargo xtask rivals           counts the instructions of every rival's update, for `phihat compare`
   cargo xtask table1           the full comparison of rivals, kept in docs/comparison (half an hour; resumes)
   cargo xtask fronts           a part of the comparison at equal noise, kept in docs/fronts (three hours; resumes)
   cargo xtask laws [arms|worlds] [ARM …] [--json FILE] [--fresh]
                                laws from positions against laws fed with velocity: least certified errors, and worlds
                                that differ; all of it is kept in docs/laws.md (half an hour; resumes)
-  cargo xtask zoo [--only NAME] [--no-run] [--jobs N] [--timeout S] [--within S] [--any-build] [--folder FOLDER] [--fresh] [--debug]
-                               other people's descriptions of arms: which load, whether Pinocchio finds the same torque, what
+  cargo xtask zoo [--only NAME] [--no-run] [--jobs N] [--timeout S] [--within S] [--any-build] [--folder FOLDER] \
+  [--fresh] [--debug]
+                               other people's descriptions of arms: which load, whether Pinocchio finds the same \
+                               torque, what
                                `phihat new` and `phihat run` make of them; kept in docs/zoo.md (hours; resumes)
   cargo xtask screenshots [OUT [PAGE …]]
-                               pictures of every page, of further ones and of the studio, to be looked at: 1300 and 390 px wide, light,
+                               pictures of every page, of further ones and of the studio, to be looked at: 1300 and \
+                               390 px wide, light,
                                dark and as they print (minutes)
-  cargo xtask franka           `phihat drive` on a Franka that somebody else simulates, by the clock: a motion, a pause that is borne, one
+  cargo xtask franka           `phihat drive` on a Franka that somebody else simulates, by the clock: a motion, a \
+  pause that is borne, one
                                that is not, a jump (minutes)
   cargo xtask drive-cost       counts the instructions of a cycle of the control thread of `phihat drive`
-  cargo xtask ros2             `phihat drive --ros2` beside another DDS: every kind of message both ways, counts compared (half a minute
+  cargo xtask ros2             `phihat drive --ros2` beside another DDS: every kind of message both ways, counts \
+  compared (half a minute
                                beyond the build, which compiles DDS)
-  cargo xtask ray              `phihat.sweep` on a cluster of Ray on this machine, a worker and a node killed half-way: the same bytes; and
+  cargo xtask ray              `phihat.sweep` on a cluster of Ray on this machine, a worker and a node killed \
+  half-way: the same bytes; and
                                the times that tools/schedule.py reckons with (minutes)
   cargo xtask bless [book]     the README's output, the book's page of commands and figures, and docs/reproduction,
                                as they are now; book: those of the book only";

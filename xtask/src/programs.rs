@@ -94,7 +94,8 @@ mod tests {
     fn programs_and_libraries_for_other_languages_are_noted() {
         let line = |kind: &str, executable: &str, file: &str| {
             format!(
-                r#"{{"reason":"compiler-artifact","manifest_path":"/w/crates/one/Cargo.toml","target":{{"name":"t","kind":["{kind}"]}},
+                r#"{{"reason":"compiler-artifact","manifest_path":"/w/crates/one/Cargo.toml",
+                "target":{{"name":"t","kind":["{kind}"]}},
                 "executable":{executable},"filenames":["{file}"]}}"#
             )
         };

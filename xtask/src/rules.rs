@@ -43,8 +43,8 @@ const QUESTIONS: [&str; 3] = ["What ", "Whether ", "How "];
 /// Sources whose doc comments are the help of a program.
 const HELP: &str = "crates/phihat-cli/src/";
 
-/// Most characters of a line of comment.
-const COMMENT_MAX: usize = 120;
+/// Most characters of a line.
+const LINE_MAX: usize = 120;
 
 /// Text of a line of doc comment.
 fn doc(line: &str) -> Option<&str> {
@@ -52,8 +52,8 @@ fn doc(line: &str) -> Option<&str> {
     line.strip_prefix("///").or(line.strip_prefix("//!")).map(str::trim_start)
 }
 
-/// Comments that break the two rules above. Rows of tables and addresses may be longer.
-fn comments(name: &str, text: &str) -> Vec<String> {
+/// Lines that break the two rules above. Rows of tables and addresses may be longer.
+fn lines(name: &str, text: &str) -> Vec<String> {
     let (mut wrong, mut before) = (Vec::new(), None::<&str>);
     for (number, line) in text.lines().enumerate() {
         let at = format!("{name}:{}", number + 1);
@@ -64,11 +64,10 @@ fn comments(name: &str, text: &str) -> Vec<String> {
         {
             wrong.push(format!("{at}: a doc comment begins with a noun or a verb"));
         }
-        let is_comment = line.trim_start().starts_with("//");
         let unbreakable =
             line.contains("http") || line.trim_start_matches([' ', '/', '!']).starts_with('|');
-        if is_comment && !unbreakable && line.chars().count() > COMMENT_MAX {
-            wrong.push(format!("{at}: a line of comment has at most {COMMENT_MAX} characters"));
+        if !unbreakable && line.chars().count() > LINE_MAX {
+            wrong.push(format!("{at}: a line has at most {LINE_MAX} characters"));
         }
         before = now;
     }
@@ -186,7 +185,7 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
             }
         }
         wrong.extend(past_the_disk(&name, &text));
-        wrong.extend(comments(&name, &text));
+        wrong.extend(lines(&name, &text));
         let c_binding = name.starts_with("crates/phihat-c/");
         let is_root = name.ends_with("src/lib.rs") || name.ends_with("src/main.rs");
         if is_root && !c_binding && !text.contains("#![forbid(unsafe_code)]") {
@@ -310,16 +309,16 @@ pub(crate) fn packages(root: &Path, built: bool) -> Result<(), String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{comments, names_filter, tests_left_out};
+    use super::{lines, names_filter, tests_left_out};
     use std::fs;
 
     #[test]
     fn comments_begin_with_a_noun_or_a_verb_and_fit_their_line() {
-        let wrong = |text: &str| comments("crates/one/src/lib.rs", text).len();
+        let wrong = |text: &str| lines("crates/one/src/lib.rs", text).len();
         assert_eq!(wrong("/// Number of joints.\n/// What is more: none.\nfn a() {}\n"), 0);
         assert_eq!(wrong("//! What a joint has.\n\n/// Whether it moves.\nfn a() {}\n"), 2);
         assert_eq!(wrong(&format!("// {}\n// |{0}|\n", "x".repeat(118))), 1);
-        assert_eq!(comments("crates/phihat-cli/src/run.rs", "/// What is run.\n").len(), 0);
+        assert_eq!(lines("crates/phihat-cli/src/run.rs", "/// What is run.\n").len(), 0);
     }
 
     #[test]

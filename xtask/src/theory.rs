@@ -63,7 +63,8 @@ mod tests {
 
     #[test]
     fn the_chapters_of_the_theory_are_taken_in_their_order() {
-        let whole = "# Summary\n\n- [A](how-to/a.md)\n- [B](docs/theory/b.md)\n- [C](docs/theory/c.md)\n- [D](docs/d.md)\n";
+        let whole = "# Summary\n\n- [A](how-to/a.md)\n- [B](docs/theory/b.md)\n- [C](docs/theory/c.md)\n- \
+            [D](docs/d.md)\n";
         let part = "# Summary\n\n- [B](docs/theory/b.md)\n- [C](docs/theory/c.md)\n- [Notation](NOTATION.md)\n";
         assert_eq!(summary(whole), part);
     }

@@ -39,7 +39,8 @@ impl ZooOptions {
                 }
                 _ => {
                     return Err(format!(
-                        "zoo: {word}: [--folder FOLDER] [--only NAME] [--no-run] [--jobs N] [--timeout S] [--within S] [--any-build] [--fresh] [--debug] are known"
+                        "zoo: {word}: [--folder FOLDER] [--only NAME] [--no-run] [--jobs N] [--timeout S] [--within S] \
+                            [--any-build] [--fresh] [--debug] are known"
                     ));
                 }
             }

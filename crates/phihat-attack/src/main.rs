@@ -178,7 +178,8 @@ fn attack(arguments: &AttackArguments) -> Result<bool, Box<dyn Error>> {
     let places: Vec<u64> = (arguments.from..arguments.from + arguments.count).collect();
     let id = |index: &u64| {
         format!(
-            "{index} of {seed}, {runs} runs, {positions} by positions, {searched} searched, every {keep_every} asked {}, every {derive_every} derived, every {whole_every} whole, program {program:016x}",
+            "{index} of {seed}, {runs} runs, {positions} by positions, {searched} searched, every {keep_every} asked \
+                {}, every {derive_every} derived, every {whole_every} whole, program {program:016x}",
             python.is_some()
         )
     };

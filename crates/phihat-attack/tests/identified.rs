@@ -110,7 +110,8 @@ fn world(dice: &mut Dice, robot: &Robot, weight: &[f64]) -> String {
         let (ratio, slow) = (dice.between(1.0, 1.8), dice.log_between(0.01, 0.3));
         let _ = write!(
             text,
-            "[world.stiction]\nbreakaway_ratio = {ratio:?}\nstribeck_velocity_rad_s = {slow:?}\nstiffness_nm_rad = 2000.0\n"
+            "[world.stiction]\nbreakaway_ratio = {ratio:?}\nstribeck_velocity_rad_s = {slow:?}\nstiffness_nm_rad = \
+                2000.0\n"
         );
     }
     text

@@ -109,8 +109,9 @@ fn no_other_search_finds_an_end_further_out() {
 fn no_steps_from_where_an_end_was_found_lead_further_out() {
     for robot in ["panda", "iiwa14", "ur5"] {
         let text = format!(
-            "duration_s = 2.0\n[robot]\nname = \"{robot}\"\n[spec]\nerror_bound_rad = 1e-3\n[design]\npayload_kg = [0.0, 1.0]\n\
-             payload_com_m = [[0.0, 0.0], [0.0, 0.0], [0.0, 0.05]]\n[reference]\nkind = \"hold\"\npose = \"ready\"\n"
+            "duration_s = 2.0\n[robot]\nname = \"{robot}\"\n[spec]\nerror_bound_rad = 1e-3\n[design]\npayload_kg = \
+             [0.0, 1.0]\npayload_com_m = [[0.0, 0.0], [0.0, 0.0], [0.0, 0.05]]\n[reference]\nkind = \"hold\"\npose = \
+             \"ready\"\n"
         );
         let study = Study::from_text(&text, "range.toml", Path::new(""));
         let arm = Ranged::of(study.unwrap_or_else(|e| panic!("{}", e.render())));

@@ -21,7 +21,8 @@ pub fn faults_page(summary: &Summary, command: &str) -> String {
         }
         (heat_map(summary))
         h2 id="runs" { "Every run" }
-        p { "Each line's command, " code { (line(command)) " --only RUN --trace" } ", repeats that very run and keeps its study, trace and report. "
+        p { "Each line's command, " code { (line(command)) " --only RUN --trace" } ", repeats that very run and keeps \
+            its study, trace and report. "
             "What missed a bar is open." }
         @for fault in &summary.faults { (runs(summary, fault, command)) }
         (not_claimed())
@@ -85,7 +86,8 @@ fn heat_map(summary: &Summary) -> Markup {
                 thead { tr {
                     th scope="col" { "fault" }
                     @for (arm, order) in &columns { @for severity in 1..=severities {
-                        th.first[severity == 1] scope="col" { (line(arm)) ", m = " (order) br; (severe(severity, severities)) }
+                        th.first[severity == 1] scope="col" { (line(arm)) ", m \
+                            = " (order) br; (severe(severity, severities)) }
                     } }
                 } }
                 tbody { @for fault in &summary.faults { tr {
@@ -145,9 +147,11 @@ fn cell(summary: &Summary, fault: &FaultRecord, severity: usize, at: (&str, usiz
     };
     let stopped = runs.iter().filter_map(|run| run.cell()).filter(|c| c.stopped.is_some()).count();
     let (first_of_arm, level) = ((severity == 1).then_some("first"), level(fault, severity));
-    html! { td class={ (shade.class()) @if let Some(first) = first_of_arm { " " (first) } } { a href=(format!("#{}", anchor(&first.name))) {
+    html! { td class={ (shade.class()) @if let Some(first) = first_of_arm { " " (first) } } { a href=(format!("#{}",
+        anchor(&first.name))) {
         (mark) (number(MILLI * worst))
-        span.note { (level) " · " @if stopped == 0 { "goes on" } @else if runs.len() == 1 { "stops" } @else { (stopped) " of " (runs.len()) " stop" } }
+        span.note { (level) " · " @if stopped == 0 { "goes \
+            on" } @else if runs.len() == 1 { "stops" } @else { (stopped) " of " (runs.len()) " stop" } }
     } } }
 }
 

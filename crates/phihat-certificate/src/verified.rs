@@ -364,8 +364,8 @@ fn elastic_joints(elastic: &ElasticJoints) -> VerifiedStatement {
     VerifiedStatement {
         joint: None,
         what: format!(
-            "coupled arm with elastic joints, read at the {side}, stable at every frozen posture (A-EL3: samples fold no \
-             motion of the springs back)"
+            "coupled arm with elastic joints, read at the {side}, stable at every frozen posture (A-EL3: samples fold \
+             no motion of the springs back)"
         ),
         value: format!(
             "{:.5} … {:.5} times the links' S, {}",

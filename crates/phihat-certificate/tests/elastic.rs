@@ -341,7 +341,8 @@ fn a_claim_that_is_stretched_is_refuted() {
 
 fn stated(low: f64, high: f64, damping: f64) -> String {
     format!(
-        "[robot.transmission]\nstiffness_min_nm_rad = {low}\nstiffness_max_nm_rad = {high}\ndamping_min_nm_s_rad = {damping}"
+        "[robot.transmission]\nstiffness_min_nm_rad = {low}\nstiffness_max_nm_rad = {high}\ndamping_min_nm_s_rad = \
+            {damping}"
     )
 }
 

@@ -87,7 +87,8 @@ fn runs_of_an_uncertain_planar_arm_stay_inside() {
 #[test]
 fn runs_of_a_skew_arm_with_a_second_order_estimator_stay_inside() {
     let text = format!(
-        "duration_s = 1.5\n[spec]\nsettle_s = 0.7\n{SKEW}[world]\nsubsteps = 4\nfriction = \"none\"\ncoulomb_extra_nm = [0.1, 0.05]\n{}",
+        "duration_s = 1.5\n[spec]\nsettle_s = 0.7\n{SKEW}[world]\nsubsteps = 4\nfriction = \"none\"\ncoulomb_extra_nm \
+            = [0.1, 0.05]\n{}",
         sines(2)
     );
     let mut case = Case::new(&text);
@@ -129,7 +130,8 @@ fn runs_with_measured_velocity_and_slow_drives_stay_inside() {
     let text = "duration_s = 1.5\n[spec]\nsettle_s = 0.7\n[robot]\nname = \"planar3r\"\n[gains]\nkp_per_s2 = 900.0\n\
                 kd_per_s = 60.0\na = [30.0]\ninertia_kg_m2 = [0.545, 0.243, 0.177]\n[loop]\nrate_hz = 1000.0\n\
                 delay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"measured\"\nposition_bias_rad = 1e-5\n\
-                [world]\nfriction = \"none\"\nsubsteps = 6\ncoulomb_extra_nm = 0.2\ndrive_bandwidth_hz = [80.0, 120.0, 200.0]\n";
+                [world]\nfriction = \"none\"\nsubsteps = 6\ncoulomb_extra_nm = 0.2\ndrive_bandwidth_hz = [80.0, 120.0, \
+                200.0]\n";
     for torque in ["applied", "demanded"] {
         let text = text.replace(
             "velocity = \"measured\"",

@@ -270,9 +270,9 @@ fn a_reference_is_sampled_through_the_run_and_once_more() {
 }
 
 /// A law from positions for each joint.
-const POSITIONS: &str = "[robot]\nname = \"planar3r\"\nlocked = { joint3 = 0.5 }\n[gains]\norder = 1\nbandwidth_rad_s = 40.0\n\
-                         estimator_bandwidth_rad_s = 160.0\ntorque_bandwidth_hz = 120.0\ninertia_kg_m2 = [0.5, 0.25]\n\
-                         [loop]\nrate_hz = 1000.0\ndelay_samples = 1\nform = \"positions\"\n";
+const POSITIONS: &str = "[robot]\nname = \"planar3r\"\nlocked = { joint3 = 0.5 }\n[gains]\norder = 1\nbandwidth_rad_s \
+                         = 40.0\nestimator_bandwidth_rad_s = 160.0\ntorque_bandwidth_hz = 120.0\ninertia_kg_m2 = [0.5, \
+                         0.25]\n[loop]\nrate_hz = 1000.0\ndelay_samples = 1\nform = \"positions\"\n";
 
 /// Largest distance of a run from a tube's middle, as a share of the tube's half width there: 1 is the edge.
 fn farthest(study: &phihat_study::Study, gains: &Gains, tube: &Tube) -> f64 {

@@ -15,7 +15,8 @@ use serde_json::json;
 /// line, key, value, and what would be valid. Gains that are left to the design are not designed.
 #[derive(Debug, Args)]
 #[command(after_help = "Exit code 2: there are errors.\n\nExample:\n  \
-                        phihat check studies/first.toml studies/panda.toml\n  phihat check --rewrite studies/first.toml")]
+                        phihat check studies/first.toml studies/panda.toml\n  phihat check --rewrite \
+                        studies/first.toml")]
 pub(crate) struct CheckVerb {
     /// The study files (TOML).
     #[arg(required = true)]

@@ -28,8 +28,8 @@ use crate::verify::NOT_PROVED;
 /// gains.json, which `phihat verify` checks again and `phihat simulate --gains` runs.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Exit codes: 1 no gains keep every clause; the clauses in the way are told · 3 gains are written, and\n\
-                        not every clause is proved of them (NOT PROVED).\n\n\
+    after_help = "Exit codes: 1 no gains keep every clause; the clauses in the way are told · 3 gains are written, \
+                        and\nnot every clause is proved of them (NOT PROVED).\n\n\
                         Example:\n  phihat design studies/panda_design.toml"
 )]
 pub(crate) struct Design {

@@ -34,7 +34,8 @@ pub(crate) struct FaultsVerb {
     #[arg(long, value_name = "M", value_delimiter = ',', default_value = "1,2")]
     orders: Vec<usize>,
     /// Seeds per fault and severity: onset, joint, sign and noise differ.
-    #[arg(long, default_value_t = 3, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    #[arg(long, default_value_t = 3, allow_negative_numbers = true,
+        value_parser = clap::value_parser!(u16).range(1..=10_000))]
     seeds: u16,
     /// One order, one seed.
     #[arg(long)]

@@ -74,12 +74,14 @@ impl FirstMotionArguments {
             ..IdentifyOptions::default()
         };
         let found = first_measured(&first.study, folder, &options)?;
-        if let Some(joints) = found.all() {
-            files::write(&folder.join(JOINTS), &sections(&joints, self.margin))?;
-        }
+        // A drive that ended early says nothing that the next step could build on.
+        let Some(joints) = found.all() else {
+            return Ok(MeasuredAndWritten { found, narrowed: None });
+        };
+        files::write(&folder.join(JOINTS), &sections(&joints, self.margin))?;
         let narrowed = narrowed_arm(&first.study, &found)?;
-        for (name, text) in narrowed.iter().flat_map(|arm| &arm.files) {
-            files::write(&folder.join(name), text)?;
+        if let Some(arm) = &narrowed {
+            files::write(&folder.join(&arm.name), &arm.text)?;
         }
         Ok(MeasuredAndWritten { found, narrowed })
     }
@@ -94,7 +96,7 @@ pub(crate) struct MeasuredAndWritten {
 impl MeasuredAndWritten {
     /// The written file of the arm.
     pub(crate) fn arm(&self, folder: &Path) -> Option<PathBuf> {
-        self.narrowed.as_ref()?.files.first().map(|(name, _)| folder.join(name))
+        self.narrowed.as_ref().map(|arm| folder.join(&arm.name))
     }
 }
 
@@ -156,9 +158,11 @@ fn narrower(arm: &NarrowedArm, path: &Path) -> Vec<String> {
         ));
     }
     lines.push(format!(
-        "written: {}, the arm with rotors and friction as measured ({:.3} times narrower, all rotors together)",
+        "written: {}, the arm with rotors and friction as measured (widest interval of a rotor: {:.3} kg·m², before \
+            {:.3})",
         path.display(),
-        arm.rotor_factor
+        arm.widest_kg_m2.1,
+        arm.widest_kg_m2.0
     ));
     lines.push(format!("next: phihat new {}", path.display()));
     lines

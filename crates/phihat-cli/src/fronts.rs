@@ -27,7 +27,8 @@ use crate::terminal::PageOptions;
     phihat fronts studies/table1.toml --quick --only pd,industrial-pid,proposed-1\n  \
     phihat fronts studies/table1_panda.toml --count\n  \
     phihat fronts studies/table1_panda.toml --shard 1/8\n  \
-    phihat fronts studies/table1_panda.toml --from out/table1_panda/fronts/shard-1-of-8 --from out/table1_panda/fronts/shard-2-of-8")]
+    phihat fronts studies/table1_panda.toml --from out/table1_panda/fronts/shard-1-of-8 --from \
+    out/table1_panda/fronts/shard-2-of-8")]
 pub(crate) struct FrontsVerb {
     /// The study (TOML): its arm, its loop, its sensors.
     study: PathBuf,

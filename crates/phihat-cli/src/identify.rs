@@ -104,7 +104,8 @@ impl Identify {
         if !joints.is_empty() {
             println!("{}", table::identified(&joints));
             println!(
-                "an estimate, not a proof: inertia that explains every sample of the records; φ for the middle of its interval, times {}",
+                "an estimate, not a proof: inertia that explains every sample of the records; φ for the middle of its \
+                    interval, times {}",
                 self.margin
             );
         }
@@ -127,8 +128,8 @@ fn undetermined_words(joint: &UndeterminedJoint) -> String {
 /// The `[[joint]]` sections of a study.
 pub(crate) fn sections(joints: &[IdentifiedJoint], margin: f64) -> String {
     let mut text = format!(
-        "# By `phihat identify`: inertia that explains every sample, φ times {margin}. Widen what your records do not visit: other\n\
-         # postures, other loads. Limits are those of the drive's data sheet: uncomment and fill in.\n"
+        "# By `phihat identify`: inertia that explains every sample, φ times {margin}. Widen what your records do not \
+         visit: other\n# postures, other loads. Limits are those of the drive's data sheet: uncomment and fill in.\n"
     );
     for joint in joints {
         // Infallible: a String takes everything.
@@ -158,9 +159,10 @@ fn dry_friction(joints: &[IdentifiedJoint], margin: f64) -> String {
     let list =
         |of: &dyn Fn(&DryFriction) -> String| dry.iter().map(of).collect::<Vec<_>>().join(", ");
     format!(
-        "\n# Dry friction where joints reverse, its interval {margin} times wider either way. In a study of this arm's description, whose laws\n\
-         # are from positions, the level goes in with the reference, and the tube is for all of the interval:\n\
-         # [feedforward]\n# coulomb_nm = [{}]\n# [design]\n# coulomb_min_nm = [{}]\n# coulomb_max_nm = [{}]\n",
+        "\n# Dry friction where joints reverse, its interval {margin} times wider either way. In a study of this arm's \
+         description, whose laws\n# are from positions, the level goes in with the reference, and the tube is for all \
+         of the interval:\n# [feedforward]\n# coulomb_nm = [{}]\n# [design]\n# coulomb_min_nm = [{}]\n# coulomb_max_nm \
+         = [{}]\n",
         list(&|dry| at_most(dry.level_nm)),
         list(&|dry| at_least(dry.low_nm / margin)),
         list(&|dry| at_most(dry.high_nm * margin)),

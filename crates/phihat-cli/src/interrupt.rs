@@ -32,9 +32,11 @@ pub(crate) struct StopRequest {
     pub(crate) parks: bool,
 }
 
-const STOPS: &str = "interrupted: the arm is being stopped, then the record is written; once more ends at once, and leaves what was driven";
-const PARKS: &str = "interrupted: the arm is being parked, or stopped if something is wrong, then the record is written; once more stops it on the way, or ends at once, \
-                     and leaves what was driven, where it is being stopped";
+const STOPS: &str = "interrupted: the arm is being stopped, then the record is written; once more ends at once, and \
+    leaves what was driven";
+const PARKS: &str = "interrupted: the arm is being parked, or stopped if something is wrong, then the record is \
+                     written; once more stops it on the way, or ends at once, and leaves what was driven, where it is \
+                     being stopped";
 
 static AT_WORK: Mutex<Option<CommandAtWork>> = Mutex::new(None);
 static ONCE: Once = Once::new();

@@ -67,9 +67,10 @@ use crate::terminal::{Color, Manner};
     version,
     after_help = "Exit codes: 0 done and within spec, also where a torque limit acted (the verdict then says \
                   so) · 1 done, but a bound was exceeded, the run diverged, it left a tube that its \
-                  certificate promised, or no gains keep what was asked for · 2 the input cannot be used · 3 gains that \
-                  are not proved (design, verify) · 101 phihat \
-                  itself failed, which is a bug. With --json a failure is a document too: error, exit_code.\n\nExample:\n  phihat run studies/first.toml"
+                  certificate promised, or no gains keep what was asked for · 2 the input cannot be used · 3 gains \
+                  that are not proved (design, verify) · 101 phihat \
+                  itself failed, which is a bug. With --json a failure is a document too: error, \
+                  exit_code.\n\nExample:\n  phihat run studies/first.toml"
 )]
 struct Arguments {
     #[command(subcommand)]

@@ -24,8 +24,9 @@ use crate::xacro::Xacro;
 /// ARM, on a terminal, the few things that matter are asked for.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Exit code 1: the files are written, and no gains keep any error; what would make them possible is told.\n\n\
-                        Examples:\n  phihat new planar3r --out my_first.toml --payload 0.2\n  phihat new fr3.urdf.xacro hand:=true"
+    after_help = "Exit code 1: the files are written, and no gains keep any error; what would make them possible is \
+                        told.\n\nExamples:\n  phihat new planar3r --out my_first.toml --payload 0.2\n  phihat new \
+                        fr3.urdf.xacro hand:=true"
 )]
 pub(crate) struct New {
     /// A URDF, MJCF or xacro file, the TOML of an arm, or a built-in arm's name.

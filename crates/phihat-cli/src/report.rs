@@ -58,7 +58,8 @@ impl ReportVerb {
         } else {
             if let Some(Recovered { samples, until_s }) = recovered {
                 println!(
-                    "recovered: {samples} samples, up to t = {until_s:.3} s; what was driven in the last {LOST_MAX_S:.0} s at most is lost"
+                    "recovered: {samples} samples, up to t = {until_s:.3} s; what was driven in the last \
+                        {LOST_MAX_S:.0} s at most is lost"
                 );
             }
             println!("report: {}", page.display());

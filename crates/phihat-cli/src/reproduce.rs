@@ -46,7 +46,8 @@ pub(crate) struct Reproduce {
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
     /// A study with [gains], whose arm, φ and gains take the place of the paper's.
-    #[arg(long, value_name = "FILE", allow_hyphen_values = true, conflicts_with_all = ["quick", "only", "against", "threads"])]
+    #[arg(long, value_name = "FILE", allow_hyphen_values = true, conflicts_with_all = ["quick", "only", "against",
+        "threads"])]
     study: Option<PathBuf>,
     /// With --study: an own φ, a CSV file with the columns t_s,phi_nm, in place of that of the study's run.
     #[arg(long, value_name = "FILE", allow_hyphen_values = true, requires = "study")]
@@ -149,8 +150,10 @@ fn document(
     let statements: Vec<_> = statements(reproduction)
             .map(|s| {
                 json!({
-                    "id": s.id, "origin": s.origin, "place": s.place, "claim": s.claim, "paper": s.paper, "ours": s.ours,
-                    "verdict": s.verdict, "reading": s.reading, "varied": s.varied, "turns": s.turns, "covers": s.covers,
+                    "id": s.id, "origin": s.origin, "place": s.place, "claim": s.claim, "paper": s.paper,
+                        "ours": s.ours,
+                    "verdict": s.verdict, "reading": s.reading, "varied": s.varied, "turns": s.turns,
+                        "covers": s.covers,
                     "why": s.why, "numbers": s.numbers,
                 })
             })
@@ -234,7 +237,8 @@ fn covered(reproduction: &Reproduction) -> String {
 }
 
 /// A reproduction keeps nothing on its way.
-const INTERRUPTED: &str = "nothing was written, and the reproduction begins anew when it is run again; --only TEXT does a part of it, --quick a coarser one";
+const INTERRUPTED: &str = "nothing was written, and the reproduction begins anew when it is run again; --only TEXT \
+    does a part of it, --quick a coarser one";
 
 /// Columns of the table.
 const WIDTH: u16 = 120;

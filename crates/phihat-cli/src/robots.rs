@@ -28,7 +28,8 @@ const SEED: u64 = 1;
 /// law's stability window has to hold.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  phihat robots\n  phihat robots panda\n  phihat robots fr3.urdf.xacro hand:=true --urdf fr3.urdf\n  phihat robots scene.xml --tip attachment_site"
+    after_help = "Examples:\n  phihat robots\n  phihat robots panda\n  phihat robots fr3.urdf.xacro hand:=true --urdf \
+        fr3.urdf\n  phihat robots scene.xml --tip attachment_site"
 )]
 pub(crate) struct Robots {
     /// A built-in arm, or a file: a URDF, MJCF, xacro, or the TOML that stands beside one.
@@ -120,30 +121,27 @@ impl Robots {
             let why = format!("{}: it is there already; --force replaces it", out.display());
             return Err(Failure::plain(why));
         }
-        if !is_xacro(Path::new(name)) {
-            let robot = self.read(name)?.0.map_err(Failure::plain)?;
-            files::write(out, &robot.as_urdf()).map_err(Failure::plain)?;
-            if self.json {
-                println!("{:#}", json!({ "file": out, "warnings": robot.warnings }));
-                return Ok(());
-            }
-            for warning in &robot.warnings {
-                println!("warning: {warning}");
-            }
-            println!("written: {}", out.display());
-            return Ok(());
-        }
-        let expanded = expand(Path::new(name), &self.xacro.options()?).map_err(Failure::plain)?;
-        files::write(out, &expanded.urdf).map_err(Failure::plain)?;
-        if self.json {
+        let (urdf, mut document, lines) = if is_xacro(Path::new(name)) {
+            let expanded =
+                expand(Path::new(name), &self.xacro.options()?).map_err(Failure::plain)?;
             let files: Vec<String> =
                 expanded.files.iter().map(|file| file.display().to_string()).collect();
-            let document = json!({ "file": out, "arguments": expanded.arguments, "files": files });
+            let argument = |(name, value)| format!("argument: {name}:={value}");
+            let lines: Vec<String> = expanded.arguments.iter().map(argument).collect();
+            (expanded.urdf, json!({ "arguments": expanded.arguments, "files": files }), lines)
+        } else {
+            let robot = self.read(name)?.0.map_err(Failure::plain)?;
+            let lines = robot.warnings.iter().map(|warning| format!("warning: {warning}"));
+            (robot.as_urdf(), json!({ "warnings": robot.warnings }), lines.collect())
+        };
+        files::write(out, &urdf).map_err(Failure::plain)?;
+        if self.json {
+            document["file"] = json!(out);
             println!("{document:#}");
             return Ok(());
         }
-        for (name, value) in &expanded.arguments {
-            println!("argument: {name}:={value}");
+        for line in lines {
+            println!("{line}");
         }
         println!("written: {}", out.display());
         Ok(())

@@ -66,7 +66,8 @@ impl Ros {
     /// Says that there is no node, where one is asked for.
     pub(crate) fn beside(&self, _: &mut Prepared) -> Result<Beside, Failure> {
         if self.asked {
-            let why = "--ros2: this build has no node; `cargo install --path crates/phihat-cli --features ros2` makes one that has";
+            let why = "--ros2: this build has no node; `cargo install --path crates/phihat-cli --features ros2` makes \
+                one that has";
             return Err(Failure::plain(why));
         }
         Ok(Beside)

@@ -13,7 +13,7 @@ use phihat_session::{
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::shown::TerminalWatch;
+use crate::shown::{TerminalWatch, second_derivation, spinner};
 use crate::table;
 use crate::terminal::{PageOptions, is_quiet};
 
@@ -132,7 +132,12 @@ impl RunArguments {
             Err(why) => return self.refused(&options, why),
         };
         if twice {
-            session.derive_twice()?;
+            let bar = spinner();
+            session.derive_twice(&|share| {
+                bar.set_message(second_derivation(share));
+                bar.tick();
+            })?;
+            bar.finish_and_clear();
         }
         if session.designed_before() && !is_quiet() {
             let file = folder.join("gains.json");
@@ -249,10 +254,22 @@ fn checked(bound: &RecordedBound, done: &Done) -> String {
             let unit = if joint.slides { "mm" } else { "mrad" };
             // A bound is rounded up.
             let most = (1e6 * most).ceil() / 1e3;
-            format!("{word}: |e| ≤ {most:.3} {unit} on every joint (largest on {})", joint.name)
+            let which = of_motions(done).unwrap_or_default();
+            format!(
+                "{word}: |e| ≤ {most:.3} {unit} on every joint{which} (largest on {})",
+                joint.name
+            )
         }
         _ => format!("{word}: {words}"),
     }
+}
+
+/// The class of motions that the bound is about; `None`: it is about the motion of the run.
+fn of_motions(done: &Done) -> Option<String> {
+    let certificate = done.gains.as_ref()?.certificate.as_ref()?;
+    let class = certificate.class.as_ref().filter(|_| certificate.tube.is_none())?;
+    let slides: Vec<bool> = done.metrics.joints.iter().map(|joint| joint.slides).collect();
+    Some(format!(", for any motion within {}", class.limits_in_words(&slides)))
 }
 
 /// Prints the path of a run's page, or of its trace.

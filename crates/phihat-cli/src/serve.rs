@@ -42,7 +42,8 @@ pub(crate) struct ServeVerb {
     #[command(flatten)]
     time: Time,
     /// In lock-step: how long a command may take before it counts as lost.
-    #[arg(long, value_name = "MILLISECONDS", default_value_t = 500, value_parser = clap::value_parser!(u64).range(1..=3_600_000))]
+    #[arg(long, value_name = "MILLISECONDS", default_value_t = 500,
+        value_parser = clap::value_parser!(u64).range(1..=3_600_000))]
     patience_ms: u64,
     /// End after so many cycles of motion.
     #[arg(long, value_name = "N")]

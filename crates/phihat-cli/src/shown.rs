@@ -102,3 +102,8 @@ pub(crate) fn spinner() -> ProgressBar {
     }
     bar
 }
+
+/// Progress of the second derivation of a bound: its part that is done.
+pub(crate) fn second_derivation(share: f64) -> String {
+    format!("bound, second derivation: {:.0} %", 100.0 * share)
+}

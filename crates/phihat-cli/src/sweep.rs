@@ -39,7 +39,8 @@ pub(crate) struct SweepVerb {
     #[arg(long, value_name = "KEY=HOW", required = true)]
     vary: Vec<String>,
     /// How many runs, of all shards.
-    #[arg(long, value_name = "N", default_value_t = 1000, allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 1000, allow_negative_numbers = true,
+        value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     runs: u64,
     /// Decides what every run draws.
     #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]

@@ -17,7 +17,7 @@ use serde_json::json;
 use crate::audit;
 use crate::check::warn_of_renamed;
 use crate::failure::Failure;
-use crate::shown::spinner;
+use crate::shown::{second_derivation, spinner};
 use crate::table;
 
 /// Exit code where all that is claimed holds and the error has no bound that is proved or derived twice.
@@ -37,7 +37,8 @@ pub(crate) const NOT_PROVED: u8 = 3;
 #[command(
     after_help = "Exit codes: 0 PROVED or DERIVED TWICE · 1 a claim does not hold; the inequality that fails is\n\
                         told · 3 NOT PROVED: what the file claims holds, but the bound on the error, or a clause of\n\
-                        the specification, rests on one derivation or on none (with --run 0: the record is whole) · 4 with --run: the record breaks\n\
+                        the specification, rests on one derivation or on none (with --run 0: the record is whole) · 4 \
+                        with --run: the record breaks\n\
                         what the certificate assumes.\n\n\
                         Example (after `phihat design studies/panda_design.toml`):\n  \
                         phihat verify out/panda_design/gains.json\n\n\
@@ -76,9 +77,7 @@ impl Verify {
         let bar = spinner();
         let found = verify(checked, &|stage| {
             bar.set_message(match stage {
-                VerifyStage::Tube(share) => {
-                    format!("tube, second derivation: {:.0} %", 100.0 * share)
-                }
+                VerifyStage::Tube(share) => second_derivation(share),
                 VerifyStage::Worlds(done) => format!("worlds of the study: {done} of {WORLDS} run"),
             });
             bar.tick();

@@ -11,10 +11,11 @@ use serde_json::Value;
 /// A planar arm of two joints that is to keep an error \[rad\]; `more` goes to the end of the file.
 fn planar(error: f64, more: &str) -> String {
     format!(
-        "duration_s = 2.0\n[robot]\nname = \"planar3r\"\nlocked = {{ joint2 = 0.8 }}\n[spec]\nsettle_s = 1.0\nerror_bound_rad = {error:e}\n[design]\norders = [1]\n\
-         payload_max_kg = 0.3\n[loop]\nform = \"observer\"\nrate_hz = 500.0\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\n\
-         velocity_filter_hz = 60.0\n[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = 0.5\n[[reference.sine]]\n\
-         amplitude_rad = 0.2\nfrequency_hz = 0.5\n{more}"
+        "duration_s = 2.0\n[robot]\nname = \"planar3r\"\nlocked = {{ joint2 = 0.8 }}\n[spec]\nsettle_s = \
+         1.0\nerror_bound_rad = {error:e}\n[design]\norders = [1]\npayload_max_kg = 0.3\n[loop]\nform = \
+         \"observer\"\nrate_hz = 500.0\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \
+         \"differenced\"\nvelocity_filter_hz = 60.0\n[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = \
+         0.5\n[[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.5\n{more}"
     )
 }
 
@@ -167,7 +168,11 @@ fn a_design_that_succeeds_has_a_budget_that_runs_keep() {
     let alone = text
         .replace("encoder_bits = 18\n", "")
         .replace("payload_max_kg = 0.3", "payload_max_kg = 0.3\ncoulomb_max_nm = 0.0")
-        .replace("[reference]", "[world]\nfriction = \"none\"\npayload = { mass_kg = 0.15 }\n[start]\ntorque_nm = \"gravity\"\n[reference]");
+        .replace(
+            "[reference]",
+            "[world]\nfriction = \"none\"\npayload = { mass_kg = 0.15 }\n[start]\ntorque_nm = \
+            \"gravity\"\n[reference]",
+        );
     fs::write(folder.join("alone.toml"), alone).unwrap();
     let file = told["file"].as_str().unwrap();
     let run =

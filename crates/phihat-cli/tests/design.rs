@@ -174,10 +174,11 @@ fn the_papers_recipe_says_what_holds_and_does_not_arm() {
 fn planar(design: &str) -> String {
     format!(
         "duration_s = 8.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 3.0\nerror_bound_rad = 1.5e-2\n[design]\n\
-         {design}\n[loop]\nform = \"observer\"\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\n\
-         velocity_filter_hz = 100.0\n[world]\nsubsteps = 4\ncoulomb_extra_nm = 0.05\n[reference]\nkind = \"sines\"\n\
-         center_rad = [0.3, 0.8, 0.4]\nfade_in_s = 1.0\n[[reference.sine]]\namplitude_rad = 0.3\n\
-         frequency_hz = [0.5, 0.7, 0.9]\n[[reference.sine]]\namplitude_rad = 0.05\nfrequency_hz = [2.1, 2.9, 3.7]\n"
+         {design}\n[loop]\nform = \"observer\"\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \
+         \"differenced\"\nvelocity_filter_hz = 100.0\n[world]\nsubsteps = 4\ncoulomb_extra_nm = \
+         0.05\n[reference]\nkind = \"sines\"\ncenter_rad = [0.3, 0.8, 0.4]\nfade_in_s = \
+         1.0\n[[reference.sine]]\namplitude_rad = 0.3\nfrequency_hz = [0.5, 0.7, \
+         0.9]\n[[reference.sine]]\namplitude_rad = 0.05\nfrequency_hz = [2.1, 2.9, 3.7]\n"
     )
 }
 
@@ -228,8 +229,8 @@ fn what_is_typed_must_hold_what_the_robots_own_model_says() {
     let folder = folder("typed");
     let study = |design: &str| {
         format!(
-            "duration_s = 3.0\n[robot]\nname = \"planar3r\"\nlocked = {{ joint3 = 0.5 }}\n[spec]\nerror_bound_rad = 0.1\n\
-             [design]\n{design}\n[sensor]\nencoder_bits = 18\n[world]\ncoulomb_extra_nm = 0.1\n[reference]\n\
+            "duration_s = 3.0\n[robot]\nname = \"planar3r\"\nlocked = {{ joint3 = 0.5 }}\n[spec]\nerror_bound_rad = \
+             0.1\n[design]\n{design}\n[sensor]\nencoder_bits = 18\n[world]\ncoulomb_extra_nm = 0.1\n[reference]\n\
              kind = \"sines\"\ncenter_rad = 0.3\n[[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.3\n\
              phase_rad = 0.0\n"
         )

@@ -127,7 +127,8 @@ const CART: &str = r#"<robot name="cart">
 <link name="base"/>
 <joint name="rail" type="prismatic"><parent link="base"/><child link="cart"/><axis xyz="1 0 0"/>
   <limit lower="-1" upper="1" effort="200" velocity="2"/></joint>
-<link name="cart"><inertial><mass value="4"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial></link>
+<link name="cart"><inertial><mass value="4"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/>
+</inertial></link>
 <joint name="swing" type="revolute"><parent link="cart"/><child link="tool"/><axis xyz="0 1 0"/>
   <limit lower="-2" upper="2" effort="20" velocity="3"/></joint>
 <link name="tool"><inertial><origin xyz="0 0 -0.02"/><mass value="0.2"/>

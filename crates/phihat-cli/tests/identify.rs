@@ -40,9 +40,9 @@ fn study(truth: &Truth, k: u32, more: &str) -> String {
     let bits = 16 + k % 5;
     let inertia = [truth[0].0 * 0.8, truth[1].0 * 1.2];
     format!(
-        "duration_s = 8.0\n{}[spec]\nsettle_s = 1.0\n[gains]\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 60.0\n\
-         inertia_kg_m2 = {inertia:?}\n[loop]\ndelay_samples = 1\n[sensor]\nencoder_bits = {bits}\nvelocity = \"differenced\"\n\
-         velocity_filter_hz = 100.0\n[reference]\nkind = \"sines\"\ncenter_rad = 0.0\n{more}\
+        "duration_s = 8.0\n{}[spec]\nsettle_s = 1.0\n[gains]\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = \
+         60.0\ninertia_kg_m2 = {inertia:?}\n[loop]\ndelay_samples = 1\n[sensor]\nencoder_bits = {bits}\nvelocity = \
+         \"differenced\"\nvelocity_filter_hz = 100.0\n[reference]\nkind = \"sines\"\ncenter_rad = 0.0\n{more}\
          [[reference.sine]]\namplitude_rad = 0.4\nfrequency_hz = [{slow}, {}]\n\
          [[reference.sine]]\namplitude_rad = 0.1\nfrequency_hz = [{fast}, {}]\nphase_rad = [0.3, 1.1]\n",
         joints.concat(),
@@ -114,9 +114,11 @@ fn a_record_becomes_a_design_that_holds() {
     assert_eq!(identified("text/trace.csv"), joints, "of either kind");
     let again = |end: &str| {
         format!(
-            "duration_s = 8.0\n{joints}\n[spec]\nsettle_s = 2.0\nerror_bound_rad = 5e-3\n[design]\n[world]\njoint_inertia = \"{end}\"\n\
-             [loop]\nform = \"observer\"\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = \"design\"\n\
-             [reference]\nkind = \"sines\"\ncenter_rad = 0.0\n[[reference.sine]]\namplitude_rad = 0.3\nfrequency_hz = [0.3, 0.4]\n"
+            "duration_s = 8.0\n{joints}\n[spec]\nsettle_s = 2.0\nerror_bound_rad = \
+             5e-3\n[design]\n[world]\njoint_inertia = \"{end}\"\n[loop]\nform = \"observer\"\ndelay_samples = \
+             1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = \
+             \"design\"\n[reference]\nkind = \"sines\"\ncenter_rad = 0.0\n[[reference.sine]]\namplitude_rad = \
+             0.3\nfrequency_hz = [0.3, 0.4]\n"
         )
     };
     let ends =
@@ -152,12 +154,14 @@ fn a_record_becomes_a_design_that_holds() {
 fn one_sine_per_joint_gives_no_false_interval() {
     let folder = folder("identify-one-sine");
     let text = "duration_s = 10.0\n[robot]\nname = \"panda\"\n[spec]\nsettle_s = 1.0\n[gains]\nbandwidth_rad_s = 15.0\n\
-                estimator_bandwidth_rad_s = 30.0\ninertia_kg_m2 = [1.2, 1.7, 1.1, 1.1, 0.35, 0.35, 0.2]\n[loop]\ndelay_samples = 1\n\
-                [sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = 100.0\n[world]\nfriction = \"robot\"\n\
-                coulomb_extra_nm = 0.3\nsubsteps = 12\npayload = { frame = \"panda_link8\", mass_kg = 0.5, com_m = [0.0, 0.0, 0.05] }\n\
-                stiction = { breakaway_ratio = 1.5, stribeck_velocity_rad_s = 0.05, stiffness_nm_rad = 2000.0 }\n\
-                [start]\ntorque_nm = \"gravity\"\n[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = 1.0\n\
-                [[reference.sine]]\namplitude_rad = 0.25\nfrequency_hz = [0.30, 0.15, 0.20, 0.12, 0.25, 0.35, 0.18]\n";
+                estimator_bandwidth_rad_s = 30.0\ninertia_kg_m2 = [1.2, 1.7, 1.1, 1.1, 0.35, 0.35, \
+                0.2]\n[loop]\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \
+                \"differenced\"\nvelocity_filter_hz = 100.0\n[world]\nfriction = \"robot\"\ncoulomb_extra_nm = \
+                0.3\nsubsteps = 12\npayload = { frame = \"panda_link8\", mass_kg = 0.5, com_m = [0.0, 0.0, 0.05] \
+                }\nstiction = { breakaway_ratio = 1.5, stribeck_velocity_rad_s = 0.05, stiffness_nm_rad = 2000.0 \
+                }\n[start]\ntorque_nm = \"gravity\"\n[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = \
+                1.0\n[[reference.sine]]\namplitude_rad = 0.25\nfrequency_hz = [0.30, 0.15, 0.20, 0.12, 0.25, 0.35, \
+                0.18]\n";
     fs::write(folder.join("arm.toml"), text).unwrap();
     let run = phihat(&folder, &["run", "arm.toml", "--uncertified"]);
     assert!(run.code < 2, "{}", run.err);

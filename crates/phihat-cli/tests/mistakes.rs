@@ -96,7 +96,8 @@ const IN_KEYS: [Mistake; 10] = [
         "no [spec] for a design",
         Own,
         (
-            "[spec]\nsettle_s = 1.0\nerror_bound_rad = 0.05\n\n[gains]\ninertia_kg_m2 = 0.3\nbandwidth_rad_s = 15.0\nestimator_bandwidth_rad_s = 60.0",
+            "[spec]\nsettle_s = 1.0\nerror_bound_rad = 0.05\n\n[gains]\ninertia_kg_m2 = 0.3\nbandwidth_rad_s = \
+                15.0\nestimator_bandwidth_rad_s = 60.0",
             "[design]",
         ),
         "",
@@ -679,7 +680,8 @@ fn files_that_are_not_what_they_are_taken_for() {
     };
     let gains = |names: [&str; 2], rate: f64| {
         format!(
-            r#"{{"format": "phihat-gains", "version": 3, "study": "s", "study_sha256": "0", "rate_hz": {rate:?}, "method": "typed", "joints": [{}, {}]}}"#,
+            r#"{{"format": "phihat-gains", "version": 3, "study": "s", "study_sha256": "0",
+            "rate_hz": {rate:?}, "method": "typed", "joints": [{}, {}]}}"#,
             joint(names[0]),
             joint(names[1])
         )

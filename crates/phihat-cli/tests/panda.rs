@@ -125,7 +125,8 @@ fn what_is_known_is_fed_forward_under_a_supervisor() {
     let folder = folder("panda-known");
     let study = std::fs::read_to_string(folder.join("studies/panda_known.toml")).unwrap();
     // What holds the empty arm where the motion begins, from the arm itself.
-    let held = "[0.0, -3.987818678548092, -0.6440002148692189, 22.021018777058607, 0.6338461861009121, 2.278164535327047, 0.0]";
+    let held = "[0.0, -3.987818678548092, -0.6440002148692189, 22.021018777058607, 0.6338461861009121, \
+        2.278164535327047, 0.0]";
     let guarded = |text: &str| {
         let supervisor = format!("[supervisor]\npreset_nm = {held}\nerror_stop_rad = 0.2\n");
         let guarded = text.replace("[start]\ntorque_nm = \"gravity\"\n", &supervisor);

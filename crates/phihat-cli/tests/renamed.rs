@@ -12,7 +12,8 @@ use crate::support::{folder, phihat};
 /// A study under the names of before.
 const OLD: &str = "duration_s = 0.3 # short\n[robot]\nname = \"planar3r\"\n\n# what is asked\n[spec]\nsettle_s = 0.1\n\
                    error_max_rad = 0.05      # on every joint\n[gains]\norder = 1\nbandwidth_rad_s = 20.0\n\
-                   estimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = 0.3\n[reference]\nkind = \"hold\"\npose = \"ready\"\n";
+                   estimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = 0.3\n[reference]\nkind = \"hold\"\npose = \
+                   \"ready\"\n";
 
 #[test]
 fn a_study_of_before_runs_with_a_warning_and_is_rewritten_in_place() {

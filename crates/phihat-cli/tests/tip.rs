@@ -9,9 +9,10 @@ use crate::support::{folder, json, phihat};
 /// The planar arm on a motion, with this under `[spec]`.
 fn study(spec: &str) -> String {
     format!(
-        "duration_s = 2.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.0\n{spec}\n[design]\norders = [1]\npayload_max_kg = 0.2\n\
-         [loop]\nform = \"observer\"\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\n[reference]\nkind = \"sines\"\n\
-         center = \"ready\"\nfade_in_s = 0.5\n[[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.5\n"
+        "duration_s = 2.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.0\n{spec}\n[design]\norders = \
+         [1]\npayload_max_kg = 0.2\n[loop]\nform = \"observer\"\ndelay_samples = 1\n[sensor]\nencoder_bits = \
+         18\nvelocity = \"differenced\"\n[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = \
+         0.5\n[[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.5\n"
     )
 }
 

@@ -13,7 +13,8 @@ fn tube(error: f64) -> Value {
     let low: Vec<f64> = wide.iter().map(|e| -e).collect();
     data!({
         "bin_s": 0.1, "duration_s": 2.0, "settle_s": 0.5, "slices": 1,
-        "payload": { "frame": "tip", "mass_kg": [0.0, 0.0], "com_m": [[0.0, 0.0], [0.0, 0.0], [0.0, 0.0]], "gyration_m": 0.0 },
+        "payload": { "frame": "tip", "mass_kg": [0.0, 0.0], "com_m": [[0.0, 0.0], [0.0, 0.0], [0.0, 0.0]],
+            "gyration_m": 0.0 },
         "coulomb_nm": [[0.0], [0.0]], "quantum_rad": [2.4e-5],
         "joints": [{
             "name": "joint1", "error_low_rad": low, "error_high_rad": wide,
@@ -102,7 +103,11 @@ fn a_limit_that_acts_is_told_though_the_run_is_within_spec() {
     let study = &swing(2.0)
         .replace("encoder_bits = 18", "encoder_bits = 12")
         .replace("4e-3", "0.5")
-        .replace("[design]\nsettling_time_s = 0.2", "[gains]\ninertia_kg_m2 = 1.0\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 40.0")
+        .replace(
+            "[design]\nsettling_time_s = 0.2",
+            "[gains]\ninertia_kg_m2 = 1.0\nbandwidth_rad_s = \
+            20.0\nestimator_bandwidth_rad_s = 40.0",
+        )
         .replace("\"none\"", "200.0");
     fs::write(folder.join("slow.toml"), study).unwrap();
     let answer = phihat(&folder, &["run", "slow.toml", "--uncertified"]);

@@ -46,7 +46,8 @@ mod tests {
     /// However large the error and however small the noise: following comes before quiet, quiet before exact.
     #[test]
     fn gains_that_do_not_follow_are_worse_than_noise_and_better_than_an_early_end() {
-        let text = "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[design]\n[reference]\nkind = \"hold\"\npose = \"ready\"\n";
+        let text = "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[design]\n[reference]\nkind = \"hold\"\npose = \
+            \"ready\"\n";
         let study = Study::from_text(text, "cost.toml", std::path::Path::new(".")).unwrap();
         let run = |error_rms_rad: f64, noise: f64, saturated: f64| Figures {
             error_rms_rad,

@@ -32,9 +32,9 @@ pub(crate) fn fairness(plan: &ComparisonPlan) -> Fairness {
 fn notes() -> Vec<String> {
     [
         "Every rival is tuned once per arm, not once per world, with the same optimiser, number of evaluations \
-         and seed, from its default gains, inside ranges around them. Where the best gains lie at an end of a range, that \
-         end gives way tenfold and the tuning goes on with as many evaluations again; what is still at an end after the \
-         last such round is marked beside its value. The cost is the rms error of the worst \
+         and seed, from its default gains, inside ranges around them. Where the best gains lie at an end of a range, \
+         that end gives way tenfold and the tuning goes on with as many evaluations again; what is still at an end \
+         after the last such round is marked beside its value. The cost is the rms error of the worst \
          joint; gains whose torque noise is above the cap are worse than all that keep it, the more the noisier; \
          a run that does not follow, or meets the torque limits in more than 2 % of its samples, is worse than \
          any noise; a run that ends early is worse than all that do not, the more the sooner.",
@@ -45,24 +45,25 @@ fn notes() -> Vec<String> {
          a model get the arm's own with lighter links, without payload and without dry friction.",
         "The row with gains by design is not tuned: its gains come from the specification, the study's loop, the range \
          of inertia with and without payload, and the load along the study's own motion. Neither the drawn motions nor \
-         the dry friction of the worlds were declared to the design: there its bound, computed for that very run, may be \
-         beyond the specification.",
-        "The rows from positions are this project's too, and not the paper's law. They are handed no velocity; they know the \
-         loop's delay and torque limits, and get the reference's acceleration where their torque will act, which is the \
-         study's to foresee; other laws get it at the sample. Their tuning begins at ADRC's default poles. A law per joint \
-         has too many scalars for this tuner: that row has the gains of least error that the design of this project reckons \
-         for torque steps of the cap on noise, as far as the encoder makes them, from the range of inertia and the load \
-         along the study's own motion, without a tube; that clause is for the worst step, and the cap for the mean, so that this \
-         row uses about a quarter of the cap. Other laws have one set of gains for all joints: what it gains from \
-         a law per joint, they were not offered.",
+         the dry friction of the worlds were declared to the design: there its bound, computed for that very run, may \
+         be beyond the specification.",
+        "The rows from positions are this project's too, and not the paper's law. They are handed no velocity; they \
+         know the loop's delay and torque limits, and get the reference's acceleration where their torque will act, \
+         which is the study's to foresee; other laws get it at the sample. Their tuning begins at ADRC's default \
+         poles. A law per joint has too many scalars for this tuner: that row has the gains of least error that the \
+         design of this project reckons for torque steps of the cap on noise, as far as the encoder makes them, from \
+         the range of inertia and the load along the study's own motion, without a tube; that clause is for the worst \
+         step, and the cap for the mean, so that this row uses about a quarter of the cap. Other laws have one set of \
+         gains for all joints: what it gains from a law per joint, they were not offered.",
         "A law with more free scalars gets no more evaluations: a law with many may be better than its row. \
          Where an author's tuning procedure is not a choice of scalars, it is not followed.",
-        "Bounds are asked for where the declared load fits the torque limits: none is asked for a drive that saturates.",
-        "Bounds: that of this project's law, with a velocity or from positions, and of the disturbance observer which is \
-         the first of these, counts encoder, filter, delay and the range of inertia; for a law per joint there is none here. Those of other laws are the formulas of their proofs, which mostly do \
-         not: a broken one shows that, and not that the law is the worse one. Where none is computed the authors may \
-         have one. A full mark is for a bound that held in every run but those made to saturate, and was nowhere more \
-         than ten times the error.",
+        "Bounds are asked for where the declared load fits the torque limits: none is asked for a drive that \
+            saturates.",
+        "Bounds: that of this project's law, with a velocity or from positions, and of the disturbance observer which \
+         is the first of these, counts encoder, filter, delay and the range of inertia; for a law per joint there is \
+         none here. Those of other laws are the formulas of their proofs, which mostly do not: a broken one shows \
+         that, and not that the law is the worse one. Where none is computed the authors may have one. A full mark is \
+         for a bound that held in every run but those made to saturate, and was nowhere more than ten times the error.",
         "Tuned gains can be worse than the default ones: where these are noisier than the cap, and on motions unlike \
          those that were trained on. Both are in the data.",
         "A law that follows a path and no time table is judged by its distance to the path.",

@@ -80,10 +80,11 @@ fn main() {
             let joints = gains.joints.len();
             let each =
                 1e3 * times[runs / 2] / (duration * f64::from(u32::try_from(joints).unwrap()));
-            println!(
-                r#"{{"robot":"{robot}","joints":{joints},"duration_s":{duration},"search_s":{searched:.3},"tube_s":{:.3},"tube_ms_per_s_and_joint":{each:.2}}}"#,
-                times[runs / 2]
+            let tube = times[runs / 2];
+            print!(
+                r#"{{"robot":"{robot}","joints":{joints},"duration_s":{duration},"search_s":{searched:.3},"#
             );
+            println!(r#""tube_s":{tube:.3},"tube_ms_per_s_and_joint":{each:.2}}}"#);
         }
     }
 }

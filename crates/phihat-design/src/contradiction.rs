@@ -14,8 +14,8 @@ const POSTURES: (usize, u64) = (1500, 1);
 /// A typed value that the model of the study's own robot contradicts.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error(
-    "{key}{}: {typed} {unit} is typed, and the model of the study's robot has {model:.6} {unit} ({what}); a typed value \
-     must hold the model's", .joint.as_ref().map_or_else(String::new, |joint| format!(" of joint {joint}"))
+    "{key}{}: {typed} {unit} is typed, and the model of the study's robot has {model:.6} {unit} ({what}); a typed \
+     value must hold the model's", .joint.as_ref().map_or_else(String::new, |joint| format!(" of joint {joint}"))
 )]
 pub struct Contradiction {
     /// Key in the study.

@@ -70,41 +70,80 @@ pub fn enclose_inertia(
     period_ns: u64,
     width: f64,
 ) -> Result<Vec<Result<InertiaEstimate, Undetermined>>, EstimateError> {
-    let expected = joints.first().map_or(0, |joint| joint.q.len());
-    let mut records = Vec::new();
-    for times in WIDTHS {
-        // A longer filter than the record is none; the shortest has to fit.
-        match Smoothed::new(joints, period_ns, times * width) {
-            Some(smoothed) => records.push(smoothed),
-            None if records.is_empty() => {
-                let name = joints.first().map_or_else(String::new, |joint| joint.name.clone());
-                return Err(EstimateError::Length { joint: name, found: expected, expected });
+    let record = RecordAtWidths::new(joints, period_ns, width)?;
+    Ok((0..joints.len()).map(|of| record.enclosed(of)).collect())
+}
+
+/// Encloses one joint's inertia as [`enclose_inertia`] does, for a record in which the others are held.
+///
+/// # Errors
+///
+/// [`EstimateError`]: the joints differ in length, the record is shorter than the filter, there is no joint `of`, or
+/// the
+/// record does not determine its inertia.
+pub fn enclose_inertia_of(
+    joints: &[RecordedJoint],
+    of: usize,
+    period_ns: u64,
+    width: f64,
+) -> Result<InertiaEstimate, EstimateError> {
+    let Some(joint) = joints.get(of) else {
+        let expected = joints.len();
+        return Err(EstimateError::Length { joint: format!("joint {of}"), found: 0, expected });
+    };
+    let enclosed = RecordAtWidths::new(joints, period_ns, width)?.enclosed(of);
+    enclosed.map_err(|why| EstimateError::Undetermined { joint: joint.name.clone(), why })
+}
+
+/// A record, filtered by boxes of every width.
+struct RecordAtWidths<'a> {
+    joints: &'a [RecordedJoint],
+    period_ns: u64,
+    records: Vec<Smoothed>,
+    noises: Vec<PositionNoise>,
+    /// True of each joint that moves.
+    moves: Vec<bool>,
+}
+
+impl<'a> RecordAtWidths<'a> {
+    fn new(joints: &'a [RecordedJoint], period_ns: u64, width: f64) -> Result<Self, EstimateError> {
+        let expected = joints.first().map_or(0, |joint| joint.q.len());
+        let mut records = Vec::new();
+        for times in WIDTHS {
+            // A longer filter than the record is none; the shortest has to fit.
+            match Smoothed::new(joints, period_ns, times * width) {
+                Some(smoothed) => records.push(smoothed),
+                None if records.is_empty() => {
+                    let name = joints.first().map_or_else(String::new, |joint| joint.name.clone());
+                    return Err(EstimateError::Length { joint: name, found: expected, expected });
+                }
+                None => {}
             }
-            None => {}
         }
+        let noises: Vec<PositionNoise> =
+            joints.iter().map(|joint| PositionNoise::of(&joint.q)).collect();
+        let moves =
+            joints.iter().zip(&noises).map(|(joint, noise)| noise.moved(&joint.q).1).collect();
+        Ok(Self { joints, period_ns, records, noises, moves })
     }
-    let noises: Vec<PositionNoise> =
-        joints.iter().map(|joint| PositionNoise::of(&joint.q)).collect();
-    let moves: Vec<bool> =
-        joints.iter().zip(&noises).map(|(joint, noise)| noise.moved(&joint.q).1).collect();
-    let joint = |of: usize| {
-        let (moved_rad, moving) = noises[of].moved(&joints[of].q);
+
+    fn enclosed(&self, of: usize) -> Enclosed {
+        let (moved_rad, moving) = self.noises[of].moved(&self.joints[of].q);
         if !moving {
             return Err(Undetermined::Still { moved_rad });
         }
-        let found = records.iter().map(|record| {
-            let noise = noises[of].rms * acceleration_gain(record.width_samples(), period_ns);
-            enclosed(record, of, &moves, noise)
+        let found = self.records.iter().map(|record| {
+            let gain = acceleration_gain(record.width_samples(), self.period_ns);
+            enclosed(record, of, &self.moves, self.noises[of].rms * gain)
         });
         found.reduce(better).unwrap_or(Err(Undetermined::Short))
-    };
-    Ok((0..joints.len()).map(joint).collect())
+    }
 }
 
 /// Encloses a joint's level of dry friction \[N·m\]: the coefficient of `sign(q̇_i)` in both fits of
-/// [`enclose_inertia`], with the bound (R3), 0 at least; `None`: it moves too little. Friction that changes
-/// fast with speed is part of the
-/// level or not, by the fit: the interval contains both.
+/// [`enclose_inertia`], with the bound (R3), 0 at least; `None`: it moves too little. Friction that changes fast with
+/// speed
+/// is part of the level or not, by the fit: the interval contains both.
 pub fn enclose_dry_friction(
     joints: &[RecordedJoint],
     of: usize,

@@ -112,7 +112,7 @@ pub use designer::{
     Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, alternatives, design, has_law,
     search,
 };
-pub use enclosed::{enclose_dry_friction, enclose_inertia};
+pub use enclosed::{enclose_dry_friction, enclose_inertia, enclose_inertia_of};
 pub use limit::{Limit, LimitError, LimitRequest, beside_limit, limit};
 pub use phihat_certificate::{
     ArmBasis, ArmInertia, Bounds, Certificate, ClassBound, ClassPace, ClassWitness, CoarserEncoder,

@@ -32,9 +32,9 @@ pub enum Undetermined {
     },
     /// The part of its acceleration that nothing else explains is not above the noise.
     #[error(
-        "the part of its acceleration that neither its position, its velocity nor the other joints explain is {own_rad_s2:.2e} \
-         rad/s² rms, and noise may be {noise_rad_s2:.2e}; excite it so: frequencies that no other joint has, and a sine of \
-         {add_hz:.2} Hz and {add_rad:.3} rad or more"
+        "the part of its acceleration that neither its position, its velocity nor the other joints explain is \
+         {own_rad_s2:.2e} rad/s² rms, and noise may be {noise_rad_s2:.2e}; excite it so: frequencies that no other \
+         joint has, and a sine of {add_hz:.2} Hz and {add_rad:.3} rad or more"
     )]
     Noise {
         /// Root mean square of that part \[rad/s²\].
@@ -48,9 +48,9 @@ pub enum Undetermined {
     },
     /// The torque that is left unexplained could be inertia.
     #[error(
-        "up to {unexplained_nm:.3} N·m of its torque are explained by no constant inertia, gravity and friction, and its own \
-         acceleration is {own_rad_s2:.2e} rad/s² rms; excite it so: {times:.1} times that, by a sine of {add_hz:.2} Hz \
-         and {add_rad:.3} rad, the other joints at rest or slower"
+        "up to {unexplained_nm:.3} N·m of its torque are explained by no constant inertia, gravity and friction, and \
+         its own acceleration is {own_rad_s2:.2e} rad/s² rms; excite it so: {times:.1} times that, by a sine of \
+         {add_hz:.2} Hz and {add_rad:.3} rad, the other joints at rest or slower"
     )]
     Unexplained {
         /// Largest torque of a sample that the fit leaves \[N·m\].

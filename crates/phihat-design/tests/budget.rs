@@ -15,9 +15,9 @@ const A: f64 = 60.0;
 
 fn study(rest: &str) -> Study {
     let text = format!(
-        "duration_s = 2.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.0\nerror_bound_rad = 1e-3\n[gains]\norder = 1\n\
-         bandwidth_rad_s = {W:?}\nestimator_bandwidth_rad_s = {A:?}\ninertia_kg_m2 = 0.5\n[loop]\nrate_hz = 10000.0\n{rest}\n\
-         [reference]\nkind = \"hold\"\npose = \"ready\"\n"
+        "duration_s = 2.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.0\nerror_bound_rad = \
+         1e-3\n[gains]\norder = 1\nbandwidth_rad_s = {W:?}\nestimator_bandwidth_rad_s = {A:?}\ninertia_kg_m2 = \
+         0.5\n[loop]\nrate_hz = 10000.0\n{rest}\n[reference]\nkind = \"hold\"\npose = \"ready\"\n"
     );
     Study::from_text(&text, "loop.toml", "".as_ref()).unwrap_or_else(|e| panic!("{e}"))
 }

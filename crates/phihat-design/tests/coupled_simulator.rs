@@ -29,14 +29,15 @@ fn study(pushes: &[Push]) -> Study {
         damping = 1.0\nestimator_bandwidth_rad_s = 50.0\nestimator_damping = 1.0\n\
         inertia_kg_m2 = [1.78, 2.22, 1.02, 1.28, 0.247, 0.259, 0.212]\n[spec]\nsettle_s = 0.001\n[loop]\n\
         rate_hz = 1000.0\ndelay_samples = 1\ntorque_max_nm = \"none\"\n[sensor]\nvelocity = \"differenced\"\n\
-        velocity_filter_hz = 45.0\n[reference]\nkind = \"hold\"\nq_rad = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]\n\
-        [world]\ngravity_m_s2 = [0.0, 0.0, 0.0]\nfriction = \"none\"\n"
+        velocity_filter_hz = 45.0\n[reference]\nkind = \"hold\"\nq_rad = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, \
+        0.785]\n[world]\ngravity_m_s2 = [0.0, 0.0, 0.0]\nfriction = \"none\"\n"
         .to_owned();
     for (torque, from, to) in pushes {
         let (start, duration) = (*from as f64 * 1e-3 - 1e-6, (to - from) as f64 * 1e-3);
         let _ = write!(
             text,
-            "[[world.push]]\njoint = \"panda_joint2\"\ntorque_nm = {torque:.3}\nstart_s = {start:.6}\nduration_s = {duration:.6}\n"
+            "[[world.push]]\njoint = \"panda_joint2\"\ntorque_nm = {torque:.3}\nstart_s = {start:.6}\nduration_s = \
+                {duration:.6}\n"
         );
     }
     Study::from_text(&text, "panda.toml", Path::new(".")).unwrap()

@@ -17,8 +17,8 @@ fn study(x: [[f64; 3]; 3], phi: [f64; 3], more: &str) -> Study {
     let list = |k: usize| format!("[{}, {}, {}]", x[0][k], x[1][k], x[2][k]);
     let text = format!(
         "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 2.0\nerror_integral_bound_rad_s = {}\n\
-         error_bound_rad = {}\nvelocity_error_bound_rad_s = {}\n[design]\nmethod = \"paper\"\norders = [1]\n[design.paper]\n\
-         phi_max = {phi:?}\n{more}\n[reference]\nkind = \"hold\"\nq_rad = 0.0\n",
+         error_bound_rad = {}\nvelocity_error_bound_rad_s = {}\n[design]\nmethod = \"paper\"\norders = \
+         [1]\n[design.paper]\nphi_max = {phi:?}\n{more}\n[reference]\nkind = \"hold\"\nq_rad = 0.0\n",
         list(0),
         list(1),
         list(2),

@@ -12,8 +12,8 @@ use phihat_synthesis::phi_along;
 /// The planar arm, with this error allowed on every joint.
 fn study(error: &str) -> Study {
     let text = format!(
-        "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[spec]\nerror_bound_rad = {error}\n[design]\npayload_max_kg = 0.3\n\
-         [loop]\nform = \"positions\"\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\n\
+        "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[spec]\nerror_bound_rad = {error}\n[design]\npayload_max_kg = \
+         0.3\n[loop]\nform = \"positions\"\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\n\
          [reference]\nkind = \"sines\"\ncenter_rad = [0.3, 0.5, 0.5]\n[[reference.sine]]\namplitude_rad = 0.2\n\
          frequency_hz = 0.3\nphase_rad = 0.0\n"
     );

@@ -22,10 +22,11 @@ fn study(interval: bool, folder: &str) -> Study {
         "urdf = \"arm.urdf\"\n[rotor]\narmature_kg_m2 = 0.15\n{ends}[encoder]\nbits = 18\n"
     );
     std::fs::write(folder.join("arm.toml"), arm).unwrap();
-    let text = "duration_s = 2.0\n[robot]\nfile = \"arm.toml\"\n[spec]\nerror_bound_rad = 0.02\n[design]\npayload_max_kg = 0.3\n\
-                [gains]\norder = 1\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\n\
-                inertia_kg_m2 = [0.6, 0.35, 0.25]\n[loop]\ndelay_samples = 1\n[sensor]\nencoder_bits = \"robot\"\n\
-                [reference]\nkind = \"sines\"\ncenter_rad = [0.4, 1.2, 0.6]\n[[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.7\n";
+    let text = "duration_s = 2.0\n[robot]\nfile = \"arm.toml\"\n[spec]\nerror_bound_rad = \
+                0.02\n[design]\npayload_max_kg = 0.3\n[gains]\norder = 1\nbandwidth_rad_s = \
+                20.0\nestimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = [0.6, 0.35, 0.25]\n[loop]\ndelay_samples = \
+                1\n[sensor]\nencoder_bits = \"robot\"\n[reference]\nkind = \"sines\"\ncenter_rad = [0.4, 1.2, \
+                0.6]\n[[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.7\n";
     let study =
         Study::from_text(text, "rotors.toml", &folder).unwrap_or_else(|e| panic!("{}", e.render()));
     std::fs::remove_dir_all(&folder).unwrap();

@@ -58,7 +58,8 @@ fn f03_prediction_is_what_the_core_shows() {
             claim.verify(&gains, &model).unwrap();
             let (rms, change) = simulated(&gains, &model, quantum);
             println!(
-                "m {} filter {filter:?} {bits} bit: rms {:.3e} (core {rms:.3e}), change {:.3e} (core {change:.3e}), at most {:.3e} N m",
+                "m {} filter {filter:?} {bits} bit: rms {:.3e} (core {rms:.3e}), change {:.3e} (core {change:.3e}), at \
+                    most {:.3e} N m",
                 a.len(),
                 claim.rms_nm,
                 claim.change_rms_nm,

@@ -49,7 +49,8 @@ fn an_arm_outside_the_slower_gains_window_is_not_armed() {
         let text = |more: &str| {
             format!(
                 "duration_s = 3.0\n[robot]\nname = \"planar3r\"\n[gains]\nkp_per_s2 = 400\nkd_per_s = 40\na = {a:?}\n\
-                 inertia_kg_m2 = 1.0\n[loop]\nform = \"{form}\"\n[reference]\nkind = \"hold\"\nq_rad = 0.0\n[supervisor]\n{more}\n"
+                 inertia_kg_m2 = 1.0\n[loop]\nform = \"{form}\"\n[reference]\nkind = \"hold\"\nq_rad = \
+                 0.0\n[supervisor]\n{more}\n"
             )
         };
         let read = |more: &str| Study::from_text(&text(more), "arm.toml", Path::new(".")).unwrap();

@@ -91,9 +91,10 @@ impl Arm {
             let kind = if link.slides { "prismatic" } else { "revolute" };
             let _ = write!(
                 text,
-                "<joint name=\"joint{k}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"link{k}\"/><origin xyz=\"{}\"/>\
-                 <axis xyz=\"{}\"/><limit lower=\"-3\" upper=\"3\" effort=\"9\" velocity=\"9\"/></joint><link name=\"link{k}\"><inertial>\
-                 <mass value=\"1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link>",
+                "<joint name=\"joint{k}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"link{k}\"/><origin \
+                 xyz=\"{}\"/><axis xyz=\"{}\"/><limit lower=\"-3\" upper=\"3\" effort=\"9\" \
+                 velocity=\"9\"/></joint><link name=\"link{k}\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" \
+                 ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link>",
                 v(link.origin),
                 v(link.axis),
                 k = i + 1,
@@ -102,8 +103,8 @@ impl Arm {
         let last = self.links.len();
         let _ = write!(
             text,
-            "<joint name=\"end\" type=\"fixed\"><parent link=\"link{last}\"/><child link=\"tool\"/><origin xyz=\"{}\"/></joint>\
-             <link name=\"tool\"/></robot>",
+            "<joint name=\"end\" type=\"fixed\"><parent link=\"link{last}\"/><child link=\"tool\"/><origin \
+             xyz=\"{}\"/></joint><link name=\"tool\"/></robot>",
             v(self.tool)
         );
         let mut robot = Robot::from_text(&text, None, "chain.urdf").unwrap();
@@ -174,8 +175,8 @@ fn tube(random: &mut Random, names: &[String], size: f64) -> Tube {
 }
 
 fn study(robot: Robot) -> Study {
-    let text = "duration_s = 0.024\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 0.0\n[design]\n[reference]\nkind = \"hold\"\n\
-                pose = \"ready\"\n";
+    let text = "duration_s = 0.024\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 0.0\n[design]\n[reference]\nkind \
+                = \"hold\"\npose = \"ready\"\n";
     let mut study =
         Study::from_text(text, "tip.toml", "".as_ref()).unwrap_or_else(|e| panic!("{e}"));
     study.robot = robot;

@@ -1,9 +1,8 @@
 //! Statement about the error of a drive before it begins: its bound with its standing, or the first clause in its way.
 
 use phihat_design::{ClassBound, Gains, Verdict};
-use phihat_session::{
-    BoundStanding, Extremes as _, RecordedBound, SessionError, class_standing, tube_standing,
-};
+use phihat_model::JointKind;
+use phihat_session::{BoundStanding, RecordedBound, SessionError, class_standing, tube_standing};
 use phihat_study::{ReferenceRequest, Study};
 use serde::Serialize;
 
@@ -137,44 +136,10 @@ fn within_class(study: &Study, class: &ClassBound) -> Result<String, Unbounded> 
     } else {
         "as long as no limit acts"
     };
+    let slides: Vec<bool> =
+        study.robot.joints.iter().map(|joint| joint.kind == JointKind::Prismatic).collect();
     Ok(format!(
         "for any motion within {}; {conditions}; maxima are those of two searches, assumption C8",
-        pace(class)
+        class.limits_in_words(&slides)
     ))
-}
-
-/// Joint box, speed, acceleration and jerk of a class.
-fn pace(class: &ClassBound) -> String {
-    let (low, high) = &class.box_rad;
-    let half: Vec<f64> = low.iter().zip(high).map(|(low, high)| 0.5 * (high - low)).collect();
-    format!(
-        "± {} rad, {} rad/s, {} rad/s², {} rad/s³",
-        span(&half),
-        span(&class.speed_max_rad_s),
-        span(&class.acceleration_max_rad_s2),
-        span(&class.jerk_max_rad_s3)
-    )
-}
-
-/// One figure where all are the same, else the least and the largest.
-fn span(values: &[f64]) -> String {
-    let (least, most) = values.iter().copied().ends();
-    let shown = |x: f64| {
-        let text = format!("{x:.4}");
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    };
-    let (least, most) = (shown(least), shown(most));
-    if least == most { most } else { format!("{least} … {most}") }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::span;
-
-    #[test]
-    fn a_span_is_one_figure_where_all_are_the_same() {
-        assert_eq!(span(&[0.3, 0.3, 0.300_000_01]), "0.3");
-        assert_eq!(span(&[0.25, 1.0]), "0.25 … 1");
-        assert_eq!(span(&[10.0, 20.0]), "10 … 20");
-    }
 }

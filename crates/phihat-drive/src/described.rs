@@ -69,9 +69,10 @@ mod tests {
     use phihat_study::Study;
 
     fn panda() -> Study {
-        let text = "duration_s = 1.0\n[robot]\nname = \"panda\"\n[spec]\nsettle_s = 0.5\n[gains]\norder = 1\nbandwidth_rad_s = 10.0\n\
-                    estimator_bandwidth_rad_s = 20.0\ninertia_kg_m2 = [1.0, 1.0, 1.0, 1.0, 0.2, 0.2, 0.2]\n[reference]\nkind = \"sines\"\n\
-                    center = \"ready\"\n[[reference.sine]]\namplitude_rad = 0.05\nfrequency_hz = 0.1\n";
+        let text = "duration_s = 1.0\n[robot]\nname = \"panda\"\n[spec]\nsettle_s = 0.5\n[gains]\norder = \
+                    1\nbandwidth_rad_s = 10.0\nestimator_bandwidth_rad_s = 20.0\ninertia_kg_m2 = [1.0, 1.0, 1.0, 1.0, \
+                    0.2, 0.2, 0.2]\n[reference]\nkind = \"sines\"\ncenter = \
+                    \"ready\"\n[[reference.sine]]\namplitude_rad = 0.05\nfrequency_hz = 0.1\n";
         Study::from_text(text, "test.toml", "".as_ref()).unwrap()
     }
 

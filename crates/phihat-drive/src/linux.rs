@@ -77,7 +77,8 @@ pub(crate) fn enter(processor: Option<usize>) -> Vec<Finding> {
 
 fn fifo() -> Finding {
     let what = "scheduling";
-    let change = "allow FIFO: `rtprio 95` for this user in /etc/security/limits.conf, or CAP_SYS_NICE; in a container, its option for real-time priorities";
+    let change = "allow FIFO: `rtprio 95` for this user in /etc/security/limits.conf, or CAP_SYS_NICE; in a container, \
+        its option for real-time priorities";
     let Ok(value) = ThreadPriorityValue::try_from(PRIORITY) else {
         return Finding::bad(what, "no such priority", change);
     };

@@ -103,7 +103,8 @@ fn jitter(late: Percentiles, allowed_us: f64) -> Finding {
         return Finding::good("wake-up", found);
     }
     let change = format!(
-        "at most {allowed_us:.0} µs is sound at this rate: what is above, then a processor of its own (`isolcpus`, --processor), and no other work on this machine"
+        "at most {allowed_us:.0} µs is sound at this rate: what is above, then a processor of its own (`isolcpus`, \
+            --processor), and no other work on this machine"
     );
     Finding::bad("wake-up", found, change)
 }

@@ -81,7 +81,8 @@ fn version(asked: &str) -> Option<Protocol> {
 pub enum OnError {
     /// It is none of the links.
     #[error(
-        "--on {0}: `sim`, `fci://HOST` or `fci://HOST:PORT` is valid, the latter two with `?protocol=5` or `?protocol=10` behind them"
+        "--on {0}: `sim`, `fci://HOST` or `fci://HOST:PORT` is valid, the latter two with `?protocol=5` or \
+            `?protocol=10` behind them"
     )]
     Link(String),
     /// The clock is the robot's.

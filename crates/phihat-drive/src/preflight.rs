@@ -143,7 +143,8 @@ pub(crate) fn certificate(study: &Study, gains: &Gains) -> Check {
         }
         Ok(_) => Check::passed(
             name,
-            "every claim that the file can show holds; it is about another study, so its tube says nothing of this motion",
+            "every claim that the file can show holds; it is about another study, so its tube says nothing of this \
+                motion",
         ),
     }
 }

@@ -162,7 +162,7 @@ fn what_is_driven_is_what_is_derived_twice() {
     assert_eq!(verdict, Some("DERIVED TWICE"));
     let says = [
         "DERIVED TWICE ≤",
-        "any motion within ± 0.4 rad, 0.4 rad/s, 1 rad/s², 10 rad/s³",
+        "any motion within ±0.4 rad, 0.4 rad/s, 1 rad/s², 10 rad/s³",
         "holding and tracking",
     ];
     assert!(says.iter().all(|part| stated.sentence.contains(part)), "{}", stated.sentence);

@@ -185,7 +185,8 @@ fn a_drive_that_does_what_it_likes_stops_near() {
     let folder = folder("first-motion-faults");
     for (gain, stops) in [(-1.0, true), (0.0, true), (0.5, false)] {
         let text = format!(
-            "{}[[fault]]\nkind = \"drive_gain\"\njoint = \"joint2\"\nstart_s = 0.0\nduration_s = 100.0\nsize = {gain:?}\n",
+            "{}[[fault]]\nkind = \"drive_gain\"\njoint = \"joint2\"\nstart_s = 0.0\nduration_s = 100.0\nsize = \
+                {gain:?}\n",
             plain()
         );
         let study = written(&folder, "arm.toml", &text);
@@ -225,7 +226,8 @@ fn what_cannot_be_moved_safely_is_refused() {
     let window = prepared.checks.iter().find(|check| check.name == CheckName::Window).unwrap();
     assert!(prepared.is_refused() && window.state == State::Failed, "{window:?}");
     // No limit of which a share could be taken.
-    let joint = "[[joint]]\nname = \"one\"\ninertia_min_kg_m2 = 0.1\ninertia_max_kg_m2 = 0.4\nphi_rate_max_nm_s = 1.0\nphi_jump_max_nm = 0.1\n";
+    let joint = "[[joint]]\nname = \"one\"\ninertia_min_kg_m2 = 0.1\ninertia_max_kg_m2 = 0.4\nphi_rate_max_nm_s = \
+        1.0\nphi_jump_max_nm = 0.1\n";
     let bare = plain
         .replace("[robot]\nname = \"planar3r\"", joint)
         .replace("center = \"ready\"", "center_rad = 0.0");

@@ -80,7 +80,8 @@ fn allocations(text: &str, cycles_wanted: usize, wasteful: bool) -> u64 {
 /// Somebody tells the arm where to go, all the time: it goes there, and not where the study's motion is.
 #[test]
 fn an_arm_that_is_led_allocates_nothing() {
-    let shaped = "reference_velocity_max_rad_s = 1.0\nreference_acceleration_max_rad_s2 = 5.0\nreference_jerk_max_rad_s3 = 50.0\n";
+    let shaped = "reference_velocity_max_rad_s = 1.0\nreference_acceleration_max_rad_s2 = \
+        5.0\nreference_jerk_max_rad_s3 = 50.0\n";
     let study = study(
         &format!("{PLAIN}{SUPERVISED}{shaped}").replace("duration_s = 2.0", "duration_s = 8.0"),
     );

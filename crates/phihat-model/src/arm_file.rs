@@ -12,8 +12,10 @@ const BITS: (u32, u32) = (18, 12);
 const SMALL_NM: f64 = 10.0;
 
 /// Source of a section's figures, where they are estimated.
-const ROTOR: &str = "estimate: J = t * torque limit / speed limit, t = 0.011 to 0.07 s (geared drives; 0.0035 to 0.02 s above 12 rad/s), which holds published drives of Franka, KUKA and Unitree; `rotor_inertia` in phihat-model";
-const FRICTION: &str = "estimate: dry friction is 0.6 to 7 % of the torque limit, which holds the Panda's identified friction; `dry_friction` in phihat-model";
+const ROTOR: &str = "estimate: J = t * torque limit / speed limit, t = 0.011 to 0.07 s (geared drives; 0.0035 to 0.02 \
+    s above 12 rad/s), which holds published drives of Franka, KUKA and Unitree; `rotor_inertia` in phihat-model";
+const FRICTION: &str = "estimate: dry friction is 0.6 to 7 % of the torque limit, which holds the Panda's identified \
+    friction; `dry_friction` in phihat-model";
 const ENCODER: &str =
     "assumption: 18 bits over one turn of the joint, 12 where no joint has more than 10 N m";
 
@@ -88,7 +90,8 @@ impl Robot {
         );
         line(
             text,
-            "# [robot] file = \"THIS FILE\". Only the description is needed; what is estimated says so, and what to measure.",
+            "# [robot] file = \"THIS FILE\". Only the description is needed; what is estimated says so, and what to \
+                measure.",
         );
         line(text, &format!("name = {}", q(&self.name)));
         let is_mjcf = [".xml", ".mjcf"].iter().any(|ending| urdf.ends_with(ending));
@@ -120,19 +123,23 @@ impl Robot {
             self.joints.iter().all(|joint| joint.armature > 0.0 || joint.armature_range.is_some());
         line(
             text,
-            "\n# Inertia of each rotor as its joint feels it, behind the gear: rotor inertia times the gear ratio squared",
+            "\n# Inertia of each rotor as its joint feels it, behind the gear: rotor inertia times the gear ratio \
+                squared",
         );
         line(
             text,
-            "# [kg·m², kg for a sliding joint]. A simulated run has `armature_kg_m2`; a design holds for every value from min to",
+            "# [kg·m², kg for a sliding joint]. A simulated run has `armature_kg_m2`; a design holds for every value \
+                from min to",
         );
         line(
             text,
-            "# max, and a wide interval costs accuracy. Take it from the motor's data sheet. Or measure: hold the joint where",
+            "# max, and a wide interval costs accuracy. Take it from the motor's data sheet. Or measure: hold the \
+                joint where",
         );
         line(
             text,
-            "# gravity does not turn it, apply a small torque step; torque over acceleration, less the inertia of the links, is it.",
+            "# gravity does not turn it, apply a small torque step; torque over acceleration, less the inertia of the \
+                links, is it.",
         );
         Self::section(text, "rotor", known);
         self.list(text, ("armature_kg_m2", known), |joint| joint.armature);
@@ -166,11 +173,13 @@ impl Robot {
     fn write_friction(&self, text: &mut String) {
         line(
             text,
-            "\n# Friction of each joint: viscous [N·m·s/rad] and dry [N·m]. A simulated run has `coulomb_nm`; a tube holds for every",
+            "\n# Friction of each joint: viscous [N·m·s/rad] and dry [N·m]. A simulated run has `coulomb_nm`; a tube \
+                holds for every",
         );
         line(
             text,
-            "# level from min to max. Measure: turn the joint slowly both ways; half the difference of the torques is it.",
+            "# level from min to max. Measure: turn the joint slowly both ways; half the difference of the torques is \
+                it.",
         );
         Self::section(text, "friction", true);
         self.list(text, ("viscous_nm_s_rad", true), |joint| joint.friction.viscous);
@@ -187,7 +196,8 @@ impl Robot {
         let known = self.joints.iter().all(|joint| joint.torque_max.is_some());
         line(
             text,
-            "\n# What the drives can: largest torque [N·m] and speed [rad/s]. Those of the description, which may be placeholders: compare",
+            "\n# What the drives can: largest torque [N·m] and speed [rad/s]. Those of the description, which may be \
+                placeholders: compare",
         );
         line(text, "# the data sheet. All estimates above come from them.");
         if !known {
@@ -195,7 +205,8 @@ impl Robot {
             line(
                 text,
                 &format!(
-                    "# STATE the torque limit of {without}: the description has none, and nothing can be estimated without it."
+                    "# STATE the torque limit of {without}: the description has none, and nothing can be estimated \
+                        without it."
                 ),
             );
         }
@@ -206,7 +217,8 @@ impl Robot {
             line(
                 text,
                 &format!(
-                    "# Not stated by the description for every joint; {SPEED_ASSUMED:.3} rad/s was assumed for the estimates."
+                    "# Not stated by the description for every joint; {SPEED_ASSUMED:.3} rad/s was assumed for the \
+                        estimates."
                 ),
             );
         }

@@ -43,7 +43,8 @@ pub enum NotRigid {
     NotFinite,
     /// An inertia about which some axis turns with less than nothing \[kg·m²\].
     #[error(
-        "inertia {0:?} (xx, xy, xz, yy, yz, zz) has a negative principal moment; all three must be at least 0: products of inertia (xy, xz, yz) this large belong to no body with this diagonal"
+        "inertia {0:?} (xx, xy, xz, yy, yz, zz) has a negative principal moment; all three must be at least 0: \
+            products of inertia (xy, xz, yz) this large belong to no body with this diagonal"
     )]
     Inertia([f64; 6]),
 }
@@ -108,7 +109,9 @@ pub enum RobotError {
     },
     /// No link that a joint moves has mass: the description is one of motion only, as those of many industrial arms.
     #[error(
-        "{origin}:{line}: joint \"{joint}\": it moves no mass, and no other joint does: the file has no <inertial>, so it describes motion only; `phihat new` writes a study of such an arm, with each joint's inertia as an interval to fill in"
+        "{origin}:{line}: joint \"{joint}\": it moves no mass, and no other joint does: the file has no <inertial>, so \
+            it describes motion only; `phihat new` writes a study of such an arm, with each joint's inertia as an \
+            interval to fill in"
     )]
     NoInertia {
         /// File.

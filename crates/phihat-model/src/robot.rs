@@ -78,10 +78,15 @@ impl Robot {
     /// File of its description, where it was read from that alone: no TOML file says what that leaves out.
     #[must_use]
     pub fn bare_file(&self) -> Option<&Path> {
-        let is_toml =
-            |path: &PathBuf| path.extension().is_some_and(|extension| extension == "toml");
         let first = self.files.first()?;
-        (!self.files.iter().any(is_toml)).then_some(first)
+        self.toml_file().is_none().then_some(first)
+    }
+
+    /// TOML file that states what its description leaves out; `None` of a bare description and of a built-in arm.
+    #[must_use]
+    pub fn toml_file(&self) -> Option<&Path> {
+        let mut files = self.files.iter().map(PathBuf::as_path);
+        files.find(|path| path.extension().is_some_and(|extension| extension == "toml"))
     }
 
     /// Names of the joints that slide: their positions are in m, their torques forces in N.

@@ -17,8 +17,8 @@ pub(crate) fn read_text(path: &Path) -> Result<String, RobotError> {
         Err(_) => usd_extension(path),
     };
     if is_usd && path.is_file() {
-        let why = "this is USD, which is not read: phihat reads URDF and MJCF; Isaac Sim's URDF exporter (isaacsim.asset.exporter.urdf) \
-                   writes one, or take the URDF that the stage was imported from";
+        let why = "this is USD, which is not read: phihat reads URDF and MJCF; Isaac Sim's URDF exporter \
+                   (isaacsim.asset.exporter.urdf) writes one, or take the URDF that the stage was imported from";
         return Err(RobotError::Xml { origin, line: 1, why: why.to_owned() });
     }
     read.map_err(|source| match source.kind() {

@@ -70,13 +70,16 @@ fn collada() -> String {
         r##"<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><unit name="millimetre" meter="0.001"/><up_axis>Y_UP</up_axis></asset>
 <library_geometries><geometry id="cube"><mesh>
-<source id="p"><float_array id="n" count="24">{}</float_array><technique_common><accessor source="#n" count="8" stride="3"/></technique_common></source>
+<source id="p"><float_array id="n" count="24">{}</float_array><technique_common>
+<accessor source="#n" count="8" stride="3"/></technique_common></source>
 <source id="m"><float_array id="k" count="3">0 0 1</float_array></source>
 <vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
-<polylist count="6"><input semantic="VERTEX" source="#v" offset="0"/><input semantic="NORMAL" source="#m" offset="1"/><vcount>4 4 4 4 4 4</vcount><p>{}</p></polylist>
+<polylist count="6"><input semantic="VERTEX" source="#v" offset="0"/>
+<input semantic="NORMAL" source="#m" offset="1"/><vcount>4 4 4 4 4 4</vcount><p>{}</p></polylist>
 </mesh></geometry></library_geometries>
 <library_visual_scenes><visual_scene id="s"><node><translate>0 0 300</translate><rotate>0 0 1 90</rotate>
-<node><matrix>2 0 0 0  0 2 0 0  0 0 2 -300  0 0 0 1</matrix><instance_geometry url="#cube"/></node></node></visual_scene></library_visual_scenes>
+<node><matrix>2 0 0 0  0 2 0 0  0 0 2 -300  0 0 0 1</matrix><instance_geometry url="#cube"/></node>
+</node></visual_scene></library_visual_scenes>
 <scene><instance_visual_scene url="#s"/></scene></COLLADA>"##,
         numbers.join(" "),
         corners.join(" ")
@@ -85,16 +88,19 @@ fn collada() -> String {
 
 fn urdf(mesh: &str) -> String {
     format!(
-        r#"<robot name="rod"><link name="base"/><joint name="pivot" type="revolute"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/>
+        r#"<robot name="rod"><link name="base"/><joint name="pivot" type="revolute">
+<parent link="base"/><child link="rod"/><axis xyz="0 1 0"/>
         <limit lower="-3" upper="3" effort="40" velocity="5"/></joint>
-        <link name="rod"><inertial><origin xyz="0 0 -0.4"/><mass value="2"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>
+        <link name="rod"><inertial><origin xyz="0 0 \
+            -0.4"/><mass value="2"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>
         {mesh}</link></robot>"#
     )
 }
 
 fn visual(file: &str) -> String {
     format!(
-        r#"<visual><origin xyz="0 0 1" rpy="0 0 1.5707963267948966"/><geometry><mesh filename="{file}" scale="0.1 0.2 0.3"/></geometry></visual>"#
+        r#"<visual><origin xyz="0 0 1" rpy="0 0 1.5707963267948966"/><geometry><mesh filename="{file}" scale="0.1 0.2 \
+        0.3"/></geometry></visual>"#
     )
 }
 

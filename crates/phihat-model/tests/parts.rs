@@ -150,8 +150,8 @@ fn a_tip_that_stands_still_is_no_tip() {
         let joints = ["waist", "left_shoulder", "left_elbow", "left_wrist", "left_finger"];
         let more = ["right_shoulder", "right_elbow", "right_wrist", "right_finger"];
         format!(
-            "name = \"two\"\ndescription = \"\"\nurdf = \"two.urdf\"\ntip = \"{tip}\"\nlicence = \"\"\nprovenance = \"\"\n\
-             joints = {:?}\n",
+            "name = \"two\"\ndescription = \"\"\nurdf = \"two.urdf\"\ntip = \"{tip}\"\nlicence = \"\"\nprovenance = \
+             \"\"\njoints = {:?}\n",
             [&joints[..], &more].concat()
         )
     };

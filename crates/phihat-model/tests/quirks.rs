@@ -12,8 +12,8 @@ fn tower(kinds: &[&str]) -> String {
     let part = |(below, kind): (usize, &&str)| {
         let above = below + 1;
         format!(
-            "<link name=\"l{above}\">{LINK}</link>\n<joint name=\"j{above}\" type=\"{kind}\"><parent link=\"l{below}\"/>\
-             <child link=\"l{above}\"/><origin xyz=\"0.07 0 -0.69\" rpy=\"0 -1.5708 3.1416\"/>\
+            "<link name=\"l{above}\">{LINK}</link>\n<joint name=\"j{above}\" type=\"{kind}\"><parent \
+             link=\"l{below}\"/><child link=\"l{above}\"/><origin xyz=\"0.07 0 -0.69\" rpy=\"0 -1.5708 3.1416\"/>\
              <axis xyz=\"0 1 0\"/><limit lower=\"-0.5\" upper=\"0.25\" effort=\"9\" velocity=\"2\"/></joint>\n"
         )
     };

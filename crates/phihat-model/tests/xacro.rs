@@ -92,9 +92,9 @@ fn expressions_have_the_values_that_python_gives_them() {
     for [expression, kind, value] in &rows {
         let expression = expression.as_str().unwrap();
         let text = format!(
-            "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\"><xacro:property name=\"a\" value=\"3\"/><xacro:property name=\"b\" value=\"0.25\"/>\
-             <xacro:property name=\"word\" value=\"arm\"/><xacro:property name=\"flag\" value=\"true\"/>\
-             <xacro:property name=\"items\" value=\"${{[1, 2.5, 'x']}}\"/><v x=\"${{{}}}\"/></robot>",
+            "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\"><xacro:property name=\"a\" value=\"3\"/><xacro:property \
+             name=\"b\" value=\"0.25\"/><xacro:property name=\"word\" value=\"arm\"/><xacro:property name=\"flag\" \
+             value=\"true\"/><xacro:property name=\"items\" value=\"${{[1, 2.5, 'x']}}\"/><v x=\"${{{}}}\"/></robot>",
             expression.replace('<', "&lt;")
         );
         match (Folder::new("expression", &text).expand(), kind) {
@@ -209,14 +209,29 @@ fn hostile_files_cost_little() {
         doubled += "\"/>";
     }
     let cases = [
-        ("recursion", "<xacro:macro name=\"m\" params=\"\"><xacro:m/></xacro:macro><xacro:m/>".to_owned()),
-        ("doubling", "<xacro:macro name=\"m\" params=\"n\"><xacro:if value=\"${n &lt; 30}\"><xacro:m n=\"${n+1}\"/><xacro:m n=\"${n+1}\"/></xacro:if></xacro:macro><xacro:m n=\"0\"/>".to_owned()),
+        (
+            "recursion",
+            "<xacro:macro name=\"m\" params=\"\"><xacro:m/></xacro:macro><xacro:m/>".to_owned(),
+        ),
+        (
+            "doubling",
+            "<xacro:macro name=\"m\" params=\"n\"><xacro:if value=\"${n &lt; 30}\"><xacro:m \
+            n=\"${n+1}\"/><xacro:m n=\"${n+1}\"/></xacro:if></xacro:macro><xacro:m n=\"0\"/>"
+                .to_owned(),
+        ),
         ("itself", "<xacro:property name=\"z\" value=\"${z}\"/>".to_owned()),
         ("text", format!("<xacro:property name=\"a\" value=\"aaaa\"/>{doubled}")),
         ("times", "<xacro:property name=\"z\" value=\"${'a' * 10**9}\"/>".to_owned()),
         ("range", "<xacro:property name=\"z\" value=\"${len(range(10**15))}\"/>".to_owned()),
         ("power", "<xacro:property name=\"z\" value=\"${9**9**9}\"/>".to_owned()),
-        ("brackets", format!("<xacro:property name=\"z\" value=\"${{{}1{}}}\"/>", "(".repeat(5000), ")".repeat(5000))),
+        (
+            "brackets",
+            format!(
+                "<xacro:property name=\"z\" value=\"${{{}1{}}}\"/>",
+                "(".repeat(5000),
+                ")".repeat(5000)
+            ),
+        ),
         ("signs", format!("<xacro:property name=\"z\" value=\"${{{}1}}\"/>", "-".repeat(5000))),
         ("includes", "<xacro:include filename=\"file.xacro\"/>".to_owned()),
     ];

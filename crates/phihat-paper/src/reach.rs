@@ -70,10 +70,11 @@ pub fn reach(extent: Extent, progress: &dyn Fn(f64)) -> Result<PaperPart, PartEr
             progress(maps.len() as f64 / (ARMS.len() * LAWS.len()) as f64);
         }
     }
-    let text = "The paper takes φ for a signal from outside. It contains (M − M̄)q̈, so the loop is stable only for an inertia between two \
-                bounds. Each cell asks whether the sampled loop (one sample of delay, measured velocity) is stable at every one of 1500 \
-                postures, frozen, of an arm that is so many times the one described, rotors included. That is decided exactly, by the \
-                window's two edges; “M̄ per joint” has the same gains and the geometric mean of each joint's own inertia for M̄.";
+    let text = "The paper takes φ for a signal from outside. It contains (M − M̄)q̈, so the loop is stable only for an \
+                inertia between two bounds. Each cell asks whether the sampled loop (one sample of delay, measured \
+                velocity) is stable at every one of 1500 postures, frozen, of an arm that is so many times the one \
+                described, rotors included. That is decided exactly, by the window's two edges; “M̄ per joint” has the \
+                same gains and the geometric mean of each joint's own inertia for M̄.";
     let mut section = section("how-far", "How far does it hold?", &[text]);
     section.statements.push(model_free(&maps, extent));
     section.tables.push(at_printed_rate(&maps));
@@ -86,8 +87,8 @@ fn part(mut section: Section) -> PaperPart {
     let assumption = Assumption {
         id: "arms-of-the-maps".to_owned(),
         missing: "The inertia of both arms of the paper.".to_owned(),
-        assumed: "The planar arm of this project (rotors of 0.1 kg·m²) and the Franka Panda (rotors as published for its \
-                  successor), both scaled as a whole."
+        assumed: "The planar arm of this project (rotors of 0.1 kg·m²) and the Franka Panda (rotors as published for \
+                  its successor), both scaled as a whole."
             .to_owned(),
         influence: "The maps are the influence: along their vertical axis the arm is scaled by 10⁴ in all.".to_owned(),
     };
@@ -205,9 +206,9 @@ fn model_free(maps: &[MappedReach], extent: Extent) -> Statement {
     let why = if everywhere {
         "The printed law is stable on all arms and at all rates tried."
     } else {
-        "M̄ = 1 kg·m² is a choice of units that becomes a choice of gain: below the band the loop is too fast for its samples, above it \
-         the estimator is too slow for the arm. One number per joint, the nominal inertia, moves the band onto any arm, which then asks \
-         for a sample rate only. So much must be known of the arm."
+        "M̄ = 1 kg·m² is a choice of units that becomes a choice of gain: below the band the loop is too fast for its \
+         samples, above it the estimator is too slow for the arm. One number per joint, the nominal inertia, moves the \
+         band onto any arm, which then asks for a sample rate only. So much must be known of the arm."
     };
     let mut numbers = Vec::new();
     // A quick map has other cells, and other shares.
@@ -272,7 +273,8 @@ fn map_figure(maps: Vec<MappedReach>, rates: &[f64], scales: &[f64]) -> Figure {
         },
         ..Panel::default()
     };
-    let caption = "Where the sampled loop is stable at every posture: the law as printed holds in a band of inertia, whose lower edge falls \
-                   with the sample rate. With one nominal inertia per joint the arm's size no longer matters.";
+    let caption = "Where the sampled loop is stable at every posture: the law as printed holds in a band of inertia, \
+                   whose lower edge falls with the sample rate. With one nominal inertia per joint the arm's size no \
+                   longer matters.";
     figure("fig-how-far", "How far does it hold?", caption, maps.into_iter().map(panel).collect())
 }

@@ -30,7 +30,8 @@ pub enum ReproduceError {
     #[error("reproduce: a part panicked")]
     Panicked,
     /// No part is meant by such words.
-    #[error("--only {0:?}: no part is named so, and none has such a section, statement or figure; parts: {parts}", parts = part_names())]
+    #[error("--only {0:?}: no part is named so, and none has such a section, statement or figure; parts: \
+        {parts}", parts = part_names())]
     NoSuchPart(String),
     /// Results cannot be written.
     #[error(transparent)]

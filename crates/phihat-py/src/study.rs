@@ -61,7 +61,10 @@ pub(crate) fn study_document<'py>(
     let payload = study.world.payload.as_ref().map(|p| {
         json!({ "frame": p.frame, "mass_kg": p.mass, "com_m": p.com, "inertia_kg_m2": p.inertia })
     });
-    let push = |p: &phihat_study::Push| json!({ "joint": p.joint, "torque_nm": p.torque, "start_s": p.start, "duration_s": p.duration });
+    let push = |p: &phihat_study::Push| {
+        json!({ "joint": p.joint, "torque_nm": p.torque, "start_s": p.start,
+        "duration_s": p.duration })
+    };
     let document = json!({
         "name": study.name,
         "title": study.title,

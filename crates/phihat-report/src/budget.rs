@@ -39,7 +39,8 @@ pub fn budget_page(budget: &Budget) -> String {
 fn verdict(budget: &Budget) -> Markup {
     let class = if budget.feasible { "verdict within" } else { "verdict outside" };
     html! { div class=(class) {
-        p { strong { @if budget.feasible { "The gains keep every clause." } @else { "No gains are known that keep every clause." } } }
+        p { strong { @if budget.feasible { "The gains keep every clause." } @else { "No gains are known that keep \
+            every clause." } } }
         @if !budget.words.is_empty() { ul { @for words in &budget.words { li { (prose(words)) } } } }
     } }
 }
@@ -76,12 +77,15 @@ fn joints(budget: &Budget) -> Markup {
         } } }
         p { @match basis {
             BudgetBasis::Tube => {
-                "Largest |e| after settling by tubes of the same gains: of the motion alone, and what each other cause adds to it when "
-                "it comes alone. Coupling is what is left of the whole: joints that push each other, and causes that feed each other; "
+                "Largest |e| after settling by tubes of the same gains: of the motion alone, and what each other cause \
+                    adds to it when "
+                "it comes alone. Coupling is what is left of the whole: joints that push each other, and causes that \
+                    feed each other; "
                 "less than nothing where causes are not at their worst at the same time."
             }
             BudgetBasis::OwnLoop => {
-                "Worst cases of each joint's own loop, added up; how joints push each other is not in here. Estimates of the search."
+                "Worst cases of each joint's own loop, added up; how joints push each other is not in here. Estimates \
+                    of the search."
             }
         } " A cause marked “within” is in the others already: so much less would be the whole without it." }
     }
@@ -130,7 +134,8 @@ fn bar(joint: &JointBudget, causes: impl Iterator<Item = (usize, Cause)>) -> Mar
         parts.iter().zip(starts).map(|((k, size), start)| (*k, start, *size)).collect();
     html! { svg.bullet viewBox="0 0 1000 24" preserveAspectRatio="none" aria-hidden="true" {
         rect.ground x="0" y="0" width="1000" height="24" {}
-        @for (k, start, size) in placed { rect.(format!("part-{k}")) x=(at(start)) y="4" width=(at(size)) height="16" {} }
+        @for (k, start, size) in placed { rect.(format!("part-{k}")) x=(at(start)) y="4" width=(at(size))
+            height="16" {} }
         @if let Some(allowed) = joint.error_bound_rad { line.limit x1=(at(allowed)) x2=(at(allowed)) y1="0" y2="24" {} }
     } }
 }
@@ -168,20 +173,23 @@ fn changes(budget: &Budget) -> Markup {
         h2 id="changes" { "What one change would buy" }
         div.scroll tabindex="0" role="region" aria-label="Table: changes that were tried" { table {
             thead { tr {
-                th scope="col" { "change" } th scope="col" { "key" } th scope="col" { "value" } th scope="col" { "then" }
+                th scope="col" { "change" } th scope="col" { "key" } th scope="col" { "value" } th scope="col" {
+                    "then" }
             } }
             tbody { @for change in &budget.changes { tr {
                 th scope="row" { (line(&change.change)) }
                 td { code { (line(&change.key)) } }
                 td { code { (line(&change.value)) } }
                 td { @match (change.helps, change.error_share) {
-                    (true, Some(share)) => { "there are gains, which use " (percent(share, 1.0)) " of the allowed error" }
+                    (true, Some(share)) => { "there are gains, which use " (percent(share, 1.0)) " of the allowed \
+                        error" }
                     (true, None) => { "there are gains" }
                     (false, _) => { "still none" }
                 } }
             } } }
         } }
-        p { "Each was tried out by itself, all else being equal, as a study of its own; the smallest that helps is told." }
+        p { "Each was tried out by itself, all else being equal, as a study of its own; the smallest that helps is \
+            told." }
     }
 }
 

@@ -23,8 +23,10 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
     html! {
         h2 id="certificate" { "Certificate" }
         p {
-            "Claims about these gains that " code { "phihat verify" } " checks again from gains.json alone. The arm's inertia, "
-            "in units of M̄, was found between " (number(low)) " and " (number(high)) " (" (line(&certificate.arm.source))
+            "Claims about these gains that " code { "phihat verify" } " checks again from gains.json alone. The arm's \
+                inertia, "
+            "in units of M̄, was found \
+                between " (number(low)) " and " (number(high)) " (" (line(&certificate.arm.source))
             "); it must stay inside each joint's window by a factor of " (stated(certificate.window_margin)) "."
         }
         @if let Some(why) = certificate.refused() {
@@ -54,20 +56,22 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
 fn reading(figure: &str) -> &'static str {
     match figure {
         "inertia-window" => {
-            "The loop is stable for inertia inside of the window, which is closed at both ends; the arm must stay inside by the \
-             margin. The arm's range is that of the eigenvalues of M̄⁻¹M(q), times each joint's M̄."
+            "The loop is stable for inertia inside of the window, which is closed at both ends; the arm must stay \
+             inside by the margin. The arm's range is that of the eigenvalues of M̄⁻¹M(q), times each joint's M̄."
         }
         "bode" => {
-            "The sampled loop of the joint with the smallest modulus margin, cut where the torque meets the inertia, at the \
-             lightest, a middle and the heaviest inertia of the arm; and what a torque φ on the joint does to its error."
+            "The sampled loop of the joint with the smallest modulus margin, cut where the torque meets the inertia, \
+             at the lightest, a middle and the heaviest inertia of the arm; and what a torque φ on the joint does to \
+             its error."
         }
         "pace" => {
-            "The largest bound of a joint, were speed f times, acceleration f² times and jerk f³ times those of the class: the same gains, \
-             the same derivation. Informs; only the class itself is in the certificate."
+            "The largest bound of a joint, were speed f times, acceleration f² times and jerk f³ times those of the \
+             class: the same gains, the same derivation. Informs; only the class itself is in the certificate."
         }
         _ => {
-            "Other laws of the search that no other beats in both: less error costs torque noise, here the worst change of \
-             torque per sample that the encoder's steps can cause. Estimates, a few per mille low; not certified."
+            "Other laws of the search that no other beats in both: less error costs torque noise, here the worst \
+             change of torque per sample that the encoder's steps can cause. Estimates, a few per mille low; not \
+             certified."
         }
     }
 }
@@ -102,7 +106,8 @@ fn bounds(certificate: &Certificate, measured: &[JointMetrics]) -> Markup {
                         td { (number(joint.velocity_error_steady_max_rad_s * MILLI)) (speed) }
                         td { @if holds { "yes" } @else { "no" } }
                     } @else {
-                        td colspan="6" { @if claim.phi.is_none() { "no bound: φ is not known" } @else { "no bound: see above" } }
+                        td colspan="6" { @if claim.phi.is_none() { "no bound: φ is not known" } @else { "no bound: see \
+                            above" } }
                     }
                 } } }
             }
@@ -116,16 +121,19 @@ fn moving(certificate: &Certificate) -> Markup {
     html! {
         @if let Some(moving) = &certificate.moving {
             p {
-                "While the arm moves, the coupled loop is stable as long as its inertia, in units of M̄, changes by at most "
+                "While the arm moves, the coupled loop is stable as long as its inertia, in units of M̄, changes by at \
+                    most "
                 (number(moving.rate_per_s)) " per second, anywhere in its range. The reference needs "
                 (rate(moving.needed_motion_per_s)) ", all joints at their speed limits "
-                (rate(moving.needed_limits_per_s)) ", as far as it was searched. Coriolis and viscous torque are left out."
+                (rate(moving.needed_limits_per_s)) ", as far as it was searched. Coriolis and viscous torque are left \
+                    out."
             }
         } @else if let Some(why) = &certificate.moving_refused {
             p { "Stability while the arm moves is not proved: " (line(&why.to_string())) }
         }
         @if let Some(rate) = certificate.frozen.as_ref().and_then(|frozen| frozen.decay_per_s) {
-            p { "At every frozen posture the arm forgets what moved it at least as e^(−" (number(rate)) " t), t in s: proved." }
+            p { "At every frozen posture the arm forgets what moved it at least as e^(−" (number(rate)) " t), t in s: \
+                proved." }
         }
         @if let Some(any) = &certificate.any_speed {
             p { "Within μ = " (number(any.low)) " … " (number(any.high)) " the inertia may move at any speed." }
@@ -176,7 +184,8 @@ fn weights(joint: &JointCertificate) -> Markup {
     html! {
         @if let Some(c) = certified {
             details {
-                summary { "H-infinity optimality: γ = " (number(c.gamma)) " at K̃ = " (number(c.k_tilde)) " 1/s; Q and S" }
+                summary { "H-infinity optimality: γ = " (number(c.gamma)) " at K̃ = " (number(c.k_tilde)) " 1/s; Q and \
+                    S" }
                 p { "Weights of the game (13), for M̄ = 1 kg·m²; the last column is the diagonal of Q." }
                 table {
                     tbody { @for (row, q) in c.s.iter().zip(&c.q) { tr {

@@ -3,7 +3,7 @@
 use phihat_design::ClassBound;
 use phihat_sim::{JointMetrics, Metrics};
 
-use crate::kit::number::{number, percent, stated};
+use crate::kit::number::{number, percent};
 use crate::kit::text::line;
 use crate::kit::{MILLI, unit_of};
 use crate::promise::no_promise;
@@ -141,34 +141,7 @@ impl<'a> ClassRun<'a> {
 
     /// Limits of the class in words: `±0.3 rad, 0.2 rad/s, 0.2 rad/s², 1 rad/s³`.
     pub(crate) fn limits(&self) -> String {
-        let class = self.class;
-        let half = |(low, high): (&f64, &f64)| 0.5 * (high - low);
-        let ends = class.box_rad.0.iter().zip(&class.box_rad.1);
-        let lists = [
-            ("±", "rad", &ends.map(half).collect()),
-            ("", "rad/s", &class.speed_max_rad_s),
-            ("", "rad/s²", &class.acceleration_max_rad_s2),
-            ("", "rad/s³", &class.jerk_max_rad_s3),
-        ];
         let slides: Vec<bool> = self.metrics.joints.iter().map(|joint| joint.slides).collect();
-        let words = lists.map(|(sign, unit, values)| {
-            // Joints that turn, then those that slide.
-            let kinds = [false, true].map(|sliding| {
-                let of = values.iter().zip(&slides).filter(|(_, slides)| **slides == sliding);
-                let own: Vec<f64> = of.map(|(value, _)| *value).collect();
-                span(&own).map(|span| format!("{sign}{span} {}", unit_of(unit, sliding)))
-            });
-            kinds.into_iter().flatten().collect::<Vec<_>>().join(" and ")
-        });
-        words.join(", ")
+        self.class.limits_in_words(&slides)
     }
-}
-
-/// `0.2`, or `0.1 … 0.2` where values differ.
-fn span(values: &[f64]) -> Option<String> {
-    let low = values.iter().copied().reduce(f64::min)?;
-    let high = values.iter().copied().reduce(f64::max)?;
-    // What is left of a difference of two ends.
-    let [low, high] = [low, high].map(|value| stated((1e9 * value).round() / 1e9));
-    Some(if low == high { low } else { format!("{low} … {high}") })
 }

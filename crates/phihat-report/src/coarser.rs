@@ -16,7 +16,8 @@ pub(crate) fn coarser(gains: &Gains) -> Markup {
     html! {
         div.scroll tabindex="0" role="region" aria-label="Table: these gains behind coarser encoders" {
             table {
-                caption { span { "The same gains behind coarser encoders: largest |e| after settling by the tube, in mrad" } }
+                caption { span { "The same gains behind coarser encoders: largest |e| after settling by the tube, in \
+                    mrad" } }
                 thead { tr {
                     th scope="col" { "bits" }
                     @for joint in &tube.joints { th.name scope="col" { (parted(&joint.name)) } }
@@ -33,14 +34,16 @@ pub(crate) fn coarser(gains: &Gains) -> Markup {
                                 td.why colspan=(errors.len() + 2) { "no tube: " (line(why)) }
                             }
                         } @else {
-                            (row(&bits, (&one.error_bound_rad, &one.torque_step_max_nm), &slides, one.within_rate_limits))
+                            (row(&bits, (&one.error_bound_rad, &one.torque_step_max_nm), &slides,
+                                one.within_rate_limits))
                         }
                     }
                 }
             }
         }
         p {
-            "Gains are made for the encoder that the study declares. Where a limit of torque rate can act, the errors are those "
+            "Gains are made for the encoder that the study declares. Where a limit of torque rate can act, the errors \
+                are those "
             "without it, and none is proved. " code { "phihat verify" } " checks the declared encoder only."
         }
     }

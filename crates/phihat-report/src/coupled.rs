@@ -22,9 +22,10 @@ pub(crate) fn coupled(gains: &Gains) -> Markup {
                 "1 " (own("N·m", pushed)) " on " (line(name(pushed))) " moves " (line(name(moved))) " by at most "
                 (number(gain * MILLI)) " " (own("mrad", moved)) " (frozen postures). "
             }
-            "A table's entry is the most that an external torque of 1 N·m (force of 1 N on a joint that slides), of any course in time, on the column's joint does to the \
-             row's joint; pushes on several joints add up. At frozen postures: the arm's inertia is that of one posture, the \
-             worst of " (coupled.postures) " for each entry. This is no claim about motion. (" (line(&coupled.source)) ")"
+            "A table's entry is the most that an external torque of 1 N·m (force of 1 N on a joint that slides), of \
+             any course in time, on the column's joint does to the row's joint; pushes on several joints add up. At \
+             frozen postures: the arm's inertia is that of one posture, the worst of " (coupled.postures) " for each \
+             entry. This is no claim about motion. (" (line(&coupled.source)) ")"
         }
         (matrix("Error |e|", ("mrad", "N·m"), (&names, &slides), &coupled.error_rad_per_nm, MILLI))
         details {
@@ -101,7 +102,8 @@ fn matrix(
                 } } }
             }
         }
-        p.heat-says aria-hidden="true" { "Point at an entry, or go to it with Tab and arrows, to read it as a sentence; each shade is a factor of two." }
+        p.heat-says aria-hidden="true" { "Point at an entry, or go to it with Tab and arrows, to read it as a \
+            sentence; each shade is a factor of two." }
     }
 }
 

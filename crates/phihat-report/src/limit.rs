@@ -40,9 +40,12 @@ pub(crate) fn limit(gains: &Gains) -> Markup {
             }
         }
         p {
-            "Limit: no linear law from the same encoder, with no more torque noise, has a smaller bound on |e| at that one "
-            "inertia, were it known; at the lightest of the range, none has for the whole range. Price: the law's bound over "
-            "the range, over the limit at M̄. φ: " (line(&first.phi_source)) ". " code { "phihat verify" } " does not check "
+            "Limit: no linear law from the same encoder, with no more torque noise, has a smaller bound on |e| at that \
+                one "
+            "inertia, were it known; at the lightest of the range, none has for the whole range. Price: the law's \
+                bound over "
+            "the range, over the limit at M̄. φ: " (line(&first.phi_source)) ". " code { "phihat verify" } " does not \
+                check "
             "these figures, and the tube's error, of the coupled arm, is another."
         }
     }

@@ -80,7 +80,8 @@ pub fn page(record: &Record<'_>) -> String {
             (heading(record))
             (standing(record))
             div.measured-verdict {
-                @if let Some(stopped) = &record.metrics.stopped { p.verdict.outside { strong { (line(&stopped.sentence())) } "." } }
+                @if let Some(stopped) = &record.metrics.stopped { p.verdict.outside { strong {
+                    (line(&stopped.sentence())) } "." } }
                 (verdict_box(&verdict(record.metrics, record.tube)))
             }
             (warnings(record))
@@ -116,7 +117,8 @@ fn heading(record: &Record<'_>) -> Markup {
             p.byline {
                 "study " strong { (line(&run.study)) } " · " (line(&run.robot)) ", " (joints)
                 @if joints == 1 { " joint" } @else { " joints" }
-                " · " @if record.gains.is_some() { (line(&run.form)) " form" } @else { "another controller" } " at " (stated(run.rate_hz)) " Hz · seed " (run.seed)
+                " · " @if record.gains.is_some() { (line(&run.form)) " form" } @else { "another \
+                    controller" } " at " (stated(run.rate_hz)) " Hz · seed " (run.seed)
                 @if let Some(driven) = driven(run) { " · driven: " (line(driven)) } @else { " · simulated" }
             }
         }
@@ -143,7 +145,8 @@ fn contents(record: &Record<'_>) -> Markup {
         (true, "limits", "what is not claimed"),
     ];
     html! { nav.contents aria-label="contents" {
-        @for (_, id, words) in sections.into_iter().filter(|(there, ..)| *there) { a href=(format!("#{id}")) { (words) } }
+        @for (_, id, words) in sections.into_iter().filter(|(there, ..)| *there) { a href=(format!("#{id}")) { (words)
+            } }
     } }
 }
 
@@ -156,7 +159,8 @@ fn tip(record: &Record<'_>) -> Markup {
     let mm = |metres: f64| number(metres * MILLI);
     html! { p {
         "The tip (" (line(&tip.frame)) ") was at most " (mm(tip.error_steady_max_m)) " mm and "
-        (number(tip.angle_steady_max_rad.to_degrees())) "° off in the steady part, " (mm(tip.error_peak_m)) " mm in the whole run"
+        (number(tip.angle_steady_max_rad.to_degrees())) "° off in the steady part, " (mm(tip.error_peak_m)) " mm in \
+            the whole run"
         @if let Some(bound) = tip.error_bound_m { "; the study allows " (mm(bound)) " mm" }
         @if let Some(tube) = tube {
             "; by its tube at most " (mm(tube.error_bound_m)) " mm and " (number(tube.angle_max_rad.to_degrees())) "°"
@@ -191,7 +195,8 @@ fn verdict_box(verdict: &SpecVerdict) -> Markup {
             strong { "Outside its tube:" } " " (sentence) "."
         },
         SpecVerdict::NotFollowed { untracked, steady } => p.verdict.outside {
-            strong { "Not followed:" } " in " (untracked) " of " (steady) " samples of the steady part the supervisor did not let the arm follow its motion."
+            strong { "Not followed:" } " in " (untracked) " of " (steady) " samples of the steady part the supervisor \
+                did not let the arm follow its motion."
         },
         SpecVerdict::Outside { joints, broken } => div.verdict.outside {
             p { strong { "Outside spec on " (broken.len()) " of " (joints)
@@ -239,7 +244,8 @@ fn plots(record: &Record<'_>) -> Markup {
                 button type="button" id="csv" { "CSV of this time" }
             }
             p.hint {
-                "Drag to zoom, on a touch screen sideways; double-click or double-tap to see everything again. The cursor is one instant "
+                "Drag to zoom, on a touch screen sideways; double-click or double-tap to see everything again. The \
+                    cursor is one instant "
                 "of all plots, of the phase plane and of the arm above."
             }
             div id="strip" role="group" aria-label="error of every joint; a joint that is picked is drawn below" {}
@@ -252,8 +258,10 @@ fn plots(record: &Record<'_>) -> Markup {
             "The plots hold "
             @if *each == 1 { "every one of the " (samples) " samples" }
             @else { "the least and the largest of each " (each) " of the " (samples) " samples" }
-            " of each signal, to five digits of what is largest near it: at every zoom the extremes that they show are those of the run. "
-            "Torques and what is computed once per sample are drawn as steps. Figures and verdict come from all samples."
+            " of each signal, to five digits of what is largest near it: at every zoom the extremes that they show are \
+                those of the run. "
+            "Torques and what is computed once per sample are drawn as steps. Figures and verdict come from all \
+                samples."
         }
     }
 }

@@ -42,23 +42,29 @@ pub(crate) fn not_claimed(record: &Record<'_>) -> Markup {
     html! {
         h2 id="limits" { "What this page does not claim" }
         p {
-            "This is one run of a model of a robot, where the byline does not name a robot. A real arm has dynamics, delays and faults that "
+            "This is one run of a model of a robot, where the byline does not name a robot. A real arm has dynamics, \
+                delays and faults that "
             "no model here holds. "
             @match certificate {
                 None => { "No certificate backs these figures: they are measurements, not bounds. " }
                 Some(own) if own.tube.is_some() => {
-                    "The tube is about the study's one motion from its one start, for the payloads and levels of dry friction above: another motion, start or "
+                    "The tube is about the study's one motion from its one start, for the payloads and levels of dry \
+                        friction above: another motion, start or "
                     "study has another tube. "
                 }
                 Some(own) if own.class.is_some() => {
-                    "The bound is for motions of its class; its maxima over box and payloads are the largest that a search met. "
+                    "The bound is for motions of its class; its maxima over box and payloads are the largest that a \
+                        search met. "
                 }
                 Some(own) if own.without_bound().is_none() => {
-                    "Bounds are those of each joint by itself, for the φ that is stated: how joints push each other is in none. "
+                    "Bounds are those of each joint by itself, for the φ that is stated: how joints push each other is \
+                        in none. "
                 }
-                Some(_) => { "No error is bounded: what is claimed is the stability of the sampled loop in the arm's range of inertia. " }
+                Some(_) => { "No error is bounded: what is claimed is the stability of the sampled loop in the arm's \
+                    range of inertia. " }
             }
-            "phihat is research software, not a safety function; whoever runs these gains on a machine needs the machine's own protective "
+            "phihat is research software, not a safety function; whoever runs these gains on a machine needs the \
+                machine's own protective "
             "stop, limits and risk assessment."
         }
         @if let Some(certificate) = certificate {

@@ -68,7 +68,8 @@ fn observers(joints: &[(&JointRecord, &PositionObserver)]) -> Markup {
     html! {
         div.scroll tabindex="0" role="region" aria-label="Table: gains per joint" {
             table {
-                caption { span { "Law from positions: the torque goes the share g of the way to M̄ (q̈_d − K_d ė̂ − K_p ê) + φ̂ in each sample; the observer is corrected by ℓ times what the position is off" } }
+                caption { span { "Law from positions: the torque goes the share g of the way to M̄ (q̈_d − K_d ė̂ − \
+                    K_p ê) + φ̂ in each sample; the observer is corrected by ℓ times what the position is off" } }
                 thead { tr {
                     th scope="col" { "joint" }
                     th scope="col" { "M̄ " span.unit { "[kg·m²]" } }
@@ -100,7 +101,8 @@ fn filters(joints: &[(&JointRecord, &PositionObserver)], rate_hz: f64) -> Markup
     html! {
         div.scroll tabindex="0" role="region" aria-label="Table: filter on the innovation per joint" {
             table {
-                caption { span { "Filter on the innovation ν, what the position is off: the torque goes its share to M̄ Σ (b_0 x + b_1 δ) more, with x ← x + δ and δ ← δ + ν − c_0 x − c_1 δ per section" } }
+                caption { span { "Filter on the innovation ν, what the position is off: the torque goes its share to \
+                    M̄ Σ (b_0 x + b_1 δ) more, with x ← x + δ and δ ← δ + ν − c_0 x − c_1 δ per section" } }
                 thead { tr {
                     th scope="col" { "joint" }
                     th scope="col" { "poles " span.unit { "[rad/s]" } }
@@ -125,7 +127,8 @@ pub(crate) fn world(record: &Record<'_>) -> Markup {
         dl {
             dt { "form of the law" } dd { (line(&run.form)) }
             dt { "loop rate" } dd { (stated(run.rate_hz)) " Hz" }
-            dt { "delay, sample to acting torque" } dd { (run.delay_samples) @if run.delay_samples == 1 { " sample" } @else { " samples" } }
+            dt { "delay, sample to acting \
+                torque" } dd { (run.delay_samples) @if run.delay_samples == 1 { " sample" } @else { " samples" } }
             dt { "simulated time" } dd { (stated(metrics.duration_s)) " s, " (metrics.samples) " samples" }
             dt { "steady part" } dd { "from " (stated(metrics.settle_s)) " s on" }
             dt { "robot" } dd { (line(&run.robot)) " – " (line(&run.robot_description)) }

@@ -17,7 +17,9 @@ pub(crate) fn stage(record: &Record<'_>) -> Markup {
         section.stage hidden aria-labelledby="arm" {
             div.stage-view {
                 canvas id="arm-view" tabindex="0" role="application"
-                    aria-label="The arm, seen from the side. Space plays and pauses; left and right move in time, with Alt by one sample; up, down and Shift with arrows turn the view; plus and minus zoom; 0 brings the view back." {}
+                    aria-label="The arm, seen from the side. Space plays and pauses; left and right move in time, with \
+                        Alt by one sample; up, down and Shift with arrows turn the view; plus and minus zoom; 0 brings \
+                        the view back." {}
                 div.stage-words aria-hidden="true" {}
                 ul.legend {
                     li.is-arm id="drawn" { "the arm" }
@@ -36,7 +38,8 @@ pub(crate) fn stage(record: &Record<'_>) -> Markup {
                 button type="button" id="play" { "▶ play" }
                 input type="range" id="time" min="0" max="1" value="0" step="1" aria-label="time";
                 label { "speed " select id="speed" {
-                    @for (value, words) in [("0.1", "× 0.1"), ("0.25", "× 0.25"), ("1", "real time"), ("2", "× 2"), ("4", "× 4")] {
+                    @for (value, words) in [("0.1", "× 0.1"), ("0.25", "× 0.25"), ("1", "real time"), ("2", "× \
+                        2"), ("4", "× 4")] {
                         option value=(value) selected[value == "1"] { (words) }
                     }
                 } }
@@ -46,7 +49,8 @@ pub(crate) fn stage(record: &Record<'_>) -> Markup {
             }
             p.hint {
                 "Drag to turn, pinch or Ctrl and wheel to zoom, double-click to come back. "
-                @if drawn.is_empty() || arm.is_none_or(|arm| arm.shapes.is_empty()) { "Drawn from the arm's kinematics; a link is as thick as its mass asks. " }
+                @if drawn.is_empty() || arm.is_none_or(|arm| arm.shapes.is_empty()) { "Drawn from the arm's \
+                    kinematics; a link is as thick as its mass asks. " }
                 @if !drawn.is_empty() { (line(drawn)) " " }
                 "The error is too small to be seen as it is: the factor is yours."
             }

@@ -273,7 +273,8 @@ fn limits(certificate: Option<&Certificate>, metrics: &Metrics) -> Markup {
             strong.acted { "acted" } " on " (acted) " commands of "
             (metrics.joints.iter().filter(|joint| joint.saturated_samples + joint.rate_limited_samples > 0).count())
             " joints: no certificate speaks of those samples"
-        } @else { "silent: none of torque or torque rate acted in this run" @if silent { ", and by the bound none can" } }
+        } @else { "silent: none of torque or torque rate acted in this run" @if silent { ", and by the bound none \
+            can" } }
     }
 }
 
@@ -287,8 +288,10 @@ fn weakest(standing: &RunStanding<'_>) -> Markup {
         figcaption {
             "weakest joint: " strong { (line(&one.joint.name)) }
             @match (proved, accepted) {
-                (Some(bound), Some(accepted)) => { ", whose bound is " (percent(bound, accepted)) " of what the study accepts" }
-                (None, Some(accepted)) => { ", whose error is " (percent(measured, accepted)) " of what the study accepts" }
+                (Some(bound), Some(accepted)) => { ", whose bound is " (percent(bound, accepted)) " of what the study \
+                    accepts" }
+                (None, Some(accepted)) => { ", whose error is " (percent(measured, accepted)) " of what the study \
+                    accepts" }
                 _ => {}
             }
         }
@@ -296,7 +299,8 @@ fn weakest(standing: &RunStanding<'_>) -> Markup {
         ul.bullet-key {
             li.is-measured { "measured " b { (value(measured)) } }
             @if let Some(bound) = proved { li.is-proved { (bound_word(standing.word)) " " b { (value(bound)) } } }
-            @if let Some(accepted) = accepted { li.is-limit { "accepted " b { (stated(MILLI * accepted)) " " (unit) } } }
+            @if let Some(accepted) = accepted { li.is-limit { "accepted " b { (stated(MILLI * accepted)) " " (unit) } }
+                }
         }
     } }
 }
@@ -334,9 +338,11 @@ pub(crate) fn every_joint(record: &Record<'_>) -> Markup {
             li {
                 span.name { (line(&one.joint.name)) }
                 (bullet(&one.levels))
-                span.values { b { (number(MILLI * one.levels.measured)) } " · " (value(one.levels.proved)) " · " (accepted) " " (unit) }
+                span.values { b { (number(MILLI * one.levels.measured)) } " · " (value(one.levels.proved))
+                    " · " (accepted) " " (unit) }
             }
         } }
-        p.hint { "Largest error of each joint: measured (bar), its bound (green line), what the study accepts (dashed)." }
+        p.hint { "Largest error of each joint: measured (bar), its bound (green line), what the study accepts \
+            (dashed)." }
     }
 }

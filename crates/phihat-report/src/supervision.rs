@@ -37,7 +37,8 @@ pub(crate) fn supervision(course: &ModeHistory) -> Markup {
     html! { @if last.is_some() {
         h2 id="supervisor" { "Supervisor" }
         p {
-            "Modes, events and faults as they came. What comes back within " (stated(APART_S * 1e3)) " ms counts as going on; "
+            "Modes, events and faults as they came. What comes back within " (stated(APART_S * 1e3)) " ms counts as \
+                going on; "
             "every sample is in the trace."
         }
         div.scroll tabindex="0" role="region" aria-label="Table: what the supervisor did" {

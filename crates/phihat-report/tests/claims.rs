@@ -21,8 +21,8 @@ pub(crate) fn certified() -> Gains {
 }
 
 fn designed() -> Gains {
-    let text = "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 2.0\nerror_bound_rad = 4e-3\n[design]\n\
-                inertia_low_kg_m2 = [0.2, 0.1, 0.02]\ninertia_high_kg_m2 = [0.5, 0.3, 0.05]\n[sensor]\n\
+    let text = "duration_s = 4.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 2.0\nerror_bound_rad = \
+                4e-3\n[design]\ninertia_low_kg_m2 = [0.2, 0.1, 0.02]\ninertia_high_kg_m2 = [0.5, 0.3, 0.05]\n[sensor]\n\
                 encoder_bits = 18\n[reference]\nkind = \"hold\"\nq_rad = 0.0\n";
     let study =
         Study::from_text(text, "arm.toml", Path::new(".")).unwrap_or_else(|e| panic!("{e}"));

@@ -124,7 +124,10 @@ mod tests {
     fn a_page_puts_every_link_where_the_model_has_it() {
         for name in ["panda", "iiwa14", "ur5", "planar3r"] {
             let text = format!(
-                "duration_s = 2.0\n[robot]\nname = \"{name}\"\n[spec]\nsettle_s = 1.0\nerror_bound_rad = 2e-3\n[gains]\norder = 1\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = 1.0\n[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = 1.0\n[[reference.sine]]\namplitude_rad = 0.01\nfrequency_hz = 0.1\n"
+                "duration_s = 2.0\n[robot]\nname = \"{name}\"\n[spec]\nsettle_s = 1.0\nerror_bound_rad = \
+                    2e-3\n[gains]\norder = 1\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 \
+                    = 1.0\n[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = \
+                    1.0\n[[reference.sine]]\namplitude_rad = 0.01\nfrequency_hz = 0.1\n"
             );
             let study = Study::from_text(&text, "study.toml", "".as_ref()).unwrap();
             let model = Robot::named(name).unwrap().model;

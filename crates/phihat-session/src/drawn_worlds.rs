@@ -109,7 +109,8 @@ fn refuted(at: usize, world: &Study, left: &Left) -> Refutation {
     Refutation {
         claim: format!("{}: tube", left.joint),
         inequality: format!(
-            "{symbol} = {own:.4} {unit} at t = {:.3} s stays inside {bound:.4} {unit} in drawn world {} of {WORLDS} ({mass:.3} kg)",
+            "{symbol} = {own:.4} {unit} at t = {:.3} s stays inside {bound:.4} {unit} in drawn world {} of {WORLDS} \
+                ({mass:.3} kg)",
             left.t_s,
             at + 1
         ),

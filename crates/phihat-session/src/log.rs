@@ -35,7 +35,8 @@ impl LogFile {
         if LOGS {
             return crate::files::check_writable([&path.to_owned()]);
         }
-        let why = "this build of phihat writes no MCAP: build phihat-cli without `--no-default-features`; the trace of the record has the same signals";
+        let why = "this build of phihat writes no MCAP: build phihat-cli without `--no-default-features`; the trace of \
+            the record has the same signals";
         Err(SessionError::at(path, why))
     }
 }

@@ -35,7 +35,10 @@ pub fn log_layout(study: &Study) -> Value {
         "isSynced": true,
     });
     panels.insert("StateTransitions!mode".to_owned(), modes);
-    let column = |first: Value, second: Value| json!({ "direction": "column", "first": first, "second": second, "splitPercentage": 50 });
+    let column = |first: Value, second: Value| {
+        json!({ "direction": "column", "first": first, "second": second,
+        "splitPercentage": 50 })
+    };
     let plots = json!({
         "direction": "row",
         "first": column("Plot!error".into(), "Plot!position".into()),

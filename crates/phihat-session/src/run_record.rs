@@ -54,7 +54,8 @@ impl RunRecord {
         }
         Err(SessionError::at(
             trace,
-            "is not the trace of a run; `phihat run` leaves a trace.parquet, or with --csv a trace.csv, beside its run.json",
+            "is not the trace of a run; `phihat run` leaves a trace.parquet, or with --csv a trace.csv, beside its \
+                run.json",
         ))
     }
 

@@ -291,13 +291,13 @@ impl Session {
     }
 
     /// Derives the bound on the error a second time, as [`verify`](crate::verify) does with the study, so that record
-    /// and page have its standing. Takes seconds.
+    /// and page have its standing. Takes seconds; `share` is called with the part that is done.
     ///
     /// # Errors
     ///
     /// [`SessionError`]: the gains are of another form than the study.
-    pub fn derive_twice(&mut self) -> Result<(), SessionError> {
-        self.bound = recorded_bound(&self.gains, &self.study)?;
+    pub fn derive_twice(&mut self, share: &(dyn Fn(f64) + Sync)) -> Result<(), SessionError> {
+        self.bound = recorded_bound(&self.gains, &self.study, share)?;
         Ok(())
     }
 

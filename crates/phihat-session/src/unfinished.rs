@@ -126,7 +126,8 @@ fn removed(folder: &Path) -> Result<(), SessionError> {
 fn left_behind(record: &Path) -> SessionError {
     let how = how_to_recover(record);
     let why = format!(
-        "is what is left of a drive that was killed, and is not driven over\n  = help: {how}; or choose another folder by --out; or remove it"
+        "is what is left of a drive that was killed, and is not driven over\n  = help: {how}; or choose another folder \
+            by --out; or remove it"
     );
     SessionError::at(&record.join(UNFINISHED), why)
 }
@@ -195,7 +196,8 @@ pub fn recover(record: &Path) -> Result<Recovered, SessionError> {
     let RunFigures { metrics, drawing, tube } = seen.finish(&study.sha256);
     let mut run = origin.run;
     run.warnings.push(format!(
-        "KILLED: the process that drove was killed at t = {until_s:.3} s or up to {LOST_MAX_S:.0} s later; the record ends there"
+        "KILLED: the process that drove was killed at t = {until_s:.3} s or up to {LOST_MAX_S:.0} s later; the record \
+            ends there"
     ));
     let on = drive.get("on").and_then(Value::as_str);
     run.world.extend(on.map(|on| ("driven".to_owned(), on.to_owned())));

@@ -229,7 +229,7 @@ pub fn class_standing(
     let Some(certificate) = gains.certificate.as_ref().filter(|own| own.class.is_some()) else {
         return Ok(Ok(None));
     };
-    let checked = twice(gains, certificate, study)?;
+    let checked = twice((gains, certificate), study, &|_| {})?;
     Ok(checked.map(|verified| {
         let bounds: Vec<(&str, f64)> =
             verified.error_bounds.iter().map(|own| (&*own.joint, own.error_bound_rad)).collect();
@@ -245,17 +245,17 @@ fn weakest(verified: &Verified) -> Verdict {
 
 /// The claims of gains after their check with the study: what [`verify`] derives again, without its runs.
 fn twice(
-    gains: &Gains,
-    certificate: &Certificate,
+    (gains, certificate): (&Gains, &Certificate),
     study: &Study,
+    share: &(dyn Fn(f64) + Sync),
 ) -> Result<Result<Verified, Refutation>, SessionError> {
     let mut study = study.clone();
     gains.complete(&mut study).map_err(SessionError::other)?;
     let text = gains.to_json().map_err(SessionError::other)?;
     let subject = (gains, certificate);
-    Ok(certificate.verified(gains).and_then(|verified| {
-        derived_again(verified, subject, (&study, seed_of(&text, 0)), &|_| {})
-    }))
+    Ok(certificate
+        .verified(gains)
+        .and_then(|verified| derived_again(verified, subject, (&study, seed_of(&text, 0)), share)))
 }
 
 /// The claims with all that is derived a second time from the study.
@@ -272,15 +272,16 @@ fn derived_again(
 }
 
 /// Bound on the error of gains for a study, derived a second time, for the record of a run; `None`: the gains carry no
-/// certificate. Takes seconds.
+/// certificate. Takes seconds; `share` is called with the part that is done.
 pub(crate) fn recorded_bound(
     gains: &Gains,
     study: &Study,
+    share: &(dyn Fn(f64) + Sync),
 ) -> Result<Option<RecordedBound>, SessionError> {
     let Some(certificate) = &gains.certificate else { return Ok(None) };
     let none =
         |words| RecordedBound { verdict: Verdict::NotProved, error_bound_rad: vec![], words };
-    Ok(Some(match twice(gains, certificate, study)? {
+    Ok(Some(match twice((gains, certificate), study, share)? {
         Err(why) => none(format!("a claim does not hold: {why}")),
         Ok(verified) if !verified.bounded => none(certificate.without_bound().unwrap_or_default()),
         Ok(verified) => {

@@ -145,9 +145,8 @@ fn main() {
         ("full_world_figures_in_lanes", together),
         ("rk4_many", bare),
     ] {
-        println!(
-            r#"{{"algorithm":"closed_loop_panda_{name}","times_real_time":{median:.1},"quartiles":[{first:.1},{third:.1}]}}"#
-        );
+        print!(r#"{{"algorithm":"closed_loop_panda_{name}","times_real_time":{median:.1},"#);
+        println!(r#""quartiles":[{first:.1},{third:.1}]}}"#);
     }
     println!(
         r#"{{"algorithm":"lanes_over_alone","ratio":{ratio:.2},"quartiles":[{low:.2},{high:.2}]}}"#

@@ -93,13 +93,13 @@ impl fmt::Display for Overload {
         match self.slower {
             Some(factor) => write!(
                 f,
-                "\n  = help: {factor:.2} times slower every joint has what it needs: duration_s and all times of [reference] times \
-                 {factor:.2}, its frequencies by it"
+                "\n  = help: {factor:.2} times slower every joint has what it needs: duration_s and all times of \
+                 [reference] times {factor:.2}, its frequencies by it"
             )?,
             None => write!(
                 f,
-                "\n  = help: no slower motion helps, the postures themselves need so much: a smaller payload, other postures or \
-                 stronger drives do"
+                "\n  = help: no slower motion helps, the postures themselves need so much: a smaller payload, other \
+                 postures or stronger drives do"
             )?,
         }
         write!(f, "\n  = help: loop.beyond_drives = \"allow\" takes such a motion on purpose")

@@ -10,16 +10,18 @@ use phihat::{Fault, Form, JointDesign, JointGains, Mode};
 use phihat_sim::{Metrics, Simulation, SimulationOutcome};
 use phihat_study::Study;
 
-const PLANAR: &str = "[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.5\nerror_bound_rad = 2e-3\n[gains]\norder = 1\n\
-    bandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = [0.42, 0.18, 0.14]\n[loop]\nrate_hz = 1000.0\n\
-    delay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\n[world]\ngravity_m_s2 = [0.0, 0.0, 0.0]\nfriction = \"robot\"\n\
-    payload = { mass_kg = 0.3 }\n";
+const PLANAR: &str = "[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.5\nerror_bound_rad = 2e-3\n[gains]\norder = \
+    1\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = [0.42, 0.18, 0.14]\n[loop]\nrate_hz = \
+    1000.0\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\n[world]\ngravity_m_s2 = [0.0, \
+    0.0, 0.0]\nfriction = \"robot\"\npayload = { mass_kg = 0.3 }\n";
 
 const PANDA: &str = "[robot]\nname = \"panda\"\n[spec]\nsettle_s = 1.0\nerror_bound_rad = 3e-3\n[gains]\norder = 2\n\
-    bandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 50.0\ninertia_kg_m2 = [1.78, 2.22, 1.02, 1.28, 0.247, 0.259, 0.212]\n[loop]\n\
-    rate_hz = 1000.0\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = 45.0\n";
+    bandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 50.0\ninertia_kg_m2 = [1.78, 2.22, 1.02, 1.28, 0.247, 0.259, \
+    0.212]\n[loop]\nrate_hz = 1000.0\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \
+    \"differenced\"\nvelocity_filter_hz = 45.0\n";
 
-const SINES: &str = "[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = 0.5\n[[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.3\n";
+const SINES: &str = "[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = \
+    0.5\n[[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.3\n";
 
 fn study(text: &str) -> Study {
     Study::from_text(text, "test.toml", Path::new(env!("CARGO_TARGET_TMPDIR")))
@@ -85,7 +87,8 @@ fn measurements_in_another_order_do_not_throw_the_arm() {
             "[[fault]]\nkind = \"joint_order\"\nsize = 1.0\nstart_s = 2.0\nduration_s = {duration:?}\n"
         );
         let text = format!(
-            "duration_s = 12.0\n{PANDA}[world]\nfriction = \"robot\"\n[profile]\nname = \"franka\"\n[supervisor]\n{brakes}{fault}{SINES}"
+            "duration_s = 12.0\n{PANDA}[world]\nfriction = \"robot\"\n[profile]\nname = \
+                \"franka\"\n[supervisor]\n{brakes}{fault}{SINES}"
         );
         let outcome = run(&study(&text), &[2500.0, 100.0]);
         let (at, fault) = stopped(&outcome);
@@ -128,8 +131,8 @@ fn an_arm_without_brakes_is_held_where_it_was_stopped() {
     let requests = [(0.0, "arm"), (0.01, "hold"), (0.1, "track"), (2.0, "stop")]
         .map(|(t, mode)| format!("[[supervisor.request]]\nt_s = {t:?}\nmode = \"{mode}\"\n"));
     let text = format!(
-        "duration_s = 7.0\n{PANDA}[world]\npayload = {{ frame = \"panda_link8\", mass_kg = 0.5, com_m = [0.0, 0.0, 0.05] }}\n[supervisor]\n\
-         preset_nm = [0.0, -4.2, -0.6, 22.0, 0.6, 2.2, 0.0]\n{}{SINES}",
+        "duration_s = 7.0\n{PANDA}[world]\npayload = {{ frame = \"panda_link8\", mass_kg = 0.5, com_m = [0.0, 0.0, \
+         0.05] }}\n[supervisor]\npreset_nm = [0.0, -4.2, -0.6, 22.0, 0.6, 2.2, 0.0]\n{}{SINES}",
         requests.concat()
     );
     let outcome = run(&study(&text), &[2500.0, 100.0]);
@@ -142,8 +145,10 @@ fn an_arm_without_brakes_is_held_where_it_was_stopped() {
 }
 
 const AXIS: &str = r#"<robot name="axis"><link name="base"/>
-<joint name="axis" type="continuous"><parent link="base"/><child link="load"/><axis xyz="0 0 1"/><limit effort="40" velocity="4"/></joint>
-<link name="load"><inertial><mass value="2"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.3"/></inertial></link></robot>"#;
+<joint name="axis" type="continuous"><parent link="base"/><child link="load"/><axis xyz="0 0 1"/>
+<limit effort="40" velocity="4"/></joint>
+<link name="load"><inertial><mass value="2"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.3"/>
+</inertial></link></robot>"#;
 
 /// It stopped at the wrap with a supervisor, and was 200 rad away without one that limits its speed.
 #[test]
@@ -152,10 +157,11 @@ fn a_joint_without_ends_is_tracked_through_its_wrap() {
     for supervisor in ["", "[supervisor]\n", "[supervisor]\nvelocity_max_rad_s = 10.0\n"] {
         for center in [2.8, -3.0, 9.0] {
             let text = format!(
-                "duration_s = 6.0\n[robot]\nfile = \"axis.urdf\"\n[spec]\nsettle_s = 1.5\nerror_bound_rad = 3e-3\n[gains]\norder = 1\n\
-                 bandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = 0.35\n[loop]\nrate_hz = 1000.0\ndelay_samples = 1\n\
-                 [sensor]\nencoder_bits = 18\nvelocity = \"differenced\"\nvelocity_filter_hz = 100.0\nwrap = true\n{supervisor}[reference]\n\
-                 kind = \"sines\"\ncenter_rad = {center:?}\n[[reference.sine]]\namplitude_rad = 1.5\nfrequency_hz = 0.2\n"
+                "duration_s = 6.0\n[robot]\nfile = \"axis.urdf\"\n[spec]\nsettle_s = 1.5\nerror_bound_rad = \
+                 3e-3\n[gains]\norder = 1\nbandwidth_rad_s = 20.0\nestimator_bandwidth_rad_s = 70.0\ninertia_kg_m2 = \
+                 0.35\n[loop]\nrate_hz = 1000.0\ndelay_samples = 1\n[sensor]\nencoder_bits = 18\nvelocity = \
+                 \"differenced\"\nvelocity_filter_hz = 100.0\nwrap = true\n{supervisor}[reference]\nkind = \
+                 \"sines\"\ncenter_rad = {center:?}\n[[reference.sine]]\namplitude_rad = 1.5\nfrequency_hz = 0.2\n"
             );
             let outcome = run(&study(&text), &[70.0]);
             let most =
@@ -169,8 +175,9 @@ fn a_joint_without_ends_is_tracked_through_its_wrap() {
 #[test]
 fn an_arm_that_was_never_let_go_is_not_within_its_specification() {
     let text = format!(
-        "duration_s = 3.0\n{PANDA}[profile]\nname = \"robot\"\n[supervisor]\nreference_velocity_max_rad_s = 1.0\nreference_acceleration_max_rad_s2 = 3.0\n\
-         reference_jerk_max_rad_s3 = 30.0\n[start]\npose = \"ready\"\n[reference]\nkind = \"hold\"\nq_rad = [0.8, -0.3, 0.4, -1.6, 0.2, 1.8, 0.5]\n"
+        "duration_s = 3.0\n{PANDA}[profile]\nname = \"robot\"\n[supervisor]\nreference_velocity_max_rad_s = \
+         1.0\nreference_acceleration_max_rad_s2 = 3.0\nreference_jerk_max_rad_s3 = 30.0\n[start]\npose = \
+         \"ready\"\n[reference]\nkind = \"hold\"\nq_rad = [0.8, -0.3, 0.4, -1.6, 0.2, 1.8, 0.5]\n"
     );
     let study = study(&text);
     let outcome = run(&study, &[2500.0, 100.0]);

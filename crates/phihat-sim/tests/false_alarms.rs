@@ -60,11 +60,13 @@ fn f34_nothing_stops_an_arm_with_which_nothing_is_wrong() {
         let network = if variant % 2 == 1 { "[world.network]\nsample_loss = 0.01\n" } else { "" };
         let amplitude = [0.1, 0.3][variant % 2];
         let text = format!(
-            "duration_s = 5.0\nseed = {round}\n[robot]\nname = \"{name}\"\n[spec]\nsettle_s = 1.0\n[gains]\norder = {order}\n\
-             bandwidth_rad_s = {bandwidth:?}\nestimator_bandwidth_rad_s = {estimator:?}\ninertia_kg_m2 = {inertia:?}\n[loop]\n\
-             rate_hz = {rate:?}\ndelay_samples = 1\nform = \"{word}\"\n[sensor]\nencoder_bits = {bits}\nvelocity = \"differenced\"\n{filter}\
-             [world]\nsubsteps = 4\nfriction = \"robot\"\npayload = {{ mass_kg = {load:?} }}\n{network}[supervisor]\npreset_nm = {preset:?}\n\
-             [reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = 1.0\n[[reference.sine]]\namplitude_rad = {amplitude:?}\nfrequency_hz = 0.3\n"
+            "duration_s = 5.0\nseed = {round}\n[robot]\nname = \"{name}\"\n[spec]\nsettle_s = 1.0\n[gains]\norder = \
+             {order}\nbandwidth_rad_s = {bandwidth:?}\nestimator_bandwidth_rad_s = {estimator:?}\ninertia_kg_m2 = \
+             {inertia:?}\n[loop]\nrate_hz = {rate:?}\ndelay_samples = 1\nform = \"{word}\"\n[sensor]\nencoder_bits = \
+             {bits}\nvelocity = \"differenced\"\n{filter}[world]\nsubsteps = 4\nfriction = \"robot\"\npayload = {{ \
+             mass_kg = {load:?} }}\n{network}[supervisor]\npreset_nm = {preset:?}\n[reference]\nkind = \
+             \"sines\"\ncenter = \"ready\"\nfade_in_s = 1.0\n[[reference.sine]]\namplitude_rad = \
+             {amplitude:?}\nfrequency_hz = 0.3\n"
         );
         let study = crate::support::read(&text);
         let laws = gains(inertia, (bandwidth, estimator), order, (rate, form));

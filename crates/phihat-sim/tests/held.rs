@@ -9,7 +9,8 @@ use phihat::{Form, JointGains, PositionDesign};
 use phihat_sim::{Simulation, Trace};
 use phihat_study::Study;
 
-const ARM: &str = "duration_s = 0.5\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 0.001\nerror_bound_rad = 1.0\n[design]\n";
+const ARM: &str = "duration_s = 0.5\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 0.001\nerror_bound_rad = \
+    1.0\n[design]\n";
 const REST: &str = "[reference]\nkind = \"hold\"\nq_rad = [0.4, -0.7, 0.9]\n";
 const MOVES: &str = "[reference]\nkind = \"sines\"\ncenter_rad = [0.4, -0.7, 0.9]\nfade_in_s = 0.2\n\
                      [[reference.sine]]\namplitude_rad = [0.3, 0.4, 0.5]\nfrequency_hz = [0.7, 1.1, 0.9]\n";
@@ -70,8 +71,8 @@ fn what_is_held_by_its_gravity_stays_where_it_is() {
         for delay in [0, 2] {
             let text = |held: &str| {
                 format!(
-                    "{ARM}[loop]\nrate_hz = 1000.0\ndelay_samples = {delay}\nform = \"{form}\"\ntorque_max_nm = \"none\"\n\
-                     [sensor]\nencoder_bits = \"none\"\nvelocity = \"measured\"\n{BARE}{held}{REST}"
+                    "{ARM}[loop]\nrate_hz = 1000.0\ndelay_samples = {delay}\nform = \"{form}\"\ntorque_max_nm = \
+                     \"none\"\n[sensor]\nencoder_bits = \"none\"\nvelocity = \"measured\"\n{BARE}{held}{REST}"
                 )
             };
             let held = run(&text("[start]\ntorque_nm = \"gravity\"\n"));
@@ -110,13 +111,14 @@ fn what_is_known_need_not_be_estimated() {
 /// Behind a supervisor that takes over what holds the arm.
 fn supervised(fed: &str, more: &str) -> String {
     let rest = run(&format!(
-        "{ARM}[loop]\nrate_hz = 1000.0\ntorque_max_nm = \"none\"\n[sensor]\nencoder_bits = \"none\"\nvelocity = \"measured\"\n\
-         {BARE}[start]\ntorque_nm = \"gravity\"\n{REST}"
+        "{ARM}[loop]\nrate_hz = 1000.0\ntorque_max_nm = \"none\"\n[sensor]\nencoder_bits = \"none\"\nvelocity = \
+         \"measured\"\n{BARE}[start]\ntorque_nm = \"gravity\"\n{REST}"
     ));
     let held: Vec<f64> = rest.joints.iter().map(|joint| joint.tau_command[0]).collect();
     format!(
         "{ARM}[loop]\nrate_hz = 1000.0\ndelay_samples = 0\nform = \"positions\"\ntorque_max_nm = \"none\"\n\
-         torque_rate_max_nm_s = \"none\"\n[sensor]\nencoder_bits = \"none\"\n{BARE}{fed}[supervisor]\npreset_nm = {held:?}\n{more}{MOVES}"
+         torque_rate_max_nm_s = \"none\"\n[sensor]\nencoder_bits = \"none\"\n{BARE}{fed}[supervisor]\npreset_nm = \
+         {held:?}\n{more}{MOVES}"
     )
 }
 
@@ -224,8 +226,9 @@ fn on_the_way_to_a_position_that_is_told_what_is_known_is_fed_too() {
 fn what_the_robot_adds_is_not_fed() {
     let text = |fed: &str| {
         format!(
-            "{ARM}[loop]\nrate_hz = 1000.0\nform = \"positions\"\ntorque_max_nm = \"none\"\n[sensor]\nencoder_bits = \"none\"\n\
-             {BARE}[profile]\nname = \"robot\"\nadds_gravity = true\n[start]\ntorque_nm = \"gravity\"\n{fed}{MOVES}"
+            "{ARM}[loop]\nrate_hz = 1000.0\nform = \"positions\"\ntorque_max_nm = \"none\"\n[sensor]\nencoder_bits = \
+             \"none\"\n{BARE}[profile]\nname = \"robot\"\nadds_gravity = true\n[start]\ntorque_nm = \
+             \"gravity\"\n{fed}{MOVES}"
         )
     };
     let alone = largest_error(&run(&text("")));

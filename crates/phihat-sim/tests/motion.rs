@@ -137,8 +137,8 @@ fn a_circle_out_of_reach_is_refused_with_time_and_place() {
 
 /// Setpoints at random times, at most as far apart as is stated, within the joints' travel; one row per setpoint.
 fn setpoints(rng: &mut impl FnMut() -> f64, (least, most): (f64, f64)) -> String {
-    let mut text = "kind = \"setpoints\"\nspeed_max_rad_s = [1.0, 0.4, 2.0]\nacceleration_max_rad_s2 = [4.0, 2.0, 9.0]\n\
-                    jerk_max_rad_s3 = [60.0, 20.0, 200.0]\n"
+    let mut text = "kind = \"setpoints\"\nspeed_max_rad_s = [1.0, 0.4, 2.0]\nacceleration_max_rad_s2 = [4.0, 2.0, \
+                    9.0]\njerk_max_rad_s3 = [60.0, 20.0, 200.0]\n"
         .to_owned();
     let mut t = 0.0;
     for _ in 0..4000 {
@@ -210,7 +210,8 @@ fn setpoints_are_followed_within_limits_and_not_foreseen() {
 #[test]
 fn a_step_arrives_soon_and_does_not_overshoot() {
     let text = "kind = \"setpoints\"\nspeed_max_rad_s = 1.0\nacceleration_max_rad_s2 = 4.0\njerk_max_rad_s3 = 60.0\n\
-                [[reference.setpoint]]\nt_s = 0.0\nq_rad = [0.0, 0.0, 0.0]\n[[reference.setpoint]]\nt_s = 0.5\nq_rad = [0.8, 0.1, -0.01]\n";
+                [[reference.setpoint]]\nt_s = 0.0\nq_rad = [0.0, 0.0, 0.0]\n[[reference.setpoint]]\nt_s = 0.5\nq_rad = \
+                [0.8, 0.1, -0.01]\n";
     let study = study("planar3r", text);
     let motion = motion(&study);
     let (v, a, j) = (1.0_f64, 4.0_f64, 60.0_f64);

@@ -22,8 +22,9 @@ fn swing(limit: f64, slower: f64, rest: &str) -> Study {
     rod_study(
         &format!("duration_s = {duration:?}"),
         &format!(
-            "[loop]\ntorque_max_nm = {limit:?}\n[world]\ncoulomb_extra_nm = {DRY}\nsubsteps = 4\n[reference]\nkind = \"sines\"\n\
-             center_rad = {ANGLE}\nfade_in_s = 0.0\n[[reference.sine]]\namplitude_rad = {A}\nfrequency_hz = {f:?}\nphase_rad = 0.0\n{rest}"
+            "[loop]\ntorque_max_nm = {limit:?}\n[world]\ncoulomb_extra_nm = {DRY}\nsubsteps = 4\n[reference]\nkind = \
+             \"sines\"\ncenter_rad = {ANGLE}\nfade_in_s = 0.0\n[[reference.sine]]\namplitude_rad = {A}\nfrequency_hz = \
+             {f:?}\nphase_rad = 0.0\n{rest}"
         ),
     )
 }
@@ -105,8 +106,9 @@ fn a_run_needs_the_torque_that_was_told_before() {
 #[test]
 fn a_joint_that_would_be_too_fast_is_told_with_its_speed() {
     // Sines are looked at as the file is read; what inverse kinematics makes of a curve is not.
-    let text = "duration_s = 4.0\n[robot]\nname = \"panda\"\n[spec]\nsettle_s = 1.0\nerror_bound_rad = 1e-3\n[design]\n[loop]\n\
-                torque_max_nm = \"none\"\n[reference]\nkind = \"circle\"\ncenter_m = [0.45, 0.0, 0.45]\nradius_m = 0.12\nperiod_s = 0.35\nseed = \"ready\"\n";
+    let text = "duration_s = 4.0\n[robot]\nname = \"panda\"\n[spec]\nsettle_s = 1.0\nerror_bound_rad = \
+                1e-3\n[design]\n[loop]\ntorque_max_nm = \"none\"\n[reference]\nkind = \"circle\"\ncenter_m = [0.45, \
+                0.0, 0.45]\nradius_m = 0.12\nperiod_s = 0.35\nseed = \"ready\"\n";
     let study = crate::support::read(text);
     let more = found(&study);
     let motion = phihat_sim::Motion::new(&study.reference, &study.robot, study.duration).unwrap();

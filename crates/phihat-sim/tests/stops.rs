@@ -115,10 +115,11 @@ impl Case {
         format!(
             "duration_s = {END_S}\nseed = {}\n[robot]\nname = \"{name}\"\n[spec]\nsettle_s = 1.0\n[gains]\norder = {}\n\
              bandwidth_rad_s = {bandwidth:?}\nestimator_bandwidth_rad_s = {estimator:?}\ninertia_kg_m2 = {inertia:?}\n\
-             [loop]\nrate_hz = {rate_hz:?}\ndelay_samples = 1\nform = \"{form}\"\n{rate}beyond_drives = \"allow\"\n[sensor]\nencoder_bits = 20\n\
-             velocity = \"differenced\"\n[world]\nsubsteps = {substeps}\nfriction = \"robot\"\n{payload}{adds}\
-             [supervisor]\nerror_stop_rad = 0.08\npreset_nm = {preset:?}\n{brakes}{request}{fault}[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = 0.5\n\
-             [[reference.sine]]\namplitude_rad = {amplitude:?}\nfrequency_hz = {frequency:?}\n",
+             [loop]\nrate_hz = {rate_hz:?}\ndelay_samples = 1\nform = \"{form}\"\n{rate}beyond_drives = \
+             \"allow\"\n[sensor]\nencoder_bits = 20\nvelocity = \"differenced\"\n[world]\nsubsteps = \
+             {substeps}\nfriction = \"robot\"\n{payload}{adds}[supervisor]\nerror_stop_rad = 0.08\npreset_nm = \
+             {preset:?}\n{brakes}{request}{fault}[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = \
+             0.5\n[[reference.sine]]\namplitude_rad = {amplitude:?}\nfrequency_hz = {frequency:?}\n",
             self.seed, self.order
         )
     }
@@ -133,8 +134,9 @@ impl Case {
             Event::Asked => (
                 String::new(),
                 format!(
-                    "[[supervisor.request]]\nt_s = 0.0\nmode = \"arm\"\n[[supervisor.request]]\nt_s = 0.01\nmode = \"hold\"\n\
-                     [[supervisor.request]]\nt_s = 0.02\nmode = \"track\"\n[[supervisor.request]]\nt_s = {EVENT_S}\nmode = \"stop\"\n"
+                    "[[supervisor.request]]\nt_s = 0.0\nmode = \"arm\"\n[[supervisor.request]]\nt_s = 0.01\nmode = \
+                     \"hold\"\n[[supervisor.request]]\nt_s = 0.02\nmode = \"track\"\n[[supervisor.request]]\nt_s = \
+                     {EVENT_S}\nmode = \"stop\"\n"
                 ),
             ),
             Event::Push(i, share, s) => {
@@ -289,6 +291,35 @@ fn works(case: &Case, study: &Study, trace: &Trace, at: usize) -> (Vec<f64>, usi
         }
     }
     (works, counted)
+}
+
+/// Prints the course of the one case whose number is in `PHIHAT_STOP`, every 50 ms from the event on: position, speed
+/// and torque of each joint.
+#[test]
+fn course_of_one_stop() {
+    let Ok(number) = std::env::var("PHIHAT_STOP") else { return };
+    let mut dice = Dice(4);
+    let case = (0..=number.parse().unwrap()).map(|_| case(&mut dice)).last().unwrap();
+    let study = read(&case.text());
+    let outcome: SimulationOutcome =
+        Simulation::new(&study, &case.gains(&study)).unwrap().run(|_| ());
+    let (trace, rate) = (&outcome.trace, ARMS[case.arm].1);
+    let supervision = trace.supervision.as_ref().unwrap();
+    println!("{case:?}\n{}", case.text());
+    let step = (0.05 * rate) as usize;
+    for k in ((EVENT_S * rate) as usize..trace.t_ns.len()).step_by(step) {
+        let joints = trace
+            .joints
+            .iter()
+            .map(|j| format!("{:8.3} {:8.3} {:8.2} |", j.q[k], j.dq[k], j.tau_applied[k]));
+        let joints: String = joints.collect();
+        println!(
+            "{:.3} {:?} {:?} {joints}",
+            k as f64 / rate,
+            supervision.mode[k],
+            supervision.fault[k]
+        );
+    }
 }
 
 #[test]

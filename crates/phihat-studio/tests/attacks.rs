@@ -22,34 +22,89 @@ fn strangers(place: &Place) -> Vec<Attempt> {
     let host = |host: &str| with(&format!("Host: {host}\r\nx-phihat-key: {key}\r\n"));
     let page = |line: &str| with(&format!("{ours}{line}\r\n"));
     let post = |line: &str| {
-        format!("POST /run HTTP/1.1\r\nConnection: close\r\n{ours}Content-Length: 14\r\n{line}\r\n\r\n{{\"again\":true}}").into_bytes()
+        format!(
+            "POST /run HTTP/1.1\r\nConnection: close\r\n{ours}Content-Length: \
+            14\r\n{line}\r\n\r\n{{\"again\":true}}"
+        )
+        .into_bytes()
     };
     let method = |word: &str| {
         format!("{word} /state HTTP/1.1\r\nConnection: close\r\n{ours}\r\n").into_bytes()
     };
     vec![
-        ("rebinding: a name that was made to point here", host(&format!("evil.example:{port}")), &[421]),
-        ("rebinding: our address as a label of another name", host(&format!("127.0.0.1.evil.example:{port}")), &[421]),
+        (
+            "rebinding: a name that was made to point here",
+            host(&format!("evil.example:{port}")),
+            &[421],
+        ),
+        (
+            "rebinding: our address as a label of another name",
+            host(&format!("127.0.0.1.evil.example:{port}")),
+            &[421],
+        ),
         ("rebinding: this address, another port", host("127.0.0.1:80"), &[421]),
         ("rebinding: no port", host("127.0.0.1"), &[421]),
-        ("rebinding: the address written as one number", host(&format!("2130706433:{port}")), &[421]),
+        (
+            "rebinding: the address written as one number",
+            host(&format!("2130706433:{port}")),
+            &[421],
+        ),
         ("rebinding: the address of all interfaces", host(&format!("0.0.0.0:{port}")), &[421]),
         ("no host", with(&format!("x-phihat-key: {key}\r\n")), &[421, 400]),
         ("two hosts", with(&format!("{ours}Host: evil.example\r\n")), &[421, 400]),
-        ("absolute target of another host", format!("GET http://evil.example/state HTTP/1.1\r\nConnection: close\r\n{ours}\r\n").into_bytes(), &[421]),
+        (
+            "absolute target of another host",
+            format!(
+                "GET http://evil.example/state HTTP/1.1\r\nConnection: \
+            close\r\n{ours}\r\n"
+            )
+            .into_bytes(),
+            &[421],
+        ),
         ("no key", with(&format!("Host: {address}\r\n")), &[403]),
         ("an empty key", with(&format!("Host: {address}\r\nx-phihat-key:\r\n")), &[403]),
-        ("half of the key", with(&format!("Host: {address}\r\nx-phihat-key: {}\r\n", &key[..16])), &[403]),
+        (
+            "half of the key",
+            with(&format!("Host: {address}\r\nx-phihat-key: {}\r\n", &key[..16])),
+            &[403],
+        ),
         ("two keys", page("x-phihat-key: 0"), &[403]),
         ("page of another origin", page("Origin: https://evil.example"), &[403]),
         ("page of no origin", page("Origin: null"), &[403]),
         ("page of our name behind TLS", page(&format!("Origin: https://{address}")), &[403]),
-        ("two origins", page(&format!("Origin: http://{address}\r\nOrigin: http://evil.example")), &[403]),
+        (
+            "two origins",
+            page(&format!("Origin: http://{address}\r\nOrigin: http://evil.example")),
+            &[403],
+        ),
         ("another site, says the browser", page("Sec-Fetch-Site: cross-site"), &[403]),
-        ("another port of this machine, says the browser", page("Sec-Fetch-Site: same-site"), &[403]),
-        ("EventSource of another origin", format!("GET /live?key={key} HTTP/1.1\r\nConnection: close\r\nHost: {address}\r\nOrigin: http://evil.example\r\nAccept: text/event-stream\r\n\r\n").into_bytes(), &[403]),
-        ("WebSocket of another origin", page("Origin: http://evil.example\r\nUpgrade: websocket\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13"), &[403]),
-        ("POST of another origin", post("Content-Type: application/json\r\nOrigin: http://evil.example"), &[403]),
+        (
+            "another port of this machine, says the browser",
+            page("Sec-Fetch-Site: same-site"),
+            &[403],
+        ),
+        (
+            "EventSource of another origin",
+            format!(
+                "GET /live?key={key} HTTP/1.1\r\nConnection: close\r\nHost: \
+            {address}\r\nOrigin: http://evil.example\r\nAccept: text/event-stream\r\n\r\n"
+            )
+            .into_bytes(),
+            &[403],
+        ),
+        (
+            "WebSocket of another origin",
+            page(
+                "Origin: http://evil.example\r\nUpgrade: websocket\r\nSec-WebSocket-Key: \
+            AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13",
+            ),
+            &[403],
+        ),
+        (
+            "POST of another origin",
+            post("Content-Type: application/json\r\nOrigin: http://evil.example"),
+            &[403],
+        ),
         ("POST of a form", post("Content-Type: application/x-www-form-urlencoded"), &[415]),
         ("POST of plain text, which needs no leave", post("Content-Type: text/plain"), &[415]),
         ("POST without a type", post("Accept: */*"), &[415]),
@@ -57,7 +112,15 @@ fn strangers(place: &Place) -> Vec<Attempt> {
         ("DELETE", method("DELETE"), &[405]),
         ("PUT", method("PUT"), &[405]),
         ("TRACE", method("TRACE"), &[405]),
-        ("CONNECT", format!("CONNECT 169.254.169.254:80 HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").into_bytes(), &[421, 405, 400]),
+        (
+            "CONNECT",
+            format!(
+                "CONNECT 169.254.169.254:80 HTTP/1.1\r\nHost: {address}\r\nConnection: \
+            close\r\n\r\n"
+            )
+            .into_bytes(),
+            &[421, 405, 400],
+        ),
         ("a method of nobody's", method("BREW"), &[405]),
     ]
 }

@@ -57,7 +57,8 @@ impl StudyArm {
             });
         }
         if !node.exists() {
-            let help = "`[robot]` with `name` or `file`, or a `[[joint]]` for each joint of an arm without a description";
+            let help = "`[robot]` with `name` or `file`, or a `[[joint]]` for each joint of an arm without a \
+                description";
             let error = top.error(Kind::MissingKey, "robot", "missing section [robot]");
             return Err(error.with_help(help));
         }

@@ -5,8 +5,8 @@ use crate::format::{FormatSection, Key, Need, NumberBounds, Shape};
 pub(crate) static DESIGN: FormatSection = FormatSection {
     path: "design",
     doc: "For `phihat design`: what is known of the arm and of its load, and what the gains must keep. \
-          A study needs `[gains]` or `[design]`; where both are there, the stated gains are certified for what `[design]` says of payload, friction and margins, \
-          and keys that tell a search what to look for are refused.",
+          A study needs `[gains]` or `[design]`; where both are there, the stated gains are certified for what \
+          `[design]` says of payload, friction and margins, and keys that tell a search what to look for are refused.",
     keys: &[
         Key {
             name: "method",
@@ -28,9 +28,9 @@ pub(crate) static DESIGN: FormatSection = FormatSection {
             unit: "",
             shape: Shape::Flag,
             need: Need::Flag(false),
-            doc: "Whether laws from positions may also filter their innovation, by two sections of second order: mostly a smaller \
-                  error at the same torque noise. Sought beside laws without it, and taken where the tube is better; the search takes \
-                  several times as long.",
+            doc: "Whether laws from positions may also filter their innovation, by two sections of second order: \
+                  mostly a smaller error at the same torque noise. Sought beside laws without it, and taken where the \
+                  tube is better; the search takes several times as long.",
         },
         Key {
             name: "payload_max_kg",
@@ -103,8 +103,8 @@ pub(crate) static DESIGN: FormatSection = FormatSection {
             unit: "kg·m²",
             shape: Shape::PerJoint(NumberBounds::positive(1e4), &[]),
             need: Need::Optional("found from the robot's description"),
-            doc: "Smallest inertia of each joint, rotor included, typed in place of a description; both ends must hold what the \
-                  robot's model says, coupling and payloads counted.",
+            doc: "Smallest inertia of each joint, rotor included, typed in place of a description; both ends must hold \
+                  what the robot's model says, coupling and payloads counted.",
         },
         Key {
             name: "inertia_high_kg_m2",
@@ -151,8 +151,8 @@ pub(crate) static DESIGN: FormatSection = FormatSection {
             unit: "N·m/s",
             shape: Shape::PerJoint(NumberBounds::closed(0.0, 1e7), &[]),
             need: Need::Optional("found along the reference"),
-            doc: "Largest rate of the smooth part of the unknown dynamics φ; not below what the robot's model shows along the \
-                  reference, nor is the next one.",
+            doc: "Largest rate of the smooth part of the unknown dynamics φ; not below what the robot's model shows \
+                  along the reference, nor is the next one.",
         },
         Key {
             name: "phi_jump_max_nm",
@@ -173,7 +173,8 @@ pub(crate) static DESIGN: FormatSection = FormatSection {
             unit: "",
             shape: Shape::Text,
             need: Need::Optional("no recorded trace"),
-            doc: "A trace of this arm (Parquet or CSV), or the folder of a run, relative to the study, for `phi_from` and `inertia_from`.",
+            doc: "A trace of this arm (Parquet or CSV), or the folder of a run, relative to the study, for `phi_from` \
+                and `inertia_from`.",
         },
         Key {
             name: "settling_time_s",
@@ -224,9 +225,9 @@ static PAPER: FormatSection = FormatSection {
             unit: "",
             shape: Shape::Word(&["44", "40"]),
             need: Need::Word("44"),
-            doc: "Where the minimum of step 1 comes from. `\"44\"`: every row of (44) is an equality. `\"40\"`: the least K̃ \
-                  with which (40), read per entry, keeps every limit, as step 1 is printed; where (40) is no bound, K̃ \
-                  is raised until the limits hold, and the method says so.",
+            doc: "Where the minimum of step 1 comes from. `\"44\"`: every row of (44) is an equality. `\"40\"`: the \
+                  least K̃ with which (40), read per entry, keeps every limit, as step 1 is printed; where (40) is no \
+                  bound, K̃ is raised until the limits hold, and the method says so.",
         },
         Key {
             name: "integrals_max",

@@ -10,8 +10,8 @@ use crate::study::{Control, FeedForward, Known};
 
 pub(crate) static FEEDFORWARD: FormatSection = FormatSection {
     path: "feedforward",
-    doc: "Torque that a law from positions is given with its reference, of a description and along the reference: φ is then what is left. \
-          With a `[supervisor]` that is the reference in force: blended, shaped or held.",
+    doc: "Torque that a law from positions is given with its reference, of a description and along the reference: φ is \
+          then what is left. With a `[supervisor]` that is the reference in force: blended, shaped or held.",
     keys: &[
         Key {
             name: "model",
@@ -19,14 +19,16 @@ pub(crate) static FEEDFORWARD: FormatSection = FormatSection {
             shape: Shape::Word(&["none", "gravity", "inverse_dynamics"]),
             need: Need::Word("none"),
             doc: "What of the robot's description, without payload: the torque that holds it at q_d, or the whole that \
-                  moves it along q_d. `inverse_dynamics` takes the place of M̄ q̈_d. Without gravity where the robot adds that by itself.",
+                  moves it along q_d. `inverse_dynamics` takes the place of M̄ q̈_d. Without gravity where the robot \
+                  adds that by itself.",
         },
         Key {
             name: "mass_scale",
             unit: "",
             shape: Shape::Number(NumberBounds::closed(0.01, 10.0)),
             need: Need::Number(1.0),
-            doc: "How many times its masses and inertias that description has: 0.8 is a model with masses 20 % too small.",
+            doc: "How many times its masses and inertias that description has: 0.8 is a model with masses 20 % too \
+                small.",
         },
         Key {
             name: "coulomb_nm",

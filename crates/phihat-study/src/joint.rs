@@ -70,7 +70,8 @@ pub(crate) fn read(top: &Node<'_>, at_low: bool) -> Result<(Robot, Stated), Stud
         if at_low { ("lower", "upper", "high") } else { ("upper", "lower", "low") };
     robot.warnings.push(format!(
         "{JOINT_BY_JOINT}: what is simulated are joints that do not push each other, each with the {end} end \
-         of its inertia and a dry friction of half of its jump; world.joint_inertia = \"{word}\" simulates the {other} end"
+         of its inertia and a dry friction of half of its jump; world.joint_inertia = \"{word}\" simulates the {other} \
+         end"
     ));
     Ok((robot, Stated { inertia: (low, high), phi: (rate, jump) }))
 }
@@ -131,8 +132,9 @@ const fn limit(
 
 pub(crate) static JOINT: FormatSection = FormatSection {
     path: "joint",
-    doc: "An arm without a description, in place of `[robot]`: what is known of each joint, in order. `phihat identify` makes these \
-          sections from records of the arm. What is simulated are joints that do not push each other.",
+    doc: "An arm without a description, in place of `[robot]`: what is known of each joint, in order. `phihat \
+          identify` makes these sections from records of the arm. What is simulated are joints that do not push each \
+          other.",
     keys: &[
         Key {
             name: "name",
@@ -146,8 +148,8 @@ pub(crate) static JOINT: FormatSection = FormatSection {
             unit: "",
             shape: Shape::Flag,
             need: Need::Flag(false),
-            doc: "Whether it slides along its axis in place of turning about it: then its inertia is a mass in kg, its torque a \
-                  force in N, and its positions are in m.",
+            doc: "Whether it slides along its axis in place of turning about it: then its inertia is a mass in kg, its \
+                  torque a force in N, and its positions are in m.",
         },
         number(
             "inertia_min_kg_m2",
@@ -160,7 +162,8 @@ pub(crate) static JOINT: FormatSection = FormatSection {
             "phi_rate_max_nm_s",
             "N·m/s",
             NumberBounds::closed(0.0, 1e6),
-            "How fast the smooth part of the unknown torque φ changes at most; what the other joints do to it included.",
+            "How fast the smooth part of the unknown torque φ changes at most; what the other joints do to it \
+                included.",
         ),
         number(
             "phi_jump_max_nm",

@@ -128,8 +128,8 @@ static ROBOT: FormatSection = FormatSection {
             unit: "",
             shape: Shape::Text,
             need: Need::Optional("the root of the description"),
-            doc: "Link of `file` that the arm stands on: joints below it, up to `tip`, are the arm's. All others stand still: where \
-                  `locked` says, else as near to 0 as their limits let them.",
+            doc: "Link of `file` that the arm stands on: joints below it, up to `tip`, are the arm's. All others stand \
+                  still: where `locked` says, else as near to 0 as their limits let them.",
         },
         Key {
             name: "tip",
@@ -171,8 +171,8 @@ static TRANSMISSION: FormatSection = FormatSection {
             shape: Shape::Word(&["stated", "robot", "rigid"]),
             need: Need::Word("stated"),
             doc: "`robot`: the springs of the robot's description, and of a joint without one 10000 to 30000 N·m/rad, \
-                  3000 to 10000 where the torque limit is below 50 N·m, at 1 to 5 % of critical damping: an assumption of \
-                  this project. `rigid`: joints do not bend, an assumption that certificates list.",
+                  3000 to 10000 where the torque limit is below 50 N·m, at 1 to 5 % of critical damping: an assumption \
+                  of this project. `rigid`: joints do not bend, an assumption that certificates list.",
         },
         Key {
             name: "stiffness_min_nm_rad",
@@ -215,8 +215,9 @@ static SPEC: FormatSection = FormatSection {
             unit: "s",
             shape: Shape::Number(TIME),
             need: Need::Number(1.0),
-            doc: "When the steady part begins; before the end of the run. Where it is not stated and the gains carry a tube, \
-                  the tube says it: when the rest of it stays inside `error_bound_rad`, else when it is at its own level.",
+            doc: "When the steady part begins; before the end of the run. Where it is not stated and the gains carry a \
+                  tube, the tube says it: when the rest of it stays inside `error_bound_rad`, else when it is at its \
+                  own level.",
         },
         Key {
             name: "error_bound_rad",
@@ -244,8 +245,9 @@ static SPEC: FormatSection = FormatSection {
             unit: "mm",
             shape: Shape::Number(NumberBounds::positive(1e4)),
             need: Need::Optional("no bound"),
-            doc: "Largest distance of the robot's tip from where the reference has it. A design takes from it an `error_bound_rad` that \
-                  is enough: this over the sum of the tip's distances from all joint axes, the largest along the motion.",
+            doc: "Largest distance of the robot's tip from where the reference has it. A design takes from it an \
+                  `error_bound_rad` that is enough: this over the sum of the tip's distances from all joint axes, the \
+                  largest along the motion.",
         },
     ],
 };
@@ -359,8 +361,8 @@ static LOOP: FormatSection = FormatSection {
             unit: "Hz",
             shape: Shape::Number(NumberBounds::positive(1e5)),
             need: Need::Optional("no filter"),
-            doc: "Cut-off of a first-order low-pass on the torque command, before its limits; at most half of `rate_hz`. It is a part of the law: \
-                  the design counts it, and gains.json carries it.",
+            doc: "Cut-off of a first-order low-pass on the torque command, before its limits; at most half of \
+                  `rate_hz`. It is a part of the law: the design counts it, and gains.json carries it.",
         },
         Key {
             name: "form",
@@ -369,17 +371,18 @@ static LOOP: FormatSection = FormatSection {
             need: Need::Optional("`\"observer\"` with `[gains]`, else `\"design\"`"),
             doc: "`observer`: the estimator is fed with velocity and the torque that acted. `literal`: the paper's \
                   integrals of the error. `positions`: an observer of position and torque, with a law of its own for \
-                  each joint. `design`: whichever of `observer` and `positions` keeps the specification with less torque noise, by \
-                  its tube; `observer` where no `error_bound_rad` is asked for, where a settling or rise time is, where the design is by the paper's recipe, or \
-                  where φ or the arm's inertia are typed, recorded or simulated.",
+                  each joint. `design`: whichever of `observer` and `positions` keeps the specification with less \
+                  torque noise, by its tube; `observer` where no `error_bound_rad` is asked for, where a settling or \
+                  rise time is, where the design is by the paper's recipe, or where φ or the arm's inertia are typed, \
+                  recorded or simulated.",
         },
         Key {
             name: "preview",
             unit: "",
             shape: Shape::Flag,
             need: Need::Optional("`true` for `positions`, else `false`"),
-            doc: "Whether the acceleration that is fed forward is the mean over the interval in which the torque will act: \
-                  a reference that is known in advance.",
+            doc: "Whether the acceleration that is fed forward is the mean over the interval in which the torque will \
+                  act: a reference that is known in advance.",
         },
         Key {
             name: "torque_max_nm",
@@ -400,8 +403,8 @@ static LOOP: FormatSection = FormatSection {
             unit: "J",
             shape: Shape::Number(NumberBounds::positive(1e9)),
             need: Need::Optional("no limit"),
-            doc: "The most energy that all drives together may give the arm within `energy_window_s`: the last thing before a torque leaves scales down \
-                  what would give more. Lifting the arm counts.",
+            doc: "The most energy that all drives together may give the arm within `energy_window_s`: the last thing \
+                  before a torque leaves scales down what would give more. Lifting the arm counts.",
         },
         Key {
             name: "energy_window_s",
@@ -415,9 +418,9 @@ static LOOP: FormatSection = FormatSection {
             unit: "",
             shape: Shape::Word(&["refuse", "allow"]),
             need: Need::Word("refuse"),
-            doc: "What becomes of a motion that needs more torque than `torque_max_nm`, or more speed than the robot has, by the \
-                  robot's description, its friction and each end of the payload. `refuse`: nothing is designed or run. `allow`: \
-                  the study is about drives that saturate.",
+            doc: "What becomes of a motion that needs more torque than `torque_max_nm`, or more speed than the robot \
+                  has, by the robot's description, its friction and each end of the payload. `refuse`: nothing is \
+                  designed or run. `allow`: the study is about drives that saturate.",
         },
     ],
 };
@@ -541,9 +544,10 @@ static START: FormatSection = FormatSection {
             unit: "N·m",
             shape: Shape::PerJoint(NumberBounds::closed(-1e5, 1e5), &["gravity", "balance"]),
             need: Need::Optional("no torque"),
-            doc: "Torque with which something holds the arm before, and with which the law takes over: its first command. \
-                  `\"gravity\"`: what holds the robot's description there, without payload, where the robot does not do so by itself. \
-                  `\"balance\"`: what holds the arm as it is, payload included, as a controller before would.",
+            doc: "Torque with which something holds the arm before, and with which the law takes over: its first \
+                  command. `\"gravity\"`: what holds the robot's description there, without payload, where the robot \
+                  does not do so by itself. `\"balance\"`: what holds the arm as it is, payload included, as a \
+                  controller before would.",
         },
         Key {
             name: "dq_rad_s",

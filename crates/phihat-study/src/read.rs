@@ -303,8 +303,8 @@ fn searched_for(top: &Node<'_>, (has_gains, form): (bool, phihat::Form)) -> Resu
     let timed = TIMES.into_iter().find(|key| form == phihat::Form::Positions && node.has(key));
     if let Some(key) = timed.filter(|_| !has_gains) {
         let message = "a law from positions is not designed for it";
-        let help = "leave it out: when the error has settled is told with the tube, and `settle_s` in [spec] asks for it; or \
-                    `form = \"observer\"` in [loop]";
+        let help = "leave it out: when the error has settled is told with the tube, and `settle_s` in [spec] asks for \
+                    it; or `form = \"observer\"` in [loop]";
         return Err(node.error(Kind::Conflict, key, message).with_help(help));
     }
     let stated = top.child("loop").text("form");
@@ -318,8 +318,8 @@ fn searched_for(top: &Node<'_>, (has_gains, form): (bool, phihat::Form)) -> Resu
         Some(key) => {
             let message =
                 "it tells a search for gains what to look for, while the study states its [gains]";
-            let help = "leave out [gains] to have them found, or this key: margins, payloads and friction of [design] are what \
-                        stated gains are certified for";
+            let help = "leave out [gains] to have them found, or this key: margins, payloads and friction of [design] \
+                        are what stated gains are certified for";
             Err(node.error(Kind::Conflict, key, message).with_help(help))
         }
         None => Ok(()),

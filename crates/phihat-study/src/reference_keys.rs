@@ -228,9 +228,9 @@ static CSV: FormatSection = FormatSection {
 
 static SETPOINTS: FormatSection = FormatSection {
     path: "reference",
-    doc: "Positions to go to, each held until the next, at any rate: a step, a pose, the output of a policy or of a camera. A \
-          governor makes a motion of them within speed, acceleration and jerk, joint by joint, that sees no setpoint before \
-          its time. Give `file` or `[[reference.setpoint]]`.",
+    doc: "Positions to go to, each held until the next, at any rate: a step, a pose, the output of a policy or of a \
+          camera. A governor makes a motion of them within speed, acceleration and jerk, joint by joint, that sees no \
+          setpoint before its time. Give `file` or `[[reference.setpoint]]`.",
     keys: &[
         kind(&["setpoints"], "From rest at the first setpoint towards each next one, at its time."),
         Key {
@@ -288,8 +288,8 @@ const fn largest(name: &'static str, unit: &'static str, doc: &'static str) -> K
 static ANY: FormatSection = FormatSection {
     path: "reference",
     doc: "Any motion of a class: inside a joint box, within speed, acceleration and jerk. `phihat design` bounds the \
-          error of all of them at once; a run draws one from `seed`, which starts at rest at the centre and is switched \
-          at random instants.",
+          error of all of them at once; a run draws one from `seed`, which starts at rest at the centre and is \
+          switched at random instants.",
     keys: &[
         kind(&["any"], "Any motion of a class."),
         joint_position("center_rad", "`center` is given", "Middle of the box."),

@@ -44,8 +44,8 @@ pub(crate) static SUPERVISOR: FormatSection = FormatSection {
             unit: "rad/s",
             shape: Shape::PerJoint(NumberBounds::positive(1e3), ROBOT_OR_NONE),
             need: Need::Word("robot"),
-            doc: "Largest velocity: a joint that is faster is stopped, and a jump to a higher one, or a step in position that would need it, is \
-                  refused. `\"robot\"` takes the robot's limit, where it states one.",
+            doc: "Largest velocity: a joint that is faster is stopped, and a jump to a higher one, or a step in \
+                  position that would need it, is refused. `\"robot\"` takes the robot's limit, where it states one.",
         },
         option(
             "error_stop_rad",
@@ -59,10 +59,11 @@ pub(crate) static SUPERVISOR: FormatSection = FormatSection {
             unit: "",
             shape: Shape::Flag,
             need: Need::Flag(true),
-            doc: "Stop the arm when a measured error is beyond the bound that the gains' certificate proves for the class of motions in which \
-                  the supervisor keeps the reference, half a quantum of the encoder and more included, in three samples in a row (`error-bound`): \
-                  something is not as the certificate assumes. `false`: the excess is recorded alone, as `error_share` above 1. Without such a \
-                  certificate nothing is compared.",
+            doc: "Stop the arm when a measured error is beyond the bound that the gains' certificate proves for the \
+                  class of motions in which the supervisor keeps the reference, half a quantum of the encoder and more \
+                  included, in three samples in a row (`error-bound`): something is not as the certificate assumes. \
+                  `false`: the excess is recorded alone, as `error_share` above 1. Without such a certificate nothing \
+                  is compared.",
         },
         option(
             "frozen_travel_rad",
@@ -149,8 +150,8 @@ pub(crate) static SUPERVISOR: FormatSection = FormatSection {
             "N·m",
             TORQUE,
             "the larger of dry friction, and what `preset_nm` and the robot leave of gravity in the box",
-            "With `kind = \"any\"` in `[reference]`: torque by which a start may be out of balance, counted by the bound \
-             for the class.",
+            "With `kind = \"any\"` in `[reference]`: torque by which a start may be out of balance, counted by the \
+             bound for the class.",
         ),
         Key {
             name: "start_first_order",
@@ -165,9 +166,9 @@ pub(crate) static SUPERVISOR: FormatSection = FormatSection {
             unit: "",
             shape: Shape::Number(NumberBounds::closed(0.01, 1.0)),
             need: Need::Optional("as fast as the gains"),
-            doc: "Start with an estimator slower by this factor, at most 1: its poles are so many times as fast, so that \
-                  `a_0` of order 1 is so many times as large. With `start_first_order`, of the first order one. Until \
-                  the mismatch has settled.",
+            doc: "Start with an estimator slower by this factor, at most 1: its poles are so many times as fast, so \
+                  that `a_0` of order 1 is so many times as large. With `start_first_order`, of the first order one. \
+                  Until the mismatch has settled.",
         },
         number("settled_nm", "N·m", TORQUE, 1.0, "Mismatch φ − φ̂ that counts as settled."),
         Key {
@@ -190,16 +191,17 @@ pub(crate) static SUPERVISOR: FormatSection = FormatSection {
             unit: "s",
             shape: Shape::Number(NumberBounds::positive(10.0)),
             need: Need::Optional("the arm has no brakes"),
-            doc: "The arm has brakes that close when the supervisor asks for them, and hold it after this time. An arm without brakes is held by the law for as \
-                  long as it is measured.",
+            doc: "The arm has brakes that close when the supervisor asks for them, and hold it after this time. An arm \
+                  without brakes is held by the law for as long as it is measured.",
         },
         Key {
             name: "park_rad",
             unit: "rad",
             shape: Shape::PerJoint(NumberBounds::within(100.0), &[]),
             need: Need::Optional("`park`, or the arm is held where it is"),
-            doc: "Where `phihat drive` takes an arm without brakes before it takes the torque away: at the end of the motion and on the first Ctrl-C, where nothing is \
-                  wrong. The way is shaped to the limits of the reference, which it needs; it has to be free, and the arm supported at its end.",
+            doc: "Where `phihat drive` takes an arm without brakes before it takes the torque away: at the end of the \
+                  motion and on the first Ctrl-C, where nothing is wrong. The way is shaped to the limits of the \
+                  reference, which it needs; it has to be free, and the arm supported at its end.",
         },
         Key {
             name: "park",

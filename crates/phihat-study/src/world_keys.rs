@@ -56,8 +56,8 @@ pub(crate) static WORLD: FormatSection = FormatSection {
             unit: "",
             shape: Shape::Number(NumberBounds::integers(1.0, 1000.0)),
             need: Need::Count(1),
-            doc: "Integration steps per control sample; where it is not stated, `phihat` takes as many as the stiffest part \
-                  of the world needs.",
+            doc: "Integration steps per control sample; where it is not stated, `phihat` takes as many as the stiffest \
+                  part of the world needs.",
         },
         Key {
             name: "friction_cold_factor",

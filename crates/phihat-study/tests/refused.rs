@@ -484,7 +484,8 @@ const OTHER_KINDS: &[ReferenceCase] = &[
         "expected 0",
     ),
     (
-        "[reference]\nkind = 'waypoints'\nwaypoint = [\n{t_s=0,pose='ready'},\n{t_s=2,q_rad=0.1},\n{t_s=2.0,pose='ready'}]\n",
+        "[reference]\nkind = 'waypoints'\nwaypoint = \
+            [\n{t_s=0,pose='ready'},\n{t_s=2,q_rad=0.1},\n{t_s=2.0,pose='ready'}]\n",
         5,
         "reference.waypoint[2].t_s",
         OutOfRange,
@@ -519,21 +520,24 @@ const OTHER_KINDS: &[ReferenceCase] = &[
         "write `center_m`",
     ),
     (
-        "[reference]\nkind = 'circle'\ncenter_m = [0.4, 0, 0]\nradius_m = 0.1\nnormal = [0, 0, 0]\nperiod_s = 5\nseed = 'ready'\n",
+        "[reference]\nkind = 'circle'\ncenter_m = [0.4, 0, 0]\nradius_m = 0.1\nnormal = [0, 0, 0]\nperiod_s = 5\nseed \
+            = 'ready'\n",
         4,
         "reference.normal",
         OutOfRange,
         "no direction",
     ),
     (
-        "[reference]\nkind = 'circle'\ncenter_m = [0.4, 0, 0]\nradius_m = 0.1\nperiod_s = 5\nhold_orientation = true\nseed = 'ready'\n",
+        "[reference]\nkind = 'circle'\ncenter_m = [0.4, 0, 0]\nradius_m = 0.1\nperiod_s = 5\nhold_orientation = \
+            true\nseed = 'ready'\n",
         5,
         "reference.hold_orientation",
         Conflict,
         "needs 6 joints, the robot has 3",
     ),
     (
-        "[reference]\nkind = 'circle'\nframe = 'link4'\ncenter_m = [0.4, 0, 0]\nradius_m = 0.1\nperiod_s = 5\nseed = 'ready'\n",
+        "[reference]\nkind = 'circle'\nframe = 'link4'\ncenter_m = [0.4, 0, 0]\nradius_m = 0.1\nperiod_s = 5\nseed = \
+            'ready'\n",
         2,
         "reference.frame",
         UnknownName,
@@ -554,14 +558,16 @@ const OTHER_KINDS: &[ReferenceCase] = &[
         "2 numbers, expected 3",
     ),
     (
-        "[reference]\nkind = 'curve'\nperiod_s = 5\nseed = 'ready'\npoints_m = [[0,0,0],[1,0,0],[1,0,1],\n[0,0,1],[0,0,0]]\n",
+        "[reference]\nkind = 'curve'\nperiod_s = 5\nseed = 'ready'\npoints_m = \
+            [[0,0,0],[1,0,0],[1,0,1],\n[0,0,1],[0,0,0]]\n",
         5,
         "reference.points_m[4]",
         Conflict,
         "closes by itself",
     ),
     (
-        "[reference]\nkind = 'curve'\nperiod_s = 5\nseed = 'ready'\npoints_m = [[0,0,0],[1,0,0],\n[1,0,0],[0,0,1],[0,1,0]]\n",
+        "[reference]\nkind = 'curve'\nperiod_s = 5\nseed = 'ready'\npoints_m = \
+            [[0,0,0],[1,0,0],\n[1,0,0],[0,0,1],[0,1,0]]\n",
         5,
         "reference.points_m[2]",
         Conflict,

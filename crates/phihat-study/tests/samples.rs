@@ -82,8 +82,10 @@ fn a_joint_without_ends_takes_the_near_way() {
     let text = "t_s,axis\n0,3.0\n1,3.1\n2,-3.1\n3,-3.0\n4,3.1\n5,3.0\n";
     let folder = Folder::new("near", text.as_bytes());
     let urdf = r#"<robot name="axis"><link name="base"/>
-<joint name="axis" type="continuous"><parent link="base"/><child link="load"/><axis xyz="0 0 1"/><limit effort="40" velocity="4"/></joint>
-<link name="load"><inertial><mass value="2"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.3"/></inertial></link></robot>"#;
+<joint name="axis" type="continuous"><parent link="base"/><child link="load"/><axis xyz="0 0 1"/>
+<limit effort="40" velocity="4"/></joint>
+<link name="load"><inertial><mass value="2"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.3"/>
+</inertial></link></robot>"#;
     std::fs::write(folder.0.join("axis.urdf"), urdf).unwrap();
     let study = "duration_s = 5.0\n[robot]\nfile = 'axis.urdf'\n[spec]\nsettle_s = 1.0\n[gains]\nbandwidth_rad_s = 10\n\
                  estimator_bandwidth_rad_s = 30\ninertia_kg_m2 = 0.3\n[reference]\nkind = 'csv'\nfile = 'ref.csv'\n";
@@ -168,7 +170,8 @@ fn setpoints_come_from_a_file_or_from_sections() {
         let text = format!("[reference]\nkind = 'setpoints'\n{LIMITS}{reference}");
         read_in(&with_reference(&text), &folder.0).map(|study| study.reference)
     };
-    let sections = "[[reference.setpoint]]\nt_s = 0\nq_rad = [0.1, 0.2, 0.3]\n[[reference.setpoint]]\nt_s = 0.1\nq_rad = [0.9, 0.3, 0.4]\n";
+    let sections = "[[reference.setpoint]]\nt_s = 0\nq_rad = [0.1, 0.2, 0.3]\n[[reference.setpoint]]\nt_s = 0.1\nq_rad \
+        = [0.9, 0.3, 0.4]\n";
     let [file, typed] = ["file = 'ref.csv'\n", sections].map(|text| from(text).unwrap());
     assert_eq!(file, typed);
     let ReferenceRequest::Setpoints { t, limits, .. } = file else { panic!("setpoints") };

@@ -66,7 +66,8 @@ fn a_slower_start_is_read_and_refused_where_there_is_no_estimator_to_slow() {
 }
 
 /// Limits of the motion to the park posture.
-const SHAPED: &str = "reference_velocity_max_rad_s = 0.5\nreference_acceleration_max_rad_s2 = 2.0\nreference_jerk_max_rad_s3 = 20.0\n";
+const SHAPED: &str = "reference_velocity_max_rad_s = 0.5\nreference_acceleration_max_rad_s2 = \
+    2.0\nreference_jerk_max_rad_s3 = 20.0\n";
 
 #[test]
 fn where_an_arm_parks_is_read_as_positions_or_by_name() {

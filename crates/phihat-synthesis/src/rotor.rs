@@ -142,10 +142,10 @@ pub fn lacking(study: &Study, least: f64) -> String {
     let joints: Vec<String> =
         joints.map(|joint| format!("{} ({:.2e})", joint.name, own(joint))).collect();
     format!(
-        "light joints have no rotor: with a rotor inertia of at least {least:.2e} kg·m² on every joint there are gains, and \
-         these have less: {}. One constant inertia per joint must stand for the arm in every posture; a rotor, which does \
-         not change, makes it more nearly constant. State armature_kg_m2 (rotor inertia times the gear ratio squared), or a \
-         smaller payload, a faster loop, less delay",
+        "light joints have no rotor: with a rotor inertia of at least {least:.2e} kg·m² on every joint there are \
+         gains, and these have less: {}. One constant inertia per joint must stand for the arm in every posture; a \
+         rotor, which does not change, makes it more nearly constant. State armature_kg_m2 (rotor inertia times the \
+         gear ratio squared), or a smaller payload, a faster loop, less delay",
         joints.join(", ")
     )
 }

@@ -8,9 +8,9 @@ use phihat_synthesis::{Recordings, SynthesisError, SynthesisOptions, arm, synthe
 
 fn study(rest: &str) -> Study {
     let text = format!(
-        "duration_s = 2.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.0\nerror_bound_rad = 0.02\n[loop]\n{rest}\n\
-         [design]\norders = [1]\n[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = 1.0\n\
-         [[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.3\n"
+        "duration_s = 2.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.0\nerror_bound_rad = \
+         0.02\n[loop]\n{rest}\n[design]\norders = [1]\n[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = \
+         1.0\n[[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.3\n"
     );
     Study::from_text(&text, "arm.toml", Path::new(".")).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }

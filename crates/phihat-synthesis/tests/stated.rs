@@ -11,9 +11,9 @@ use phihat_synthesis::{Recordings, SynthesisOptions, arm_along, synthesize};
 fn study(error_mrad: f64, form: &str, gains: &str) -> Study {
     let text = format!(
         "duration_s = 3.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.5\nerror_bound_rad = {}\n{gains}\n\
-         inertia_kg_m2 = [0.42, 0.18, 0.14]\n[loop]\ndelay_samples = 1\nform = \"{form}\"\n[sensor]\nencoder_bits = 18\n{}\
-         [world]\npayload = {{ mass_kg = 0.2 }}\n[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = 1.0\n\
-         [[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.3\n",
+         inertia_kg_m2 = [0.42, 0.18, 0.14]\n[loop]\ndelay_samples = 1\nform = \"{form}\"\n[sensor]\nencoder_bits = \
+         18\n{}[world]\npayload = {{ mass_kg = 0.2 }}\n[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = \
+         1.0\n[[reference.sine]]\namplitude_rad = 0.2\nfrequency_hz = 0.3\n",
         1e-3 * error_mrad,
         if form == "observer" {
             "velocity = \"differenced\"\nvelocity_filter_hz = 100.0\n"

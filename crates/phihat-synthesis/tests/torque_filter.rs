@@ -14,11 +14,11 @@ use phihat_synthesis::{Recordings, SynthesisOptions, arm_along, synthesize};
 fn study(form: &str, world: &str) -> Study {
     let text = format!(
         "duration_s = 3.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 1.0\nerror_bound_rad = 2e-2\n\
-         [design]\npayload_max_kg = 0.3\norders = [1]\ncoulomb_min_nm = 0.0\ncoulomb_max_nm = 0.05\n[loop]\ndelay_samples = 1\nform = \"{form}\"\n\
-         torque_filter_hz = 120.0\n[sensor]\nencoder_bits = 24\nvelocity = \"differenced\"\n\
-         velocity_filter_hz = 100.0\n[world]\nfriction = \"none\"\ngravity_m_s2 = [0.0, 0.0, 0.0]\nsubsteps = 4\n\
-         {world}\n[reference]\nkind = \"sines\"\ncenter_rad = [0.3, 0.8, 0.4]\nfade_in_s = 1.0\n\
-         [[reference.sine]]\namplitude_rad = 0.1\nfrequency_hz = 0.2\n"
+         [design]\npayload_max_kg = 0.3\norders = [1]\ncoulomb_min_nm = 0.0\ncoulomb_max_nm = \
+         0.05\n[loop]\ndelay_samples = 1\nform = \"{form}\"\ntorque_filter_hz = 120.0\n[sensor]\nencoder_bits = \
+         24\nvelocity = \"differenced\"\nvelocity_filter_hz = 100.0\n[world]\nfriction = \"none\"\ngravity_m_s2 = \
+         [0.0, 0.0, 0.0]\nsubsteps = 4\n{world}\n[reference]\nkind = \"sines\"\ncenter_rad = [0.3, 0.8, \
+         0.4]\nfade_in_s = 1.0\n[[reference.sine]]\namplitude_rad = 0.1\nfrequency_hz = 0.2\n"
     );
     Study::from_text(&text, "arm.toml", Path::new(".")).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }

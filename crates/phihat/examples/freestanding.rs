@@ -16,7 +16,8 @@ use phihat::{
 };
 
 macro_rules! entry_points {
-    ($scalar:ty, $design:ident, $limits:ident, $command:ident, $resume:ident, $arm:ident, $slice:ident, $delay:ident, $supervised:ident) => {
+    ($scalar:ty, $design:ident, $limits:ident, $command:ident, $resume:ident, $arm:ident, $slice:ident, $delay:ident,
+        $supervised:ident) => {
         pub fn $design(design: &JointDesign<'_>) -> Result<JointGains<$scalar>, GainError> {
             JointGains::new(design)
         }

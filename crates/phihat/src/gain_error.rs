@@ -173,7 +173,8 @@ impl fmt::Display for GainError {
             }
             Self::Corrections { position, velocity } => write!(
                 f,
-                "{position} corrections by position and {velocity} by velocity; 3 to 5, and none or as many, are possible"
+                "{position} corrections by position and {velocity} by velocity; 3 to 5, and none or as many, are \
+                    possible"
             ),
             Self::Sections { count } => {
                 write!(f, "{count} sections of an innovation filter; 1 to {SECTIONS_MAX} are possible")

@@ -121,7 +121,8 @@ fn no_torque_passes_that_could_not_be_braked_before_the_end() {
                     && within(ceiling(below, -m.dq, -phi_hat, -last, rate), -tau, -last);
             assert!(
                 if stopped { held } else { (tau - limited).abs() < tolerance },
-                "{m:?}: {tau} against {limited}, {upper:?} {lower:?} of {demand}, {rate} N·m/s {phi_hat} {last} {k} {:?}",
+                "{m:?}: {tau} against {limited}, {upper:?} {lower:?} of {demand}, {rate} N·m/s {phi_hat} {last} {k} \
+                    {:?}",
                 answer.report
             );
             for (side, (cap, room)) in [(upper, above), (lower, below)].into_iter().enumerate() {

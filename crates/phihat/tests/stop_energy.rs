@@ -410,8 +410,8 @@ fn f31_a_stop_takes_energy_out_of_the_arm_and_leaves_it_at_rest() {
         }
     }
     println!(
-        "{cases} cases, {stopped} stopped; most given without a rate limit {given:.3} J; a reversed drive makes a joint {reversed:.1} rad/s faster; \
-         fastest joint {share:.2} of its printed bound"
+        "{cases} cases, {stopped} stopped; most given without a rate limit {given:.3} J; a reversed drive makes a \
+         joint {reversed:.1} rad/s faster; fastest joint {share:.2} of its printed bound"
     );
     assert!(stopped > cases / 3 && reversed < 12.0, "{stopped} {reversed}");
 }

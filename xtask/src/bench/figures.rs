@@ -178,8 +178,9 @@ impl BenchSides {
         if self.names().iter().any(|name| name.1.starts_with("closed_loop")) {
             text.push_str(
                 "\nclosed loop: 1 kHz, four forward dynamics (RK4) per step on both sides; Pinocchio's law \
-                 is computed\ntorque (one RNEA), ours is this project's controller and whatever its world adds;\nin lanes: of eight arms with loads of their own, beside one arm \
-                 of which figures are kept alone (figures)\n",
+                 is computed\ntorque (one RNEA), ours is this project's controller and whatever its world adds;\nin \
+                 lanes: of eight arms with loads of their own, beside one arm of which figures are kept alone \
+                 (figures)\n",
             );
         }
         text + &self.many()
@@ -208,7 +209,8 @@ impl BenchSides {
             let _ = writeln!(text, "  {what:38} {} {over:>22}", cells(series));
         }
         text.push_str(
-            "\nthe whole world: friction, loads, encoders, delay, limits; the bare arm: none of them, as in the others' loops\n",
+            "\nthe whole world: friction, loads, encoders, delay, limits; the bare arm: none of them, as in the \
+                others' loops\n",
         );
         text
     }
@@ -275,7 +277,10 @@ mod tests {
     fn many_arms_are_set_beside_every_peer() {
         let sides = BenchSides {
             ours: side(&[
-                r#"{"algorithm":"closed_loop_panda_full_world_figures_in_lanes","times_real_time":1500.0,"quartiles":[1.0,2.0]}"#,
+                concat!(
+                    r#"{"algorithm":"closed_loop_panda_full_world_figures_in_lanes","#,
+                    r#""times_real_time":1500.0,"quartiles":[1.0,2.0]}"#
+                ),
                 r#"{"algorithm":"lanes_over_alone","ratio":4.5,"quartiles":[4.0,5.0]}"#,
             ]),
             peer: side(&[

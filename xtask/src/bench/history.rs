@@ -13,15 +13,21 @@ const PAGE: &str = "docs/speed.md";
 
 const OPENING: &str = "# Speed, and how it came about
 
-Made by `cargo xtask bench --keep`, one line each time: nothing here is typed. Both sides are built on the machine for its full instruction
-set, pinned to one core, and run in turns; a figure is the best of the rounds' medians, in brackets its ratio to Pinocchio's (C++, clang, from
-its wheel's headers), below 1 where ours is faster. Figures of different lines compare only where the machine is the same, and it was
+Made by `cargo xtask bench --keep`, one line each time: nothing here is typed. Both sides are built on the machine for \
+its full instruction
+set, pinned to one core, and run in turns; a figure is the best of the rounds' medians, in brackets its ratio to \
+Pinocchio's (C++, clang, from
+its wheel's headers), below 1 where ours is faster. Figures of different lines compare only where the machine is the \
+same, and it was
 as quiet; how far rounds lay apart is in `docs/speed.json`.
 
 - **Dynamics** of the Panda, one arm: forward dynamics, inverse dynamics, mass matrix \\[ns\\].
-- **Loop**: simulated seconds per second at 1 kHz with four forward dynamics per sample, of one arm whose record is kept.
-- **Lanes**: the same of eight arms in lockstep with friction, loads, encoders, delay and limits, of which figures are kept, per core; and
-  that over Pinocchio's loop (computed torque, a bare arm, one after the other) and MuJoCo's rollouts (servos, a bare arm).
+- **Loop**: simulated seconds per second at 1 kHz with four forward dynamics per sample, of one arm whose record is \
+kept.
+- **Lanes**: the same of eight arms in lockstep with friction, loads, encoders, delay and limits, of which figures are \
+kept, per core; and
+  that over Pinocchio's loop (computed torque, a bare arm, one after the other) and MuJoCo's rollouts (servos, a bare \
+  arm).
 
 ";
 

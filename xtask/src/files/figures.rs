@@ -155,13 +155,15 @@ mod tests {
 
     #[test]
     fn errors_of_text_are_counted() {
-        let text = "fn a() -> Result<u8, String> {}\nfn b(x: Option<Result<(), String>>) {}\nfn c() -> Result<String, E> {}";
+        let text = "fn a() -> Result<u8, String> {}\nfn b(x: Option<Result<(), String>>) {}\nfn c() -> Result<String, \
+            E> {}";
         assert_eq!(errors_of_text(&alone(text)), ["lib.rs:1", "lib.rs:2"]);
     }
 
     #[test]
     fn conditions_with_a_let_among_others_are_told() {
-        let text = "fn a() {\n if let A = b { if c && d {} }\n if c && let A = b {}\n if let A = b && c {}\n while c && let A = b && d {}\n}";
+        let text = "fn a() {\n if let A = b { if c && d {} }\n if c && let A = b {}\n if let A = b && c {}\n while c \
+            && let A = b && d {}\n}";
         assert_eq!(let_chains(&alone(text)), ["lib.rs:3", "lib.rs:4", "lib.rs:5"]);
     }
 

@@ -26,25 +26,29 @@ pub(super) fn sweep_page(summary: &SweepSummary, drawn: &[SweepRow]) -> String {
     let main = html! {
         header {
             h1 { (title) }
-            p.byline { "phihat " (line(&summary.phihat_version)) " · " (summary.runs) " runs · seed " (summary.seed) " · simulated" }
+            p.byline { "phihat " (line(&summary.phihat_version)) " · " (summary.runs) " runs · \
+                seed " (summary.seed) " · simulated" }
             (verdict(summary))
         }
         h2 { "What varied" }
-        ul { @for vary in &summary.vary { li { code { (line(&vary.how)) } @if !vary.unit.is_empty() { " [" (line(&vary.unit)) "]" } } } }
+        ul { @for vary in &summary.vary { li { code { (line(&vary.how)) } @if !vary.unit.is_empty() {
+            " [" (line(&vary.unit)) "]" } } } }
         h2 { "Figures" }
         p { "Quantiles over all runs that began, with intervals that hold for any distribution with a probability of "
             (stated(100.0 * summary.confidence)) " % each: the order of the values alone decides them. "
             "A run that did not come to its end counts as worse than any number (∞)." }
         (table(summary))
         h2 { "Distributions" }
-        p { "Bars: how many runs, the highest drawn to 0.9; curve: the share of runs at or below a value; dashed: the bound." }
+        p { "Bars: how many runs, the highest drawn to 0.9; curve: the share of runs at or below a value; dashed: the \
+            bound." }
         div.plots { @for figure in summary.figures.iter().filter(|figure| differs(figure)) { figure {
             (drawn_distribution(figure))
             figcaption { (line(&figure.what)) }
         } } }
         @for figure in summary.figures.iter().filter(|figure| !differs(figure)) {
             @let (scale, unit) = people(&figure.unit);
-            p { (line(&figure.what)) ": " (shown(scale * figure.least)) @if !unit.is_empty() { "\u{a0}" (unit) } " in every run." }
+            p { (line(&figure.what)) ": " (shown(scale * figure.least)) @if !unit.is_empty() { "\u{a0}" (unit) } " in \
+                every run." }
         }
         h2 { "Errors against what varied" }
         (scatters(summary, drawn))
@@ -52,7 +56,8 @@ pub(super) fn sweep_page(summary: &SweepSummary, drawn: &[SweepRow]) -> String {
         p { "Each command repeats its run to the last bit, from the folder of this page." }
         (worst(summary))
         h2 { "Not claimed" }
-        p { "Runs are simulated and drawn at random from what was asked for. What lies between them, or outside of it, was not tried; "
+        p { "Runs are simulated and drawn at random from what was asked for. What lies between them, or outside of it, \
+            was not tried; "
             "a share of runs is no certificate." }
     };
     Page { title: &title, kind: "sweep", script: None }.document(&main)
@@ -96,7 +101,8 @@ fn verdict(summary: &SweepSummary) -> Markup {
     ];
     html! { div class=(class) {
         p { strong { (totals.within_spec) " of " (began) " runs kept every stated bound." } }
-        p { "Probability that a run does, with " (stated(100.0 * summary.confidence)) " % confidence: " (low) " % to " (high) " %." }
+        p { "Probability that a run does, with " (stated(100.0 * summary.confidence)) " % confidence: " (low) " % \
+            to " (high) " %." }
         ul { @for (count, what) in others { @if count > 0 { li { (count) " " (what) } } } }
     } }
 }
@@ -162,7 +168,8 @@ fn scatters(summary: &SweepSummary, drawn: &[SweepRow]) -> Markup {
     };
     html! {
         p { (drawn.len()) " of " (summary.runs) " runs, evenly taken." }
-        div.plots { @for i in 0..summary.vary.len() { figure { (svg(&scatter(&runs(i), (&label(i), beside), bound), &FigureSize::SMALL)) } } }
+        div.plots { @for i in 0..summary.vary.len() { figure { (svg(&scatter(&runs(i), (&label(i), beside), bound),
+            &FigureSize::SMALL)) } } }
     }
 }
 

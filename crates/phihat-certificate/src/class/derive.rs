@@ -116,8 +116,8 @@ impl ClassAgain {
     #[must_use]
     pub fn assumption(&self) -> String {
         format!(
-            "assumption C8, maxima are no larger than two searches found them: here torque rates at {} points, kicks at {} \
-             postures, second derivatives at {} with a factor of {}, drawn from this file's SHA-256 and --seed",
+            "assumption C8, maxima are no larger than two searches found them: here torque rates at {} points, kicks \
+             at {} postures, second derivatives at {} with a factor of {}, drawn from this file's SHA-256 and --seed",
             self.points, self.postures, self.bent_postures, self.margin
         )
     }

@@ -23,6 +23,7 @@ mod setting;
 mod shared;
 mod solve;
 mod sums;
+mod words;
 
 pub use along::{AlongBound, KnownMotion};
 pub use derive::{ClassAgain, ClassPair, JointOfClass};

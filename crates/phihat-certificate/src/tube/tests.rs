@@ -70,8 +70,8 @@ fn tangents_hold_functions_of_several_variables() {
 
 #[test]
 fn smooth_friction_bends_at_most_as_said() -> Result<(), StudyError> {
-    let text = "duration_s = 1.0\n[spec]\nsettle_s = 0.5\n[design]\n[robot]\nname = \"planar3r\"\n[world]\nviscous_extra_nm_s_rad = 0.7\n[reference]\n\
-                kind = \"hold\"\nq_rad = 0.0\n";
+    let text = "duration_s = 1.0\n[spec]\nsettle_s = 0.5\n[design]\n[robot]\nname = \
+                \"planar3r\"\n[world]\nviscous_extra_nm_s_rad = 0.7\n[reference]\nkind = \"hold\"\nq_rad = 0.0\n";
     let mut study = Study::from_text(text, "scope.toml", std::path::Path::new(""))?;
     let law = Sigmoid { amplitude_nm: 2.0, steepness_s_rad: 5.0, offset_rad_s: 0.1 };
     study.robot.joints[0].friction.sigmoid = Some(law);
@@ -204,8 +204,8 @@ fn a_function_of_a_payload_s_moments_is_in_its_range_and_reaches_it() {
 
 #[test]
 fn what_the_derivation_does_not_know_is_named() -> Result<(), StudyError> {
-    let text = "duration_s = 1.0\n[spec]\nsettle_s = 0.5\n[design]\n[robot]\nname = \"planar3r\"\n[world]\npayload = { mass_kg = 0.2 }\n[reference]\n\
-                kind = \"hold\"\nq_rad = 0.0\n";
+    let text = "duration_s = 1.0\n[spec]\nsettle_s = 0.5\n[design]\n[robot]\nname = \"planar3r\"\n[world]\npayload = { \
+                mass_kg = 0.2 }\n[reference]\nkind = \"hold\"\nq_rad = 0.0\n";
     let study = Study::from_text(text, "scope.toml", std::path::Path::new(""))?;
     assert_eq!(counted(&study), Ok(()));
     let edits: [Edit; 15] = [

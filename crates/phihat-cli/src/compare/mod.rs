@@ -49,7 +49,8 @@ pub(crate) struct Compare {
     #[arg(long)]
     quick: bool,
     /// Motions that are scored: the study's own, and drawn ones [default: 3, or 1 with --quick].
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true,
+        value_parser = clap::value_parser!(u16).range(1..=1000))]
     seeds: Option<u16>,
     /// Repeat this one run (ARM/RIVAL/WORLD/default|tuned/SEED) and keep its study, trace and report.
     #[arg(long, value_name = "RUN")]

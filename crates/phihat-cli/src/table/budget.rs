@@ -21,9 +21,11 @@ pub(crate) fn budget(budget: &Budget) -> String {
     if let Some(basis) = budget.basis {
         lines.push(joints(&budget.joints));
         lines.push(match basis {
-            BudgetBasis::Tube => "(by tubes of these gains, one cause at a time; delay is within the others)".to_owned(),
+            BudgetBasis::Tube => "(by tubes of these gains, one cause at a time; delay is within the \
+                others)".to_owned(),
             BudgetBasis::OwnLoop => {
-                "(of the nearest law, each joint by itself: worst cases added up; delay is within the others)".to_owned()
+                "(of the nearest law, each joint by itself: worst cases added up; delay is within the \
+                    others)".to_owned()
             }
         });
     }

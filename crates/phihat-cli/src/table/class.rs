@@ -40,7 +40,8 @@ pub(crate) fn class(gains: &Gains) -> Option<String> {
     let mut lines = vec![
         table.to_string(),
         format!(
-            "any motion of the class, for as long as it lasts, {}: payload {} … {} kg on {}, no limit acts; spectral radius {:.3} (closes below 1); {} postures, {}",
+            "any motion of the class, for as long as it lasts, {}: payload {} … {} kg on {}, no limit acts; spectral \
+                radius {:.3} (closes below 1); {} postures, {}",
             start(class),
             class.payload.mass_kg.0,
             class.payload.mass_kg.1,
@@ -61,8 +62,8 @@ fn start(class: &ClassBound) -> String {
     }
     let most = class.start_nm.iter().copied().fold(0.0, f64::max);
     format!(
-        "whatever is requested while the supervisor holds or tracks, from a start out of balance by at most {most:.2} N·m \
-         a joint for {} ms, every sample in time, no fault",
+        "whatever is requested while the supervisor holds or tracks, from a start out of balance by at most {most:.2} \
+         N·m a joint for {} ms, every sample in time, no fault",
         1e3 * class.start_s
     )
 }

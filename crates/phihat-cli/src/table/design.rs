@@ -151,7 +151,8 @@ fn any_speed(certificate: &Certificate) -> String {
         || "NOT proved, stability while the inertia moves at any speed".to_owned(),
         |any| {
             let (low, high) = (any.low, any.high);
-            format!("the inertia may move at any speed within μ = {low:.3} … {high:.3}, Coriolis torque and gradients left out")
+            format!("the inertia may move at any speed within μ = {low:.3} … {high:.3}, Coriolis torque and gradients \
+                left out")
         },
     )
 }
@@ -196,7 +197,8 @@ fn proved(certificate: &Certificate) -> String {
     }
     match &certificate.tube {
         Some(tube) => format!(
-            "the specification is kept by every run in the tube: payload {} … {} kg on {}, dry friction as stated, from t = 0, no limit acts",
+            "the specification is kept by every run in the tube: payload {} … {} kg on {}, dry friction as stated, \
+                from t = 0, no limit acts",
             tube.payload.mass_kg.0, tube.payload.mass_kg.1, tube.payload.frame
         ),
         None if certificate.class.as_ref().is_some_and(|class| class.is_supervised()) => {
@@ -221,7 +223,8 @@ fn settle(settle: Settle) -> String {
             "the study does not say when: from then on the tube stays inside the specification"
         }
         SettleFrom::TubeLevel => {
-            "the study does not say when, and the tube never keeps the specification: from then on it is at its own level"
+            "the study does not say when, and the tube never keeps the specification: from then on it is at its own \
+                level"
         }
         SettleFrom::Default => "the study does not say when, and there is no tube: the default",
     };
@@ -265,8 +268,8 @@ fn law(joint: &JointCertificate) -> String {
                 |gamma| format!("inverse optimal for every H-infinity level γ > {gamma:.4}"),
             );
             format!(
-                "{optimal}\nthe paper's (40), per unit of φ/M̄: |x| ≤ {:.4} as printed, which is no bound; {:.4} holds in \
-                 the end",
+                "{optimal}\nthe paper's (40), per unit of φ/M̄: |x| ≤ {:.4} as printed, which is no bound; {:.4} holds \
+                 in the end",
                 law.paper.printed, law.paper.corrected
             )
         },

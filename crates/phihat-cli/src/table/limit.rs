@@ -38,9 +38,10 @@ pub(crate) fn limit(gains: &Gains) -> String {
     align(&mut table);
     let source = list.first().map_or("", |one| one.phi_source.as_str());
     format!(
-        "{table}\nlimit: no linear law from the same encoder, with no more torque noise, has a smaller bound on |e| at that one \
-         inertia, were it known; at the lightest, none has for the whole range\nφ: {source}\nestimates of one joint alone, not \
-         claims: `phihat verify` does not check them, and the tube's error, of the coupled arm, is another figure"
+        "{table}\nlimit: no linear law from the same encoder, with no more torque noise, has a smaller bound on |e| at \
+         that one inertia, were it known; at the lightest, none has for the whole range\nφ: {source}\nestimates of one \
+         joint alone, not claims: `phihat verify` does not check them, and the tube's error, of the coupled arm, is \
+         another figure"
     )
 }
 

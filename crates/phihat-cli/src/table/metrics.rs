@@ -156,7 +156,8 @@ pub(crate) fn verdict(metrics: &Metrics, divergence: Option<&Divergence>) -> Str
     if untracked > 0 {
         let (steady, seconds) = (metrics.steady_samples, metrics.settle_s);
         return format!(
-            "NOT FOLLOWED: in {untracked} of {steady} samples after the first {seconds} s the supervisor did not let the arm follow its motion"
+            "NOT FOLLOWED: in {untracked} of {steady} samples after the first {seconds} s the supervisor did not let \
+                the arm follow its motion"
         );
     }
     let stated = metrics.joints.iter().any(|j| {

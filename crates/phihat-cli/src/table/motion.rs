@@ -51,13 +51,14 @@ pub(crate) fn bounds(found: &MotionBound, gains: &Gains) -> Vec<String> {
     let unit = unit_of("mrad", slides);
     let class = found.joints.iter().filter_map(|joint| joint.error_bound_rad).largest();
     let mut lines = vec![format!(
-        "|e| ≤ {:.3} {unit}, as for any motion of the class, by the certificate; `phihat verify --study` says how it stands",
+        "|e| ≤ {:.3} {unit}, as for any motion of the class, by the certificate; `phihat verify --study` says how it \
+            stands",
         MILLI * class
     )];
     lines.extend(found.along.as_ref().map(|own| {
         format!(
-            "|e| ≤ {:.3} {unit} for this motion alone, from a start at rest on its first position; derived once, by the \
-             checker, at {} postures and {} points of it",
+            "|e| ≤ {:.3} {unit} for this motion alone, from a start at rest on its first position; derived once, by \
+             the checker, at {} postures and {} points of it",
             MILLI * own.error_bound_rad.iter().copied().largest(),
             own.postures,
             own.points

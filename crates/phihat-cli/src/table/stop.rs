@@ -48,7 +48,8 @@ pub(crate) fn stop(study: &Study, gains: &Gains) -> Option<String> {
     }
     align(&mut table);
     Some(format!(
-        "{table}\na safe stop from so fast on every joint: the way of its reference to rest, and the speed beyond which no joint comes while nobody pushes \
-         (theory, Q3; all energy of the arm in that joint). A push that does W joules of work on the way adds 2 W/(μ_low M̄) to the square of a speed"
+        "{table}\na safe stop from so fast on every joint: the way of its reference to rest, and the speed beyond \
+         which no joint comes while nobody pushes (theory, Q3; all energy of the arm in that joint). A push that does \
+         W joules of work on the way adds 2 W/(μ_low M̄) to the square of a speed"
     ))
 }

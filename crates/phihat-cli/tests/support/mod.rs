@@ -116,10 +116,10 @@ pub(crate) fn leave(folder: &Path, files: &Files) {
 pub(crate) fn small(title: &str, amplitude_rad: f64, bandwidth_rad_s: f64) -> String {
     format!(
         "title = \"{title}\"\nduration_s = 0.05\n[robot]\nname = \"planar3r\"\n\
-         locked = {{ joint2 = 0.0, joint3 = 0.0 }}\n[spec]\nsettle_s = 0.01\nerror_bound_rad = 0.2\n[gains]\norder = 2\n\
-         bandwidth_rad_s = {bandwidth_rad_s:?}\nestimator_bandwidth_rad_s = 40.0\ninertia_kg_m2 = 0.8\n[reference]\n\
-         kind = \"sines\"\ncenter_rad = 0.1\n[[reference.sine]]\namplitude_rad = {amplitude_rad:?}\nfrequency_hz = 0.4\n\
-         phase_rad = 0.0\n"
+         locked = {{ joint2 = 0.0, joint3 = 0.0 }}\n[spec]\nsettle_s = 0.01\nerror_bound_rad = 0.2\n[gains]\norder = \
+         2\nbandwidth_rad_s = {bandwidth_rad_s:?}\nestimator_bandwidth_rad_s = 40.0\ninertia_kg_m2 = 0.8\n[reference]\n\
+         kind = \"sines\"\ncenter_rad = 0.1\n[[reference.sine]]\namplitude_rad = {amplitude_rad:?}\nfrequency_hz = \
+         0.4\nphase_rad = 0.0\n"
     )
 }
 

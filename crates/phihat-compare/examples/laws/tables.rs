@@ -82,8 +82,9 @@ fn dash() -> String {
 
 /// The table of arms.
 pub(crate) fn arms(rows: &[ArmRow]) -> String {
-    let mut text = "| arm | step allowed [N·m] | positions: certified [mrad] | filtered | observer | positions / observer | \
-                    filtered / positions | certified steps [N·m] | measured [mrad] |\n|---|---|---|---|---|---|---|---|---|\n"
+    let mut text = "| arm | step allowed [N·m] | positions: certified [mrad] | filtered | observer | positions / \
+                    observer | filtered / positions | certified steps [N·m] | measured [mrad] \
+                    |\n|---|---|---|---|---|---|---|---|---|\n"
         .to_owned();
     for row in rows {
         let [new, filtered, old] = row.kinds.as_slice() else { continue };

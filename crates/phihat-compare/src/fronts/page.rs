@@ -21,9 +21,12 @@ pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
     let main = html! {
         header {
             h1 { (title) }
-            p.byline { "phihat " (line(&fronts.phihat_version)) " · " (extent.caps.len()) " cap" @if extent.caps.len() > 1 { "s" } " on noise · " (extent.restarts)
-                " searches each · " (extent.per_scalar) " evaluations for each scalar and one more under the loosest cap"
-                @if extent.caps.len() > 1 { ", a quarter as many under every other, from the best of all before" } " · worlds: " (train) " to train, "
+            p.byline { "phihat " (line(&fronts.phihat_version)) " · " (extent.caps.len()) " cap" @if extent.caps.len()
+                > 1 { "s" } " on noise · " (extent.restarts)
+                " searches each · " (extent.per_scalar) " evaluations for each scalar and one more under the loosest \
+                    cap"
+                @if extent.caps.len() > 1 { ", a quarter as many under every other, from the best of all before" } " · \
+                    worlds: " (train) " to train, "
                 (validation) " to choose, " (test) " to judge · simulated" }
             (verdict(fronts))
         }
@@ -31,21 +34,24 @@ pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
         (volumes(fronts))
         (held_out(fronts))
         h2 { "How" }
-        p { "Noise is the rms of the applied torque above 50 Hz over the joint's limit, worst joint; the error is the rms of the worst \
-             joint. A tuning keeps its cap, follows, and bears drives 1.3 times as strong and one more sample of delay, in every world \
-             that it was tuned in; where it does not follow in a world, or is louder there than every cap, it has not borne more either. The validation worlds choose among the searches; the test worlds are looked at once. Better or worse: \
-             beyond the band of one law under two names, by more than 10 %, and with p < .05 corrected (Holm) for every question of this \
-             page. A run that did not follow counts as 1 rad." }
+        p { "Noise is the rms of the applied torque above 50 Hz over the joint's limit, worst joint; the error is the \
+             rms of the worst joint. A tuning keeps its cap, follows, and bears drives 1.3 times as strong and one \
+             more sample of delay, in every world that it was tuned in; where it does not follow in a world, or is \
+             louder there than every cap, it has not borne more either. The validation worlds choose among the \
+             searches; the test worlds are looked at once. Better or worse: beyond the band of one law under two \
+             names, by more than 10 %, and with p < .05 corrected (Holm) for every question of this page. A run that \
+             did not follow counts as 1 rad." }
         @if fronts.laws.iter().any(|law| law.designed) {
-            p { "Designed gains are not tuned: their design is told the hardest loop that can be drawn, " (delay) " samples of delay and encoders of "
+            p { "Designed gains are not tuned: their design is told the hardest loop that can be \
+                drawn, " (delay) " samples of delay and encoders of "
                 (bits) " bits; where the paper's law has no gains for that, the study's own loop." }
         }
         p { "Made by " code { (line(command)) } "." }
         h2 { "Not claimed" }
-        p { "That a law can do no better: these are the best tunings that were found. Worlds are drawn at random from ranges; what lies \
-             outside of them was not tried. All laws measure the same positions and velocities; the cut-off of the filter, a factor on \
-             the nominal inertia, and whether the torque that acted or the one commanded last is handed over are free for every law \
-             that uses them, and tuned with its own scalars." }
+        p { "That a law can do no better: these are the best tunings that were found. Worlds are drawn at random from \
+             ranges; what lies outside of them was not tried. All laws measure the same positions and velocities; the \
+             cut-off of the filter, a factor on the nominal inertia, and whether the torque that acted or the one \
+             commanded last is handed over are free for every law that uses them, and tuned with its own scalars." }
     };
     Page { title: &title, kind: "fronts", script: None }.document(&main)
 }
@@ -86,13 +92,16 @@ fn verdict(fronts: &Fronts) -> Markup {
         let (law, error) = known.first().copied()?;
         let (better, worse, alike) = counts(fronts, tier, cap);
         Some(html! { li {
-        strong { (tier.words()) } ": least median error " strong { (name(law)) } ", " (number(MILLI * error.median)) " mrad"
+        strong { (tier.words()) } ": least median \
+            error " strong { (name(law)) } ", " (number(MILLI * error.median)) " mrad"
         @if let Some((own, error)) = known.iter().find(|(law, _)| law.ours).filter(|(own, _)| own.id != law.id) {
             "; of ours " (name(own)) ", " (number(MILLI * error.median)) " mrad"
         }
-        @if let Some(place) = last_of_ours(&known) { ". " strong { "Of ours " (name(place)) " is the last of " (known.len()) } }
+        @if let Some(place) = last_of_ours(&known) { ". " strong { "Of ours " (name(place)) " is the last \
+            of " (known.len()) } }
         @if better + worse + alike > 0 {
-            ". Against the best of ours that knows no more, " (better) " of the others are better, " (worse) " worse, " (alike)
+            ". Against the best of ours that knows no more, " (better) " of the others are \
+                better, " (worse) " worse, " (alike)
             " not to be told apart"
         }
         "." } })
@@ -113,9 +122,11 @@ fn last_of_ours<'a>(known: &[(&'a LawRecord, Spread)]) -> Option<&'a LawRecord> 
 
 fn told(band: Option<Placebo>) -> Markup {
     html! { p { @match band.filter(|band| band.pairs > 0) {
-        Some(band) => { "One law under two names, tuned and measured as two (" (band.pairs) " pairs): ratios of errors from "
+        Some(band) => { "One law under two names, tuned and measured as two (" (band.pairs) " pairs): ratios of errors \
+            from "
             (number(1.0 / band.factor)) " to " (number(band.factor)) " say nothing." }
-        None => { "No law was held against itself: nothing says how far apart chance puts two laws, and 10 % stands for it." }
+        None => { "No law was held against itself: nothing says how far apart chance puts two laws, and 10 % stands \
+            for it." }
     } } }
 }
 
@@ -150,17 +161,20 @@ fn tier_part(fronts: &Fronts, tier: Tier) -> Markup {
         h2 { "Laws with " (tier.words()) }
         figure.plot {
             (picture(&format!("Error against noise, laws with {}", tier.words()),
-                (Axis::log("noise above 50 Hz [% of the torque limit]"), Axis::log("rms error [mrad]")), laws.iter().map(front).collect()))
-            figcaption { "Chosen gains in the test worlds: medians, one mark per cap; upright lines from quartile to quartile. \
-                Below and to the left is less of both. Ours of this tier or of less knowledge are blue; a law's second name is dashed." }
+                (Axis::log("noise above 50 Hz [% of the torque limit]"), Axis::log("rms error \
+                    [mrad]")), laws.iter().map(front).collect()))
+            figcaption { "Chosen gains in the test worlds: medians, one mark per cap; upright lines from quartile to \
+                quartile. Below and to the left is less of both. Ours of this tier or of less knowledge are blue; a \
+                law's second name is dashed." }
         }
-        details.behind { summary { "The figures: " (laws.len()) " laws under " (fronts.extent.caps.len()) " caps" } (table(fronts, tier, &laws)) }
+        details.behind { summary { "The figures: " (laws.len()) " laws \
+            under " (fronts.extent.caps.len()) " caps" } (table(fronts, tier, &laws)) }
         @if let Some(ordered) = ordered {
             h3 { "Ranks at a cap of " (stated(100.0 * cap)) " %" }
             figure.plot {
                 (mean_ranks(fronts, &ordered.laws, ordered.critical_difference))
-                figcaption { "Mean rank over the test worlds, 1 is best. Laws inside the shaded stretch cannot be told from the first one \
-                    by ranks (Nemenyi, 5 %; difference " (number(ordered.critical_difference)) ")." }
+                figcaption { "Mean rank over the test worlds, 1 is best. Laws inside the shaded stretch cannot be told \
+                    from the first one by ranks (Nemenyi, 5 %; difference " (number(ordered.critical_difference)) ")." }
             }
         }
         (profiles(fronts, &laws, cap))
@@ -171,7 +185,8 @@ fn tier_part(fronts: &Fronts, tier: Tier) -> Markup {
 fn table(fronts: &Fronts, tier: Tier, laws: &[&LawRecord]) -> Markup {
     html! { div.scroll tabindex="0" role="region" aria-label=(format!("Table: laws with {}", tier.words())) { table {
         thead { tr {
-            @for head in ["law", "cap [%]", "noise [%]", "error [mrad]", "did not follow [%]", "above its cap [%]", "errors over ours", "standing", "kept every constraint"] {
+            @for head in ["law", "cap [%]", "noise [%]", "error [mrad]", "did not follow [%]", "above its cap \
+                [%]", "errors over ours", "standing", "kept every constraint"] {
                 th scope="col" { (head) }
             }
         } }
@@ -220,7 +235,8 @@ fn row(fronts: &Fronts, tier: Tier, law: &LawRecord, cap: f64) -> Markup {
         }
         @match versus {
             Some(one) => {
-                td { (number(one.ratio.ratio)) " (" (number(one.ratio.interval[0])) " … " (number(one.ratio.interval[1])) ")" }
+                td { (number(one.ratio.ratio)) " (" (number(one.ratio.interval[0]))
+                    " … " (number(one.ratio.interval[1])) ")" }
                 td { (standing(one.standing)) }
             }
             None => { td { "–" } td { @if law.ours { "ours" } @else { "–" } } }
@@ -283,7 +299,8 @@ fn profiles(fronts: &Fronts, laws: &[&LawRecord], cap: f64) -> Markup {
         details { summary { "In how many worlds a law is near the best one" }
         figure.plot {
             (picture("Share of worlds against the factor from the best",
-                (Axis::log("error over the least of any law in that world"), Axis::new("share of test worlds [%]")), known.iter().map(profile).collect()))
+                (Axis::log("error over the least of any law in that world"), Axis::new("share of test worlds \
+                    [%]")), known.iter().map(profile).collect()))
             figcaption { "Chosen gains at a cap of " (stated(100.0 * cap)) " %. Above and to the left is better." }
         } }
     }
@@ -307,8 +324,9 @@ fn efforts(fronts: &Fronts, laws: &[&LawRecord], cap: f64) -> Markup {
         figure.plot {
             (picture("Error in the training worlds against evaluations",
                 (Axis::log("evaluations"), Axis::log("error in the training worlds [mrad]")), all))
-            figcaption { "The chosen search of each law at a cap of " (stated(100.0 * cap)) " %, from where its gains keep every constraint. \
-                A curve that still falls at its end says that more evaluations would find more." }
+            figcaption { "The chosen search of each law at a cap of " (stated(100.0 * cap)) " %, from where its gains \
+                keep every constraint. A curve that still falls at its end says that more evaluations would find \
+                more." }
         } }
     } }
 }
@@ -319,10 +337,13 @@ fn volumes(fronts: &Fronts) -> Markup {
     let tier = |law: &str| fronts.laws.iter().find(|other| other.id == law).map(|law| law.tier);
     html! {
         h2 { "Whole fronts in one number" }
-        p { "The area above a law's front, error and noise in natural logarithms, up to the largest cap and 1 rad. Half the error at every \
-             cap is ln 2 times the stretch of noise more. Larger is better; the interval is over worlds and restarts." }
-        details.behind { summary { (all.len()) " laws" } div.scroll tabindex="0" role="region" aria-label="Table: areas above fronts" { table {
-            thead { tr { th scope="col" { "law" } th scope="col" { "knows" } th scope="col" { "area" } th scope="col" { "95 %" } } }
+        p { "The area above a law's front, error and noise in natural logarithms, up to the largest cap and 1 rad. \
+             Half the error at every cap is ln 2 times the stretch of noise more. Larger is better; the interval is \
+             over worlds and restarts." }
+        details.behind { summary { (all.len()) " laws" } div.scroll tabindex="0" role="region" aria-label="Table: \
+            areas above fronts" { table {
+            thead { tr { th scope="col" { "law" } th scope="col" { "knows" } th scope="col" { "area" } th scope="col" {
+                "95 %" } } }
             tbody { @for one in all { tr {
                 th scope="row" { (name_of(fronts, &one.law)) }
                 td { (tier(&one.law).map_or("", Tier::words)) }
@@ -338,8 +359,10 @@ fn held_out(fronts: &Fronts) -> Markup {
     html! {
         h2 { "On an arm that nothing was tuned on: " (line(&held.arm.robot)) }
         p { "The same scalars, in units of that arm's nominal inertia per joint." }
-        details.behind { summary { (held.points.len()) " tunings" } div.scroll tabindex="0" role="region" aria-label="Table: the arm that nothing was tuned on" { table {
-            thead { tr { @for head in ["law", "cap [%]", "noise [%]", "error [mrad]", "did not follow [%]"] { th scope="col" { (head) } } } }
+        details.behind { summary { (held.points.len()) " tunings" }
+            div.scroll tabindex="0" role="region" aria-label="Table: the arm that nothing was tuned on" { table {
+            thead { tr { @for head in ["law", "cap [%]", "noise [%]", "error [mrad]", "did not follow \
+                [%]"] { th scope="col" { (head) } } } }
             tbody { @for (law, cap, chosen) in &held.points { tr {
                 th scope="row" { (name_of(fronts, law)) }
                 td { (stated(100.0 * cap)) }
@@ -348,6 +371,7 @@ fn held_out(fronts: &Fronts) -> Markup {
                 td { (percent(chosen.failed)) }
             } } }
         } } }
-        p { "A cap of " (stated(100.0 * held.points.first().map_or(0.0, |p| p.1))) " % and more was kept on the other arm; here nothing was asked." }
+        p { "A cap of " (stated(100.0 * held.points.first().map_or(0.0, |p| p.1))) " % and more was kept on the other \
+            arm; here nothing was asked." }
     }
 }

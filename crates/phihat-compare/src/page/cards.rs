@@ -14,7 +14,8 @@ pub(super) fn cards(comparison: &Comparison) -> Markup {
     html! {
         h2 id="cards" { "The laws" }
         p {
-            "Grade A: textbook, or confirmed in a public source or code. B: the structure is confirmed, details are reconstructed. C: the published law was "
+            "Grade A: textbook, or confirmed in a public source or code. B: the structure is confirmed, details are \
+                reconstructed. C: the published law was "
             "not found, and a well-documented law of its class stands for it. None of these is its authors' program."
         }
         p { "Scalars: " (UNITS) ". Default gains: " (DEFAULTS) "." }
@@ -29,7 +30,8 @@ fn card(comparison: &Comparison, rival: &RivalRecord) -> Markup {
         pre.law tabindex="0" { (visible(&rival.law)) }
         dl {
             dt { "source" }
-            dd { (line(&rival.source)) @if !rival.reference.is_empty() { " (the paper's " (line(&rival.reference)) ")" } }
+            dd { (line(&rival.source)) @if !rival.reference.is_empty() { " (the \
+                paper's " (line(&rival.reference)) ")" } }
             dt { "grade" }
             dd { (line(&rival.grade)) @if !rival.caveat.is_empty() { ": " (line(&rival.caveat)) } }
             dt { "is handed" }
@@ -74,7 +76,8 @@ fn gains(rival: &RivalRecord, rows: &[&LawRow]) -> Markup {
                 }
             } } }
         } }
-        p.hint { "One value for all joints; a gain on torque is times U of the joint, or times what the law is handed." }
+        p.hint { "One value for all joints; a gain on torque is times U of the joint, or times what the law is \
+            handed." }
         @for (row, tuning) in tuned() { p.hint {
             (line(&row.arm)) ": " (tuning.runs) " runs took the cost from " (number(tuning.cost_default)) " to "
             (number(tuning.cost_tuned)) "; "

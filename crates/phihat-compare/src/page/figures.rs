@@ -19,10 +19,13 @@ pub(super) fn tables(comparison: &Comparison, arm: &ArmRecord) -> Markup {
     html! {
         h3 { "Figures, gains tuned" }
         p.hint {
-            "The worst of all motions and joints, after the settling time. ★ marks the best value of a column among laws "
-            "whose arm followed, and those within 0.5 % of it. Plain laws come first, then the paper's Table 1 in its order, other "
+            "The worst of all motions and joints, after the settling time. ★ marks the best value of a column among \
+                laws "
+            "whose arm followed, and those within 0.5 % of it. Plain laws come first, then the paper's Table 1 in its \
+                order, other "
             "laws, the paper's own, and this project's from positions; with a script, a heading sorts. "
-            "Torque noise is what the tuning caps: mean |τ_k − 2τ_{k−1} + τ_{k−2}|/√3 over the joint's torque limit, so that a smooth motion has next to none. "
+            "Torque noise is what the tuning caps: mean |τ_k − 2τ_{k−1} + τ_{k−2}|/√3 over the joint's torque limit, \
+                so that a smooth motion has next to none. "
             "Default gains are in “" a href="#traces" { "Every cell and its trace" } "”."
         }
         @if let Some(world) = first { (table(comparison, arm, world)) }
@@ -34,8 +37,10 @@ pub(super) fn tables(comparison: &Comparison, arm: &ArmRecord) -> Markup {
         }
         h3 { "Tuning and cost" }
         p.hint {
-            "Of the law on this arm, not of a world. Share of draws: of gains within a decade of the default ones, those that keep the specification. "
-            "Runs to spec: of the tuning. States: numbers kept from sample to sample; instructions: of an update, on this arm."
+            "Of the law on this arm, not of a world. Share of draws: of gains within a decade of the default ones, \
+                those that keep the specification. "
+            "Runs to spec: of the tuning. States: numbers kept from sample to sample; instructions: of an update, on \
+                this arm."
         }
         (costs(comparison, arm))
     }
@@ -152,7 +157,8 @@ fn here(comparison: &Comparison, row: &LawRow, world: &WorldRecord) -> Markup {
     html! { td.outside[!cell.outcome.followed()] data-v=(cell.outcome.badness()) {
         (symbol) " " (word)
         @if let Some((_, why)) = unrest(comparison, cell) { span.note { (why) } }
-        @if !cell.outcome.followed() { span.note { (outcome_in_full(&cell.outcome).trim_start_matches(word).trim_start_matches(": ")) } }
+        @if !cell.outcome.followed() { span.note {
+            (outcome_in_full(&cell.outcome).trim_start_matches(word).trim_start_matches(": ")) } }
         @else if breaks_its_condition(row) { span.note { "outside its own condition" } }
     } }
 }

@@ -59,7 +59,8 @@ fn place(comparison: &Comparison, row: &LawRow, world: &str) -> Markup {
     let target = format!("#{}", anchor("row", &format!("{}-{}", row.arm, row.rival)));
     html! { td class=(shade(tuned).class()) { a href=(target) title=(outcome_in_full(&tuned.outcome)) {
         (mark(tuned)) @if unrest(comparison, tuned).is_some() { " ≈" }
-        @if let Some(default) = default { span.note { "default " (mark(default)) @if unrest(comparison, default).is_some() { " ≈" } } }
+        @if let Some(default) = default { span.note { "default " (mark(default)) @if unrest(comparison,
+            default).is_some() { " ≈" } } }
         @if designed { span.note { "designed" } }
     } } }
 }

@@ -160,8 +160,8 @@ fn same_effort(comparison: &Comparison, arm: &ArmRecord, world: &str) -> Option<
         format!("; the others: {}", others.join(", "))
     };
     Some(format!(
-        "Effort is not drawn: the motion asks for nearly the same torque whatever the law. {} of {} laws take {} to {} % of \
-         the limit (rms, worst joint){rest}.",
+        "Effort is not drawn: the motion asks for nearly the same torque whatever the law. {} of {} laws take {} to {} \
+         % of the limit (rms, worst joint){rest}.",
         same.len(),
         points.len(),
         percent(least),
@@ -182,7 +182,9 @@ fn plot(comparison: &Comparison, arm: &ArmRecord, world: &str, against: &Against
             @if points.is_empty() { p { "No arm followed in “" (line(world)) "”." } }
             @else { (drawing(&points, &name, against)) }
             figcaption {
-                (name) ", gains tuned: worst of all motions, after the settling time. Below and to the left is less of both. Named are laws that none beats in both, and in a ring the paper's law and this project's; point at a mark or tap it, and it says its name. "
+                (name) ", gains tuned: worst of all motions, after the settling time. Below and to the left is less of \
+                    both. Named are laws that none beats in both, and in a ring the paper's law and this project's; \
+                    point at a mark or tap it, and it says its name. "
                 "A part of a model: gravity, regressor, tip position, or a design for the arm."
                 @if !absent.is_empty() { " Not drawn, because the arm did not follow: " (absent.join(", ")) "." }
             }

@@ -134,10 +134,12 @@ fn whose(comparison: &Comparison, arm: &ArmRecord) -> Markup {
     html! {
         h3 { "Which row for whom" }
         p.hint {
-            "Of laws that followed in every world but “" (SATURATION) "”, without noise beyond the cap: geometric means over these worlds, "
+            "Of laws that followed in every world but “" (SATURATION) "”, without noise beyond the cap: geometric \
+                means over these worlds, "
             "gains tuned; the noise is that of the worst world."
             @if let Some(apart) = scatter_of_tuning(comparison, arm) {
-                " One tuning of one seed: the disturbance observer and the proposed law of m = 1 are one law under two names, and their errors came out up to "
+                " One tuning of one seed: the disturbance observer and the proposed law of m = 1 are one law under two \
+                    names, and their errors came out up to "
                 (two_digits(apart)) " times apart. Nearer than that, this page tells no two laws apart."
             }
         }
@@ -235,7 +237,8 @@ pub(super) fn place_of_ours(comparison: &Comparison, arm: &ArmRecord) -> Markup 
         return html! {};
     };
     html! {
-        " By error over these worlds, the best of the proposed laws is " strong { "place " (best) " of " (rows.len()) } " ("
+        " By error over these worlds, the best of the proposed laws \
+            is " strong { "place " (best) " of " (rows.len()) } " ("
         (short_name(comparison, first)) ")"
         @if worst != best { ", the worst " strong { "place " (worst) } " (" (short_name(comparison, last)) ")" }
         "."
@@ -310,5 +313,6 @@ fn cell(place: Option<usize>, all: usize) -> Markup {
     let Some(place) = place else { return html! { td.q-none { "–" } } };
     // Of those that are not behind it: more is better.
     let ahead = 1.0 - (place - 1) as f64 / all.max(1) as f64;
-    html! { td class=(Shade::of(ahead, [0.5, 0.75, 0.9]).class()) title=(format!("place {place} of {all}")) { (place) } }
+    html! { td class=(Shade::of(ahead, [0.5, 0.75, 0.9]).class()) title=(format!("place {place} of \
+    {all}")) { (place) } }
 }

@@ -21,11 +21,13 @@ pub(super) fn heading(comparison: &Comparison, page: &str) -> Markup {
         }
         div.verdict {
             p {
-                "Every law is tuned by the same optimiser with the same number of runs, on motions that it is not scored "
+                "Every law is tuned by the same optimiser with the same number of runs, on motions that it is not \
+                    scored "
                 "on, and then meets every world. No law is declared the winner: each column has its own best row."
             }
             ul {
-                @for arm in &comparison.arms { li { (tally(comparison, &arm.name)) (super::story::place_of_ours(comparison, arm)) } }
+                @for arm in &comparison.arms { li { (tally(comparison, &arm.name))
+                    (super::story::place_of_ours(comparison, arm)) } }
                 @if refused > 0 { li {
                     (refused) " of " (comparison.rows.len())
                     " rows have no figures, because the law does not apply to the arm or its task; each says why."
@@ -34,7 +36,8 @@ pub(super) fn heading(comparison: &Comparison, page: &str) -> Markup {
             @if let Some(text) = at_ends(comparison) { p.hint { (text) } }
             p.hint {
                 a href="#another-row" { "When to pick another row" } " · "
-                @for arm in &comparison.arms { a href=(format!("#{}", anchor("arm", &arm.name))) { (line(&arm.name)) } " · " }
+                @for arm in &comparison.arms { a href=(format!("#{}", anchor("arm", &arm.name))) { (line(&arm.name)) }
+                    " · " }
                 a href="#traces" { "traces" } " · " a href="#cards" { "the laws" } " · "
                 a href="#terms" { "terms" } " · " a href="#not-claimed" { "not claimed" }
             }
@@ -80,14 +83,16 @@ fn tally(comparison: &Comparison, arm: &str) -> Markup {
     let spec = rows.iter().filter(|row| keeps(row, false) == quiet).count();
     let under_push = rows.iter().filter(|row| keeps(row, true) == pushed).count();
     html! {
-        strong { (line(arm)) } ": " (everywhere) " of " (rows.len()) " laws follow in all " (all) " worlds with tuned gains"
+        strong { (line(arm)) } ": " (everywhere) " of " (rows.len()) " laws follow in all " (all) " worlds with tuned \
+            gains"
         @if quiet > 0 {
             "; " (spec) " keep the specification in "
             @if pushed > 0 { "the " (quiet) " worlds without a push" } @else { "all of them" }
         }
         "."
         @if pushed > 0 {
-            " In “" (SATURATION) "”, where every joint is pushed with more than its torque limit, " (under_push) " keep it."
+            " In “" (SATURATION) "”, where every joint is pushed with more than its torque \
+                limit, " (under_push) " keep it."
         }
     }
 }

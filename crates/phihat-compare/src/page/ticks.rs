@@ -26,7 +26,8 @@ pub(super) fn table(comparison: &Comparison, arm: &ArmRecord) -> Markup {
             "Measured here, and beside it what the paper prints. " (agree) " of " (compared)
             " printed marks agree. Why each is as it is stands with the law."
         }
-        div.scroll tabindex="0" role="region" aria-label=(format!("Table: the paper's columns on {}", line(&arm.name))) {
+        div.scroll tabindex="0" role="region" aria-label=(format!("Table: the paper's columns on \
+            {}", line(&arm.name))) {
             table.sortable.ticks {
                 thead { tr {
                     th scope="col" { "law" }

@@ -16,8 +16,10 @@ pub(super) fn traces(comparison: &Comparison, command: &str) -> Markup {
     html! {
         h2 id="traces" { "Every cell and its trace" }
         p {
-            "Of the joint with the largest error, on the study's own motion: error e and commanded torque τ over the whole run, smallest and "
-            "largest in equal slices of time. The command makes that very run again, with its study, every signal of every joint, and a report."
+            "Of the joint with the largest error, on the study's own motion: error e and commanded torque τ over the \
+                whole run, smallest and "
+            "largest in equal slices of time. The command makes that very run again, with its study, every signal of \
+                every joint, and a report."
         }
         @for arm in &comparison.arms {
             h3 { (line(&arm.name)) }
@@ -70,7 +72,8 @@ fn cell_line(cell: &LawCell, designed: bool, command: &str) -> Markup {
     let followed = cell.outcome.followed();
     html! { tr {
         th scope="row" { (line(&cell.world)) " " span.note { (kind) } }
-        td.outside[!followed] { (outcome_in_full(&cell.outcome)) @if cell.runs.len() > 1 { span.note { (kept(cell)) } } }
+        td.outside[!followed] { (outcome_in_full(&cell.outcome)) @if cell.runs.len() > 1 { span.note { (kept(cell)) } }
+            }
         td { (figure(|f| Some(MILLI * f.error_rms_rad))) br; (figure(|f| Some(MILLI * f.error_peak_rad))) }
         td { (figure(|f| Some(100.0 * f.effort))) br; (figure(|f| Some(f.chatter_nm))) }
         td { (figure(|f| f.chatter_over_exact)) }

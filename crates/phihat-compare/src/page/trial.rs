@@ -37,20 +37,24 @@ pub fn trial_page(trial: &PageTrial<'_>) -> String {
                 header {
                     h1 { (title) }
                     p.byline { (line(trial.law)) " · simulated" }
-                    @if let Some(why) = trial.ended { p.verdict.outside { strong { "The run ended early." } " " (line(why)) } }
+                    @if let Some(why) = trial.ended { p.verdict.outside { strong { "The run ended \
+                        early." } " " (line(why)) } }
                 }
                 (tracking(trial.metrics))
                 (torque(trial.metrics))
                 h2 { "Figures" }
-                div { @for figure in run_figures(&RunMeasurements { drawing: trial.drawing, metrics: trial.metrics, envelope: None }) {
-                    @if !["unknown-dynamics", "estimate-error"].contains(&figure.name.as_str()) { figure.claim { (PreEscaped(&figure.svg)) } }
+                div { @for figure in run_figures(&RunMeasurements { drawing: trial.drawing, metrics: trial.metrics,
+                    envelope: None }) {
+                    @if !["unknown-dynamics", "estimate-error"].contains(&figure.name.as_str()) { figure.claim {
+                        (PreEscaped(&figure.svg)) } }
                 } }
                 (gains(trial))
                 h2 { "Study" }
                 pre tabindex="0" { (visible(trial.study)) }
                 p { "Made again by " code { (line(trial.command)) } "." }
                 h2 { "Not claimed" }
-                p { "One simulated run of a law as it is written here: not its authors' program, and nothing about other runs." }
+                p { "One simulated run of a law as it is written here: not its authors' program, and nothing about \
+                    other runs." }
     };
     Page { title: &title, kind: "comparison", script: None }.document(&main)
 }

@@ -6,17 +6,17 @@ use phihat_report::kit::number::stated;
 use phihat_report::kit::text::line;
 
 /// Factors on the scalars of every law, in words.
-pub const UNITS: &str = "one value for all joints; where a gain acts on torque it is multiplied by U, one nominal inertia \
-                         per joint of the arm (a PD has K_P = U ω²), the same for every law, or by the inertia or model \
-                         that the law is handed";
+pub const UNITS: &str = "one value for all joints; where a gain acts on torque it is multiplied by U, one nominal \
+                         inertia per joint of the arm (a PD has K_P = U ω²), the same for every law, or by the inertia \
+                         or model that the law is handed";
 
 /// Origin of the default gains, in words.
 pub const DEFAULTS: &str = "from the source where it prints some that could be used, else this project's own choice; a \
                             tuning starts from them";
 
 /// Of a law whose gains are designed.
-pub const NOT_TUNED: &str = "no free scalar: they are `phihat design STUDY`'s, for the specification or, from positions, for the \
-                             tuning's cap on noise as a torque step; the same in every world";
+pub const NOT_TUNED: &str = "no free scalar: they are `phihat design STUDY`'s, for the specification or, from \
+                             positions, for the tuning's cap on noise as a torque step; the same in every world";
 
 /// Returns true if nothing can be chosen of a law: its gains are designed, and its runs have one kind of
 /// gains.

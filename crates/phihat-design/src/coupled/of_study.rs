@@ -30,8 +30,8 @@ pub fn coupled(
     let range = (certificate.arm.low, certificate.arm.high);
     let worst = postures.worst(&loops, range, along);
     let source = format!(
-        "frozen postures of {}: {} of the reference, and those found by a search for where a push does most, empty-handed and \
-         with the payloads of the study; no claim about other postures, nor about motion",
+        "frozen postures of {}: {} of the reference, and those found by a search for where a push does most, \
+         empty-handed and with the payloads of the study; no claim about other postures, nor about motion",
         study.robot.name,
         along.len()
     );

@@ -49,7 +49,8 @@ impl fmt::Display for Infeasible {
             if other.key == "robot.armature_kg_m2" {
                 write!(
                     f,
-                    "\n  light joints have no rotor: with a {} of at least {} on every joint there are gains, of order {}",
+                    "\n  light joints have no rotor: with a {} of at least {} on every joint there are gains, of order \
+                        {}",
                     other.key, other.value, other.order
                 )?;
                 continue;
@@ -68,8 +69,8 @@ impl Infeasible {
     /// Summary of the search in one sentence.
     pub fn searched(&self) -> String {
         format!(
-            "{} laws tried, with up to three nominal inertias each; {} keep the stability window μ with design.window_margin and \
-             |1 + L/μ| ≥ design.modulus_margin_min",
+            "{} laws tried, with up to three nominal inertias each; {} keep the stability window μ with \
+             design.window_margin and |1 + L/μ| ≥ design.modulus_margin_min",
             self.tried, self.stable
         )
     }

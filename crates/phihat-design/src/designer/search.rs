@@ -148,8 +148,8 @@ impl<'a> DesignSearch<'a> {
                 "{looped}, laws are stable up to {w:.0} rad/s, the fastest that were tried: stability is not in the way"
             ),
             Some(w) => format!(
-                "{looped}, for an inertia that changes by a factor of {range:.1}, the largest stable bandwidth is about \
-                 {w:.0} rad/s"
+                "{looped}, for an inertia that changes by a factor of {range:.1}, the largest stable bandwidth is \
+                 about {w:.0} rad/s"
             ),
             None => format!(
                 "{looped}, no law is stable with the margins asked for on an arm whose inertia changes by a factor of \

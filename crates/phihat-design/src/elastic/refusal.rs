@@ -66,7 +66,8 @@ impl fmt::Display for ElasticRefusal {
         let SpringRefusal { encoder, band_hz: (from, to), needs, other_side } = refused;
         write!(
             f,
-            "not proved stable with the springs of the joints and encoders at the {}: fails between {from:.1} and {to:.1} Hz",
+            "not proved stable with the springs of the joints and encoders at the {}: fails between {from:.1} and \
+                {to:.1} Hz",
             encoder.word()
         )?;
         for need in needs {

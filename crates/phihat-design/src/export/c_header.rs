@@ -18,8 +18,9 @@ pub(super) fn text(gains: &Gains) -> String {
     text += "#ifndef PHIHAT_GAINS_H\n#define PHIHAT_GAINS_H\n\n";
     let _ = write!(
         text,
-        "#define PHIHAT_JOINTS {}\n/* Most coefficients a_i of an estimator: the highest order m. */\n#define PHIHAT_A_MAX {order}\n\
-         /* Sample period T [s]. */\n#define PHIHAT_PERIOD_S {}\n\n/* In the order of every array below. */\n",
+        "#define PHIHAT_JOINTS {}\n/* Most coefficients a_i of an estimator: the highest order m. */\n#define \
+         PHIHAT_A_MAX {order}\n/* Sample period T [s]. */\n#define PHIHAT_PERIOD_S {}\n\n/* In the order of every \
+         array below. */\n",
         gains.joints.len(),
         exact(period(gains)),
     );
@@ -117,8 +118,8 @@ fn filters(gains: &Gains) -> String {
     let counts: Vec<String> = own.iter().map(|sections| sections.len().to_string()).collect();
     // Not the name of phihat.h, which may be read beside this.
     let mut text = format!(
-        "\n/* Sections of the filter on each innovation, and the most of them. */\n#define PHIHAT_FILTER_SECTIONS {most}\n\
-         static const int phihat_sections[PHIHAT_JOINTS] = {{{}}};\n",
+        "\n/* Sections of the filter on each innovation, and the most of them. */\n#define PHIHAT_FILTER_SECTIONS \
+         {most}\nstatic const int phihat_sections[PHIHAT_JOINTS] = {{{}}};\n",
         counts.join(", ")
     );
     let mut table = |name: &str, what: &str, of: fn(&FilterSection) -> [f64; 2]| {
@@ -133,7 +134,8 @@ fn filters(gains: &Gains) -> String {
         let rows: String = own.iter().map(row).collect();
         let _ = write!(
             text,
-            "\n/* {what} */\nstatic const double phihat_{name}[PHIHAT_JOINTS][PHIHAT_FILTER_SECTIONS][2] = {{\n{rows}}};\n"
+            "\n/* {what} */\nstatic const double phihat_{name}[PHIHAT_JOINTS][PHIHAT_FILTER_SECTIONS][2] = \
+                {{\n{rows}}};\n"
         );
     };
     table("section_rates", "Of each section c_0, c_1, per sample.", |own| own.rates);

@@ -47,8 +47,8 @@ pub enum ExportError {
     },
     /// A low-pass on the torque command.
     #[error(
-        "the law has a low-pass of {0} Hz on its torque, which no PID of ROS 2 controllers has\n  = help: take --format \
-         c-header and run the law, or design without `torque_filter_hz` under [loop]"
+        "the law has a low-pass of {0} Hz on its torque, which no PID of ROS 2 controllers has\n  = help: take \
+         --format c-header and run the law, or design without `torque_filter_hz` under [loop]"
     )]
     TorqueFilter(f64),
     /// The rate is no whole number.

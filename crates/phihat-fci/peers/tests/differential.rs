@@ -25,9 +25,10 @@ const RULES: Rules = Rules {
 fn description() -> String {
     let joint = |n: usize| {
         format!(
-            "<joint name=\"arm_joint{n}\" type=\"revolute\"><parent link=\"link{}\"/><child link=\"link{n}\"/><axis xyz=\"0 0 1\"/>\
-             <limit lower=\"-9\" upper=\"9\" effort=\"87\" velocity=\"2.5\"/>\
-             <position_based_velocity_limits velocity_offset=\"-100\" deceleration_limit=\"0\"/></joint><link name=\"link{n}\"/>",
+            "<joint name=\"arm_joint{n}\" type=\"revolute\"><parent link=\"link{}\"/><child link=\"link{n}\"/><axis \
+             xyz=\"0 0 1\"/><limit lower=\"-9\" upper=\"9\" effort=\"87\" velocity=\"2.5\"/>\
+             <position_based_velocity_limits velocity_offset=\"-100\" deceleration_limit=\"0\"/></joint><link \
+             name=\"link{n}\"/>",
             n - 1
         )
     };

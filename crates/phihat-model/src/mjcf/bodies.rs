@@ -151,7 +151,8 @@ impl<'m> Bodies<'m> {
                 }
                 "camera" | "light" => {}
                 "attach" | "replicate" | "composite" => {
-                    let why = "it is not read: MuJoCo's `compile` writes a file in which the bodies stand that it makes";
+                    let why = "it is not read: MuJoCo's `compile` writes a file in which the bodies stand that it \
+                        makes";
                     return Err(wrong(child, why));
                 }
                 "flexcomp" | "plugin" => {

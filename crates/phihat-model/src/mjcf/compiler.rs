@@ -71,7 +71,8 @@ impl CompilerSettings {
         match section.attribute("coordinate") {
             None | Some("local") => {}
             Some(_) => {
-                let why = "global coordinates are not read, nor are they by MuJoCo since 2.3.4, which converts such a file: load and save it in an older one";
+                let why = "global coordinates are not read, nor are they by MuJoCo since 2.3.4, which converts such a \
+                    file: load and save it in an older one";
                 return Err(wrong(section, why));
             }
         }

@@ -41,8 +41,8 @@ pub(super) fn matter(
     }
     let refuse = |what: &str| {
         let why = format!(
-            "{what}, whose mass and inertia are not computed here: give its body an <inertial>, or the geom mass=\"0\"; \
-             MuJoCo's `compile` writes a file with all of them, where <compiler saveinertial=\"true\"/>"
+            "{what}, whose mass and inertia are not computed here: give its body an <inertial>, or the geom \
+             mass=\"0\"; MuJoCo's `compile` writes a file with all of them, where <compiler saveinertial=\"true\"/>"
         );
         Err(wrong(geom.own(), &why))
     };

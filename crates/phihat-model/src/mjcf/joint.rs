@@ -189,7 +189,8 @@ impl JointOfBody {
                 ""
             };
             let why = format!(
-                "it slides without ends: state its travel in metres, range{hint}; of a base that drives, name the arm on it by base and tip"
+                "it slides without ends: state its travel in metres, range{hint}; of a base that drives, name the arm \
+                    on it by base and tip"
             );
             return Err(named.error(why));
         };
@@ -205,7 +206,8 @@ impl JointOfBody {
             && largest > TRAVEL_DEGREES
         {
             notes.push(format!(
-                "joint \"{}\" (line {line}): range {low} … {high} rad is {:.1} turns; if it is degrees, the file needs <compiler angle=\"degree\"/>",
+                "joint \"{}\" (line {line}): range {low} … {high} rad is {:.1} turns; if it is degrees, the file needs \
+                    <compiler angle=\"degree\"/>",
                 named.name,
                 (high - low) / std::f64::consts::TAU
             ));
@@ -216,7 +218,8 @@ impl JointOfBody {
             && degrees <= TRAVEL_RADIANS
         {
             notes.push(format!(
-                "joint \"{}\" (line {line}): its range is at most {degrees:.3} degrees, MJCF's unit where the file states none; if it is rad, the file needs <compiler angle=\"radian\"/>",
+                "joint \"{}\" (line {line}): its range is at most {degrees:.3} degrees, MJCF's unit where the file \
+                    states none; if it is rad, the file needs <compiler angle=\"radian\"/>",
                 named.name
             ));
         }

@@ -35,7 +35,8 @@ pub(super) fn read_moves(element: &Element<'_, '_>) -> Result<Moves> {
         "spherical" => return Ok(Moves::Free("spherical")),
         other => {
             return Err(element.error(format!(
-                "type \"{other}\" is not read; revolute, continuous, prismatic, fixed, floating, planar and spherical are"
+                "type \"{other}\" is not read; revolute, continuous, prismatic, fixed, floating, planar and spherical \
+                    are"
             )));
         }
     };
@@ -78,7 +79,8 @@ fn read_travel<'a, 'x>(
     let none = low == 0.0 && high == 0.0;
     if low >= 0.0 && high <= 0.0 && low > high && low - high <= SWAPPED_MAX {
         joint.note(&format!(
-            "limits {low} … {high} stand the wrong way round and are read as {high} … {low}; Bullet takes such a joint for one without ends"
+            "limits {low} … {high} stand the wrong way round and are read as {high} … {low}; Bullet takes such a joint \
+                for one without ends"
         ));
         (low, high) = (high, low);
     }
@@ -89,7 +91,8 @@ fn read_travel<'a, 'x>(
         if !slides && low.abs().max(high.abs()) > TRAVEL_DEGREES {
             let (least, most) = (low.to_radians(), high.to_radians());
             joint.note(&format!(
-                "limits {low} … {high} rad are {:.1} turns; if they are degrees, write lower=\"{least:.6}\" upper=\"{most:.6}\"",
+                "limits {low} … {high} rad are {:.1} turns; if they are degrees, write lower=\"{least:.6}\" \
+                    upper=\"{most:.6}\"",
                 (high - low) / std::f64::consts::TAU
             ));
         }

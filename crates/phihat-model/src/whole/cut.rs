@@ -123,7 +123,8 @@ fn moves_nothing(joint: &JointElement, matter: &[LumpedBody]) -> RobotError {
     }
     let child = &joint.child;
     element.error(format!(
-        "it moves no mass, so torque has nothing to act on: link \"{child}\" and what is welded to it need an <inertial>"
+        "it moves no mass, so torque has nothing to act on: link \"{child}\" and what is welded to it need an \
+            <inertial>"
     ))
 }
 

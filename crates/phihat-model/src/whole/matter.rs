@@ -48,7 +48,8 @@ fn doubts(link: &NamedElement, centre: &[f64; 3], body: &Body) -> Vec<String> {
     let gyration = (largest / body.mass).sqrt();
     if body.mass > 0.0 && gyration > FAR {
         odd.push(place(format!(
-            "an inertia of {largest} kg·m² with a mass of {} kg is a radius of gyration of {gyration:.3} m; if it is kg·mm², divide by 1e6, if g·mm², by 1e9",
+            "an inertia of {largest} kg·m² with a mass of {} kg is a radius of gyration of {gyration:.3} m; if it is \
+                kg·mm², divide by 1e6, if g·mm², by 1e9",
             body.mass
         )));
     }

@@ -130,7 +130,8 @@ impl WholeDescription<'_> {
                 (_, Some((free, kind))) if driven[joint] => {
                     let own = &self.joints[joint].element.name;
                     return Err(self.joints[free].element.error(format!(
-                        "it is {kind}, between joints of the arm: \"{own}\" is behind it; name a base and a tip on one side of it"
+                        "it is {kind}, between joints of the arm: \"{own}\" is behind it; name a base and a tip on one \
+                            side of it"
                     )));
                 }
                 _ => {}

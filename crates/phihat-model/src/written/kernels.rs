@@ -15,7 +15,7 @@ use crate::vector::{Turn, Vec3};
 use crate::{Lanes, Model, Robot, Scalar, Workspace};
 
 /// Width of a line of a written file.
-const WIDTH: usize = 138;
+const WIDTH: usize = 120;
 
 const INDENT: &str = "        ";
 

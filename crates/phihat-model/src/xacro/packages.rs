@@ -29,7 +29,8 @@ pub(super) fn find(
     }
     let found = installed(name).or_else(|| above(name, file));
     found.ok_or_else(|| {
-        reason!("$(find {name}): no such package is installed or near the file; state its folder: --package {name}=FOLDER")
+        reason!("$(find {name}): no such package is installed or near the file; state its folder: --package \
+            {name}=FOLDER")
     })
 }
 

@@ -53,8 +53,9 @@ pub(crate) fn all() -> Vec<Assumption> {
     ];
     for gains in all.iter_mut().filter(|assumption| assumption.id == "gains") {
         "What is simulated at m = 2 is decided for the four hypotheses side by side, and counts as reproduced \
-         only where it holds for all of them. What needs a certificate (Q, S and γ of Theorems 2 to 4) is computed at H3, \
-         and at H4 where it is named: with the printed b_0, H1 and H2 have none at any K̃, and the theorems state nothing about them."
+         only where it holds for all of them. What needs a certificate (Q, S and γ of Theorems 2 to 4) is computed at \
+         H3, and at H4 where it is named: with the printed b_0, H1 and H2 have none at any K̃, and the theorems state \
+         nothing about them."
             .clone_into(&mut gains.influence);
     }
     all

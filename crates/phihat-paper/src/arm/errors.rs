@@ -31,7 +31,8 @@ pub(crate) fn errors_figure(id: &str, title: &str, runs: &Runs) -> Result<Figure
             let title = format!("{}, {} form", setting.label(), form_name(form));
             if let Some(divergence) = &run.outcome.divergence {
                 let at = three(Some(divergence.t));
-                ended.push(format!(" {title}: the run diverged (beyond {DIVERGED} rad or rad/s) and was stopped at {at} s."));
+                ended.push(format!(" {title}: the run diverged (beyond {DIVERGED} rad or rad/s) and was stopped at \
+                    {at} s."));
             }
             let time = axis_over("t [s]", run.study.spec.settle, run.study.duration);
             let axes = (time, axis(&format!("e [{unit}]")));

@@ -35,9 +35,9 @@ pub fn experiment(
     let varied = surrogates::experimented(studies, extent, &|share| progress(0.6 + 0.4 * share))?;
     let text = "The paper names torque saturation as the difference to its simulations and prints no \
                 limit. Ours is 50 N·m on every joint, with friction, encoders, drives and a delay; the \
-                second turn counts as the steady part. How far from its path the arm starts is not printed either, and the two together \
-                decide whether the printed form gets there: the map varies them together. What fails here is left open, not \
-                refuted, where another start or limit makes it hold.";
+                second turn counts as the steady part. How far from its path the arm starts is not printed either, and \
+                the two together decide whether the printed form gets there: the map varies them together. What fails \
+                here is left open, not refuted, where another start or limit makes it hold.";
     let mut section = section(
         "figures-9-to-11",
         "Figs. 9 to 11: the experiments on the three-joint arm",

@@ -111,8 +111,9 @@ pub(crate) fn hypothesis(runs: &Runs, studies: &Studies) -> Result<Statement, Pa
                 three(Some(left(first))),
                 said.join("; ")
             ),
-            "One misprint, of a name, in place of gains that break A3: 69.6 = K̃ + 1/γ² is also what a_0 is at m = 1. a_0 is then not \
-             printed at all. H1 to H3 take 69.6 for b_0 and have no certificate at the printed K̃; which one was used the paper does not tell."
+            "One misprint, of a name, in place of gains that break A3: 69.6 = K̃ + 1/γ² is also what a_0 is at m = 1. \
+             a_0 is then not printed at all. H1 to H3 take 69.6 for b_0 and have no certificate at the printed K̃; \
+             which one was used the paper does not tell."
                 .to_owned(),
         ),
         numbers([first, run], (q44, gamma, bound)),

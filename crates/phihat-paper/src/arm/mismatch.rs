@@ -73,7 +73,8 @@ fn order_helps(runs: &Runs) -> Result<Statement, PartError> {
         ),
         GainSetting::ALL.into_iter().zip(&values).map(name).collect(),
     )
-    .read_as("Printed form: root mean square of φ̂ − φ over the steady part, of the worst joint; H2 and H3, which converge at the rate of m = 1.")
+    .read_as("Printed form: root mean square of φ̂ − φ over the steady part, of the worst joint; H2 and H3, which \
+        converge at the rate of m = 1.")
     .covering(&[Item { kind: Kind::Figure, number: 8 }]))
 }
 

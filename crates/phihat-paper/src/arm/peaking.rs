@@ -112,7 +112,8 @@ impl Peaking {
             if gone { Verdict::WithCorrection } else { Verdict::AsPrinted },
             (
                 format!(
-                    "overshoot of the worst joint after the start, m = 1 … 4: printed form {} %; observer form {:.2} % at most",
+                    "overshoot of the worst joint after the start, m = 1 … 4: printed form {} %; observer form {:.2} % \
+                        at most",
                     list(Form::Literal, percent),
                     ours * 1e2
                 ),
@@ -120,7 +121,8 @@ impl Peaking {
             ),
             self.numbers(ours),
         )
-        .read_as("Printed form: the overshoot after a start off the path; as a limit of the order, and not of the start, it would be there in observer form as well.")
+        .read_as("Printed form: the overshoot after a start off the path; as a limit of the order, and not of the \
+            start, it would be there in observer form as well.")
         .varying("Orders 1 to 4, both forms, flat and upright under gravity; a push on the path.")
         .turning(format!(
             "Where the observer form overshoots by a tenth of what the printed form does: {:.2} % against {:.2} %.",
@@ -173,7 +175,8 @@ impl Peaking {
             "φ̂ beyond the jump of φ [%]",
         ];
         let title = format!(
-            "Orders at one rate ({RATE} rad/s): after the start, worst joint, and after a push of {PUSH_NM} N·m on joint 2"
+            "Orders at one rate ({RATE} rad/s): after the start, worst joint, and after a push of {PUSH_NM} N·m on \
+                joint 2"
         );
         table("peaking", &title, &columns, self.0.iter().map(row).collect())
     }

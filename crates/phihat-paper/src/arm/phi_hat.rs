@@ -169,9 +169,10 @@ pub(crate) fn to_zero(limited: &Runs, left: &RemainingMismatch) -> Result<Statem
         (
             format!("φ̂ − φ over φ in the steady part, m = 1, m = 2 (H3): {listed}"),
             format!(
-                "φ̃ = φ̂ − φ must be meant: φ̂ at zero would be no estimate. As in Theorem 1 and Fig. 8 it does not go to zero but stays as \
-                 small as φ^{{(m)}} and the sensors let it: (8) answers a bounded φ^{{(m)}} with a bounded φ̃. Under a torque limit a \
-                 bounded φ is not enough for the printed form: in its run of m = 1 |φ| stays below {} N·m and |φ̂| reaches {} N·m.",
+                "φ̃ = φ̂ − φ must be meant: φ̂ at zero would be no estimate. As in Theorem 1 and Fig. 8 it does not go \
+                 to zero but stays as small as φ^{{(m)}} and the sensors let it: (8) answers a bounded φ^{{(m)}} with \
+                 a bounded φ̃. Under a torque limit a bounded φ is not enough for the printed form: in its run of m = \
+                 1 |φ| stays below {} N·m and |φ̂| reaches {} N·m.",
                 three(Some(phi)),
                 three(Some(phi_hat)),
             ),
@@ -181,7 +182,8 @@ pub(crate) fn to_zero(limited: &Runs, left: &RemainingMismatch) -> Result<Statem
     .read_as("φ̃ = φ̂ − φ in place of φ̂, rms over the second turn, no torque limit")
     .varying("torque noise, encoders from 18 bits to exact, friction; the order; the form of the law")
     .turning(format!(
-        "a rest of {} % of φ in every world (then it holds as printed), or of {} % with exact sensors and no friction (then it is refuted)",
+        "a rest of {} % of φ in every world (then it holds as printed), or of {} % with exact sensors and no friction \
+            (then it is refuted)",
         100.0 * NONE,
         100.0 * FOUND
     )))

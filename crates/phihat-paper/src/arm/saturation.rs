@@ -23,7 +23,8 @@ fn varied(map: &StartMap) -> String {
         all.map(|value| three(Some(value))).collect::<Vec<_>>().join(", ")
     };
     format!(
-        "Start {} m from the path and limits of {} N·m, each with each (the map); the path is moved as a whole, the start stays as printed.",
+        "Start {} m from the path and limits of {} N·m, each with each (the map); the path is moved as a whole, the \
+            start stays as printed.",
         listed(&mut rows.iter().map(|row| row.distance)),
         listed(&mut cells.iter().map(|cell| cell.limit))
     )
@@ -94,8 +95,8 @@ pub(crate) fn near_figure(studies: &Studies, map: &StartMap) -> Result<Option<Fi
     let axes = (axis_over("t [s]", 0.0, SHOWN_S), axis("e of joint 2 [rad]"));
     let panel = lines("m = 1, printed form", axes, series, Vec::new());
     let caption = format!(
-        "The printed form from {} m beside the path in place of {} m, as far as nothing else is changed: it saturates, takes longer, and follows, as \
-         the paper's Fig. 9.",
+        "The printed form from {} m beside the path in place of {} m, as far as nothing else is changed: it saturates, \
+         takes longer, and follows, as the paper's Fig. 9.",
         three(Some(distance)),
         three(Some(map.assumed.1))
     );
@@ -139,17 +140,19 @@ pub(crate) fn long_transient(map: &StartMap, settings: &[GainSetting]) -> Statem
         }
     }
     let why = if holds {
-        "Whether it is so hangs on how far from the path the arm starts: nearer, the limit hardly shows; farther, the printed \
-         form's integrals wind up and there is no return. Neither distance nor limit is printed, and between the two lies what the paper reports."
+        "Whether it is so hangs on how far from the path the arm starts: nearer, the limit hardly shows; farther, the \
+         printed form's integrals wind up and there is no return. Neither distance nor limit is printed, and between \
+         the two lies what the paper reports."
     } else {
-        "Under this limit the printed form either winds up or hardly notices, but for larger limits or nearer starts (the map): with what is not \
-         printed it may have been as the paper reports."
+        "Under this limit the printed form either winds up or hardly notices, but for larger limits or nearer starts \
+         (the map): with what is not printed it may have been as the paper reports."
     };
     statement(
         [
             &format!("fig9-10-long-m{order}"),
             "Figs. 9, 10, Sec. VII-B",
-            &format!("With m = {order} torque saturation makes the transient long; then the arm follows and keeps its bounds."),
+            &format!("With m = {order} torque saturation makes the transient long; then the arm follows and keeps its \
+                bounds."),
             "drawings",
         ],
         Verdict::assumed(holds, false),
@@ -157,8 +160,8 @@ pub(crate) fn long_transient(map: &StartMap, settings: &[GainSetting]) -> Statem
         numbers,
     )
     .read_as(format!(
-        "Long: {LONG} times as long as without the limit, or longer, and ({}) kept on the second turn. It counts as printed where every gain set \
-         does so in the printed form with the assumed limit from one of the starts.",
+        "Long: {LONG} times as long as without the limit, or longer, and ({}) kept on the second turn. It counts as \
+         printed where every gain set does so in the printed form with the assumed limit from one of the starts.",
         47 + order
     ))
     .varying(varied(map))
@@ -200,17 +203,20 @@ pub(crate) fn in_phi(free: &Runs, map: &StartMap) -> Result<Statement, PartError
         ],
         Verdict::of(printed == cells, observer == few),
         (
-            format!("steady part as without the limit: printed form at {printed} of {cells} places of the map, observer form at {observer} of {few}"),
+            format!("steady part as without the limit: printed form at {printed} of {cells} places of the map, \
+                observer form at {observer} of {few}"),
             format!(
-                "Torque that is not there cannot be made up for, and (9), (10) do not know that it is not there: they go on summing the error, and ask \
-                 for up to {asked:.0} N·m in the start of the studies. Fed with the torque that acted, τ_applied − M̄q̈, the estimator takes the limit for a part \
-                 of φ, as the paper says. The printed form does where the arm starts near enough, which its experiments may have done."
+                "Torque that is not there cannot be made up for, and (9), (10) do not know that it is not there: they \
+                 go on summing the error, and ask for up to {asked:.0} N·m in the start of the studies. Fed with the \
+                 torque that acted, τ_applied − M̄q̈, the estimator takes the limit for a part of φ, as the paper \
+                 says. The printed form does where the arm starts near enough, which its experiments may have done."
             ),
         ),
         numbers,
     )
     .read_as(
-        "As a general statement, over all starts and limits tried: the arm settles, and keeps those bounds of (48), (49) that it keeps without a limit.",
+        "As a general statement, over all starts and limits tried: the arm settles, and keeps those bounds of (48), \
+            (49) that it keeps without a limit.",
     )
     .varying(format!("{} Observer form: at a few of them.", varied(map)))
     .turning(turning(map, &GainSetting::ALL)))
@@ -248,8 +254,8 @@ pub(crate) fn map_figure(map: &StartMap) -> Figure {
             ..Panel::default()
         }
     };
-    let caption = "What the paper reports lies between a limit that does not show and one from which the printed form does not return. The studies of \
-                   Figs. 9 to 11 lie in the top row.";
+    let caption = "What the paper reports lies between a limit that does not show and one from which the printed form \
+                   does not return. The studies of Figs. 9 to 11 lie in the top row.";
     let printed = map.maps.iter().filter(|map| map.form == Form::Literal);
     figure(
         "fig-saturation-map",

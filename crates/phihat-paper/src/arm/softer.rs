@@ -57,8 +57,8 @@ pub(crate) fn start(full: &Run) -> Result<Statement, PartError> {
         verdict(flatter && softer && steady, softer && steady),
         (
             format!(
-                "three-joint arm, m = 1, a_0 = 40, 20, 10 at the start: overshoot of joint 2 {} % (69.6 throughout: {}); \
-                 largest torque {} N·m ({}); |e| < 0.01 rad from {} s ({})",
+                "three-joint arm, m = 1, a_0 = 40, 20, 10 at the start: overshoot of joint 2 {} % (69.6 throughout: \
+                 {}); largest torque {} N·m ({}); |e| < 0.01 rad from {} s ({})",
                 list(&percent),
                 percent(full),
                 list(&torque),
@@ -67,14 +67,14 @@ pub(crate) fn start(full: &Run) -> Result<Statement, PartError> {
                 time(full)
             ),
             format!(
-                "{what}; {after}. Printed form, a_0 = 69.6 once the mismatch has settled, with φ̂ handed over. The paper \
-                 says it of its seven-joint arm and gives neither gains nor figures; here it is tried where the start is \
-                 off the path."
+                "{what}; {after}. Printed form, a_0 = 69.6 once the mismatch has settled, with φ̂ handed over. The \
+                 paper says it of its seven-joint arm and gives neither gains nor figures; here it is tried where the \
+                 start is off the path."
             ),
         ),
         numbers(&runs, full),
     )
-    .read_as("Better is less torque at the start, and less overshoot; with the steady error of the full gain after the change.")
+    .read_as("Better: less torque at the start, less overshoot; then the steady error of the full gain.")
     .varying("a_0 of the start: 40, 20, 10 rad/s, on the three-joint arm.")
     .turning("As printed where the overshoot falls too; with the correction where the torque alone does."))
 }

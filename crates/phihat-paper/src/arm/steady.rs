@@ -134,8 +134,8 @@ fn read(
     };
     statement
         .read_as(
-            "Largest errors of the second turn, integrals counted from its beginning. It counts as printed where every gain set keeps the bounds in \
-             the printed form with the assumed limit from one of the starts of the map.",
+            "Largest errors of the second turn, integrals counted from its beginning. It counts as printed where every \
+             gain set keeps the bounds in the printed form with the assumed limit from one of the starts of the map.",
         )
         .varying(format!("Start and limit together (the map). {depends}"))
         .turning(turning(map, settings))
@@ -201,8 +201,8 @@ fn why(
     let open = if printed || !elsewhere {
         ""
     } else {
-        " That is from the start of the studies: from nearer ones, which the paper does not exclude, the printed form keeps them under the same \
-         limit."
+        " That is from the start of the studies: from nearer ones, which the paper does not exclude, the printed form \
+         keeps them under the same limit."
     };
     format!("{verdict} {counted}{own}.{open}")
 }

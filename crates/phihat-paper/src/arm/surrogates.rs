@@ -134,7 +134,8 @@ impl Varied {
         };
         statement
             .varying(format!(
-                "Links {} times as heavy, rotors of {} kg·m²: holds on {held} of {all} arms. One change at a time, it does not hold where: {lost}.",
+                "Links {} times as heavy, rotors of {} kg·m²: holds on {held} of {all} arms. One change at a time, it \
+                    does not hold where: {lost}.",
                 ends(&self.links),
                 ends(&self.armatures)
             ))
@@ -216,8 +217,8 @@ impl Varied {
             content,
             ..Panel::default()
         };
-        let caption = "The gains as printed, M̄ = 1 kg·m², on all arms tried. A cell counts for a form where every gain \
-                       set keeps its bounds, |∬e| of (49) included.";
+        let caption = "The gains as printed, M̄ = 1 kg·m², on all arms tried. A cell counts for a form where every \
+                       gain set keeps its bounds, |∬e| of (49) included.";
         figure(&format!("fig-{id}"), "On which arms the bounds are kept", caption, vec![panel])
     }
 

@@ -178,7 +178,8 @@ fn remedy(first: &Run, pairs: &[SwitchingPair]) -> Statement {
         ),
         remedy_numbers(pairs, jump),
     )
-    .read_as("Printed form: less overshoot of joint 2 than m = 2 from the start and a steady error no more than 1.2 times its, for every hypothesis.")
+    .read_as("Printed form: less overshoot of joint 2 than m = 2 from the start and a steady error no more than 1.2 \
+        times its, for every hypothesis.")
     .varying("The gains of m = 2: H1 to H4; the observer form with the supervisor's own switching.")
     .turning(format!("As printed, without handing φ̂ over, below a jump of {NO_JUMP_NM} N·m; it is {jump:.0}."))
     .covering(&[Item { kind: item::Kind::Remark, number: 4 }])

@@ -100,7 +100,8 @@ impl Transients {
                 })
                 .collect(),
         )
-        .read_as("Printed form, all hypotheses on the gains: how far the tip goes beyond its place, along the line of its first error.")
+        .read_as("Printed form, all hypotheses on the gains: how far the tip goes beyond its place, along the line of \
+            its first error.")
         .covering(&[Item { kind: Kind::Figure, number: 5 }])
     }
 
@@ -142,7 +143,8 @@ impl Transients {
             ),
             numbers.map(named).collect(),
         )
-        .read_as("Printed form, all hypotheses on the gains: how far the error goes beyond zero, over its initial value.")
+        .read_as("Printed form, all hypotheses on the gains: how far the error goes beyond zero, over its initial \
+            value.")
         .covering(&[Item { kind: Kind::Figure, number: 6 }]))
     }
 }

@@ -103,7 +103,8 @@ pub(super) const DETAILS: &[Detail] = &[
         "(3) (4)",
         "2 % settling time from an initial error at φ = 0, against that of (4)",
         "the form of the law, the hypotheses on the gains",
-        "every time within a tenth of that of (4) in the printed form (then as printed), or not within it with φ̂(0) = 0 (then refuted)",
+        "every time within a tenth of that of (4) in the printed form (then as printed), or not within it with φ̂(0) = \
+            0 (then refuted)",
     ],
     [
         "proves-theorem1",

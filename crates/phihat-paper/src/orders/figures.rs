@@ -30,8 +30,8 @@ pub(super) fn fig_12(phi: &PhiCourse) -> Figure {
     let short: Vec<_> = of(&constant).into_iter().map(|(l, r)| (l, r[..500].to_vec())).collect();
     let panels =
         vec![panel("constant φ", &constant, &short), panel("φ along Fig. 4", phi, &of(phi))];
-    let caption = "First order. Left: φ̂ = (1 − e^{−a_0 t})φ. Right: the larger a_0, the smaller the lag behind a φ that moves. \
-                   The paper's a_0 and φ are not printed.";
+    let caption = "First order. Left: φ̂ = (1 − e^{−a_0 t})φ. Right: the larger a_0, the smaller the lag behind a φ \
+                   that moves. The paper's a_0 and φ are not printed.";
     figure("fig-12", "Fig. 12: first order, different a_0", caption, panels)
 }
 
@@ -56,7 +56,8 @@ pub(super) fn fig_13(phi: &PhiCourse) -> Figure {
         })
         .collect();
     panels.push(panel("φ along Fig. 4", phi, &of(phi)));
-    let caption = "Orders 1 to 3, every estimator pole at 20 rad/s. m = 1 catches up with a constant, m = 2 with a ramp, m = 3 with a \
-                   parabola; what is left otherwise is in the table. Higher orders overshoot more on the way.";
+    let caption = "Orders 1 to 3, every estimator pole at 20 rad/s. m = 1 catches up with a constant, m = 2 with a \
+                   ramp, m = 3 with a parabola; what is left otherwise is in the table. Higher orders overshoot more \
+                   on the way.";
     figure("fig-13", "Fig. 13: orders at the same convergence rate", caption, panels)
 }

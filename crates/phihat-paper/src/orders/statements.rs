@@ -39,10 +39,11 @@ pub(super) fn gain(phi: &PhiCourse) -> Statement {
     .found(
         format!("a_0 = {}: |φ̃| ≤ {} N·m; torque at 0.1 rad: {} N·m", listed(GAINS), listed(mismatch), listed(effort)),
         Verdict::of(falls && rises && mismatch[3] > 0.0, false),
-        "At m = 1 the mismatch is φ̇ seen through 1/(s + a_0): it falls with a_0 and does not vanish. The torque is that of \
-         the printed form (9), 0.1 rad off.",
+        "At m = 1 the mismatch is φ̇ seen through 1/(s + a_0): it falls with a_0 and does not vanish. The torque is \
+         that of the printed form (9), 0.1 rad off.",
         GAINS.iter().zip(mismatch).map(|(a, v)| number(&format!("largest mismatch, a_0 = {a}"), "N·m", v, 0.02))
-            .chain(GAINS.iter().zip(effort).map(|(a, v)| number(&format!("largest torque at 0.1 rad, a_0 = {a}"), "N·m", v, 1e-3)))
+            .chain(GAINS.iter().zip(effort).map(|(a, v)| number(&format!("largest torque at 0.1 rad, a_0 = \
+                {a}"), "N·m", v, 1e-3)))
             .collect(),
     )
     .assuming(&["arm", "path"])
@@ -99,8 +100,8 @@ pub(super) fn polynomials() -> Statement {
     .found(
         format!("as stated, to {off:.0e} N·m; {}", lefts.join("; ")),
         Verdict::of(off < 1e-9 && grows, false),
-        "In the end φ̃ = −φ^{(m)}/a_0: nothing below degree m, c/a_0 of a ramp of slope c at m = 1, and without bound above \
-         degree m. A type-m servo.",
+        "In the end φ̃ = −φ^{(m)}/a_0: nothing below degree m, c/a_0 of a ramp of slope c at m = 1, and without bound \
+         above degree m. A type-m servo.",
         numbers,
     )
 }
@@ -144,8 +145,8 @@ pub(super) fn real(phi: &PhiCourse) -> Statement {
         format!("|φ̃| ≤ {} N·m at m = 1, 2, 3", mismatch.map(|v| three(v.into())).join(", ")),
         Verdict::of(falls, false),
         format!(
-            "Every estimator pole at r = {RATE} rad/s, φ of joint 2 along Fig. 4. |φ̃/φ| = (ω/√(ω² + r²))^m then falls with m at \
-             every frequency; what grows with m is the overshoot after a jump."
+            "Every estimator pole at r = {RATE} rad/s, φ of joint 2 along Fig. 4. |φ̃/φ| = (ω/√(ω² + r²))^m then falls \
+             with m at every frequency; what grows with m is the overshoot after a jump."
         ),
         (1..).zip(mismatch).map(|(m, v)| number(&format!("largest mismatch, m = {m}"), "N·m", v, 0.02)).collect(),
     )
@@ -189,14 +190,15 @@ pub(super) fn torques() -> Statement {
     }
     .found(
         format!(
-            "constant φ: {} N·m apart in the transient, {late:.0e} after 2.5 s; ramp: {:.0e}; sum − φ − ë: {off:.0e} N·m at most",
+            "constant φ: {} N·m apart in the transient, {late:.0e} after 2.5 s; ramp: {:.0e}; sum − φ − ë: {off:.0e} \
+                N·m at most",
             three(early.into()),
             ramp
         ),
         Verdict::of(late < 1e-9 && ramp < 1e-9 && early > 1.0 && off < 1e-3, false),
         format!(
-            "By (7) the sum in (50) is φ + q̈_d + ë, whatever φ̃ is: the torques of two orders differ by as much as their ë do, and \
-             q̈_d is the same for all (it is zero here). On a ramp φ̂ of m = 1 \
+            "By (7) the sum in (50) is φ + q̈_d + ë, whatever φ̃ is: the torques of two orders differ by as much as \
+             their ë do, and q̈_d is the same for all (it is zero here). On a ramp φ̂ of m = 1 \
              stays {} N·m behind, and K_p e pays for it.",
             three((share * ramp_expected).into())
         ),

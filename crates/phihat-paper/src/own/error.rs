@@ -28,7 +28,8 @@ pub enum OwnError {
     },
     /// The run does not get as far as φ is looked at.
     #[error(
-        "no φ: the run ended after {end_s:.3} s, and φ is taken from spec.settle_s = {settle_s} s on; give one with --phi FILE"
+        "no φ: the run ended after {end_s:.3} s, and φ is taken from spec.settle_s = {settle_s} s on; give one with \
+            --phi FILE"
     )]
     NoPhi {
         /// End of the run \[s\].

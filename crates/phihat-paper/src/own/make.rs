@@ -45,11 +45,14 @@ pub fn own(
 
 fn left_out() -> Vec<LeftOutOfPaper> {
     [
-        ("Theorems 1 to 5, the remarks, errata", "They are about the law, not about an arm: `phihat reproduce`. What holds of these gains: `phihat design` and `phihat verify`."),
+        ("Theorems 1 to 5, the remarks, errata", "They are about the law, not about an arm: `phihat reproduce`. What \
+            holds of these gains: `phihat design` and `phihat verify`."),
         ("Table 1", "It compares laws by what is published of them; on an own arm `phihat compare` measures them."),
         ("Table 2", "Gains from limits on the error: `phihat design --method paper`, with `[design.paper]`."),
-        ("Figs. 4 to 11", "One run of an arm along its path: `phihat run` shows path, errors, torques and φ̂ of this study."),
-        ("Table 3, the column of Chung et al.", "Its gains were found by trial and error and are not printed; `phihat compare` tunes it on this study."),
+        ("Figs. 4 to 11", "One run of an arm along its path: `phihat run` shows path, errors, torques and φ̂ of this \
+            study."),
+        ("Table 3, the column of Chung et al.", "Its gains were found by trial and error and are not printed; `phihat \
+            compare` tunes it on this study."),
     ]
     .map(|(part, why)| LeftOutOfPaper { part: part.to_owned(), why: why.to_owned() })
     .to_vec()

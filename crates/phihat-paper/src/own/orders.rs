@@ -42,10 +42,10 @@ fn told(numbers: &mut Vec<PaperNumber>, what: &str, [most, root]: [f64; 2]) -> S
 /// The section, and the figures behind its tables.
 pub(super) fn orders(own: &Own, phi: &OwnPhi, run: &Run) -> (Section, Vec<PaperNumber>) {
     let text = format!(
-        "The estimator (8) alone, solved exactly, with φ as its input: {}, joined by straight lines. Fig. 12 varies a_0 at m = 1; \
-         Fig. 13 varies the order, with every estimator pole at the own rate r = a_0^(1/m). Mismatch: largest |φ̂ − φ| after \
-         the first third, in brackets its root mean square. A φ that jumps, as dry friction does, leaves its jump whatever a_0 and m are; \
-         the root mean square tells how long.",
+        "The estimator (8) alone, solved exactly, with φ as its input: {}, joined by straight lines. Fig. 12 varies \
+         a_0 at m = 1; Fig. 13 varies the order, with every estimator pole at the own rate r = a_0^(1/m). Mismatch: \
+         largest |φ̂ − φ| after the first third, in brackets its root mean square. A φ that jumps, as dry friction \
+         does, leaves its jump whatever a_0 and m are; the root mean square tells how long.",
         phi.source
     );
     let mut section = section("own-figures-12-13", "Figs. 12 and 13 for this φ", &[&text]);
@@ -96,7 +96,8 @@ fn orders_table(own: &Own, phi: &OwnPhi, run: &Run) -> (Table, Vec<PaperNumber>)
         rows.push(cells);
     }
     let columns = ["joint", "m = 1", "m = 2", "m = 3", "own estimator", "φ̂ of the run"];
-    let title = "Fig. 13: mismatch at the same rate, largest (rms) [N·m]; last, largest |φ̂ − φ| of the sampled law in the study's run";
+    let title = "Fig. 13: mismatch at the same rate, largest (rms) [N·m]; last, largest |φ̂ − φ| of the sampled law in \
+        the study's run";
     (table("own-fig-13", title, &columns, rows), numbers)
 }
 

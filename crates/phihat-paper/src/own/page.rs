@@ -40,7 +40,8 @@ pub fn own_page(own: &OwnReproduction) -> String {
             }
         }
         h2 id="limits" { "Not claimed" }
-        p { "Everything here is simulated. No verdict on the paper follows: its figures are of another arm, with other gains." }
+        p { "Everything here is simulated. No verdict on the paper follows: its figures are of another arm, with other \
+            gains." }
     };
     Page { title: "The paper, on an own arm", kind: "reproduction", script: None }.document(&main)
 }

@@ -74,10 +74,10 @@ fn mean_square(run: &Run, joint: usize) -> Option<f64> {
 /// The section, and the figures behind its table.
 pub(super) fn section(own: &Own, runs: &Table3Runs) -> (Section, Vec<PaperNumber>) {
     let text = format!(
-        "PD is the outer loop (3) with M̄ and q̈_d, at the study's own K_p and K_d; the proposed law adds φ̂, with the study's own a. \
-         Once on the robot as the study has it, once on one that adds gravity and its own friction by itself, as arms with \
-         a torque interface do: there PD is the paper's \"simple PD\" at its best. Error from {} s on; root mean square, \
-         whose square is (51).",
+        "PD is the outer loop (3) with M̄ and q̈_d, at the study's own K_p and K_d; the proposed law adds φ̂, with the \
+         study's own a. Once on the robot as the study has it, once on one that adds gravity and its own friction by \
+         itself, as arms with a torque interface do: there PD is the paper's \"simple PD\" at its best. Error from {} \
+         s on; root mean square, whose square is (51).",
         own.study.spec.settle
     );
     let (table, numbers) = errors(own, runs);

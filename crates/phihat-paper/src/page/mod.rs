@@ -49,7 +49,8 @@ fn part(section: &Section) -> Markup {
             summary {
                 h3 { (prose(&section.title)) }
                 @for verdict in Verdict::ALL {
-                    @let count = section.statements.iter().filter(|s| s.origin == Origin::Paper && s.verdict == verdict).count();
+                    @let count = section.statements.iter().filter(|s| s.origin == Origin::Paper &&
+                        s.verdict == verdict).count();
                     @if count > 0 { span.tally title=(verdict.words()) { (verdict.sign()) " " (count) } }
                 }
             }
@@ -75,7 +76,8 @@ fn again(reproduction: &Reproduction) -> Markup {
             @if let Some(only) = &reproduction.only { " --only \"" (line(only)) "\"" }
         } }
         p {
-            "It leaves this page, every figure as SVG, every number in reproduction.json, and the studies. A study runs alone: "
+            "It leaves this page, every figure as SVG, every number in reproduction.json, and the studies. A study \
+                runs alone: "
             code { "phihat run studies/paper/NAME.toml" } ". To hold another machine's numbers against these: "
             code { "phihat reproduce --against reproduction.json" } "."
         }
@@ -87,9 +89,12 @@ fn not_claimed() -> Markup {
         h2 id="limits" { "Not claimed" }
         p {
             "Everything here is computed or simulated; no arm was moved, and “experiment” means a simulation with the "
-            "faults of a real arm. The paper does not publish its arm, its reference and some of its settings: what stands in "
-            "their place is listed above as an assumption. “Refuted” says that what is printed is enough to show that a statement "
-            "does not hold as it is worded; “open”, that too little is printed to tell. Neither says that the authors did not "
+            "faults of a real arm. The paper does not publish its arm, its reference and some of its settings: what \
+                stands in "
+            "their place is listed above as an assumption. “Refuted” says that what is printed is enough to show that \
+                a statement "
+            "does not hold as it is worded; “open”, that too little is printed to tell. Neither says that the authors \
+                did not "
             "measure what they report."
         }
     }

@@ -25,7 +25,8 @@ pub(super) fn header(reproduction: &Reproduction) -> Markup {
             h1 { "The paper, reproduced" }
             p.byline { (PAPER) }
             p.byline {
-                "phihat " (line(&reproduction.phihat_version)) " · " (count) " statements of the paper · computed and simulated"
+                "phihat " (line(&reproduction.phihat_version)) " · " (count) " statements of the paper · computed and \
+                    simulated"
                 @if reproduction.quick { " · quick: coarser maps and sweeps" }
             }
             @if let Some(only) = &reproduction.only {
@@ -35,11 +36,13 @@ pub(super) fn header(reproduction: &Reproduction) -> Markup {
                 p { strong { (correct) " of " (count) " statements of the paper hold as printed." } }
                 ul.counts { @for verdict in Verdict::ALL {
                     @let (class, sign, count) = (class(verdict), verdict.sign(), of(reproduction, verdict).count());
-                    @let word = if count == 1 { verdict.words().to_owned() } else { verdict.words().replace("holds", "hold") };
+                    @let word = if count == 1 { verdict.words().to_owned() } else { verdict.words().replace("holds",
+                        "hold") };
                     li.(class) { span.sign { (sign) } " " (count) " " (word) }
                 } }
                 @if again + ours > 0 {
-                    p { "Not counted: " (again) " statements looked at once more, and " (ours) " findings of this project." }
+                    p { "Not counted: " (again) " statements looked at once more, and " (ours) " findings of this \
+                        project." }
                 }
             }
         }
@@ -113,7 +116,8 @@ pub(super) fn assumptions(reproduction: &Reproduction) -> Markup {
                         td data-label="missing in the paper" { (prose(&assumption.missing)) }
                         td data-label="assumed" { (prose(&assumption.assumed)) }
                         td data-label="influence" {
-                            @if assumption.influence.is_empty() { "not varied" } @else { (prose(&assumption.influence)) }
+                            @if assumption.influence.is_empty() { "not \
+                                varied" } @else { (prose(&assumption.influence)) }
                         }
                     }
                 } }

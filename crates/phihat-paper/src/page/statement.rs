@@ -102,7 +102,8 @@ fn value(number: &PaperNumber) -> Markup {
         }
         @if !number.unit.is_empty() && number.value.is_some() { " " (line(&number.unit)) }
         @if number.value.is_some() {
-            @if number.tolerance > 1.0 { span.unit { " (rounding; agrees up to " (stated(number.tolerance)) " times)" } }
+            @if number.tolerance > 1.0 { span.unit { " (rounding; agrees up \
+                to " (stated(number.tolerance)) " times)" } }
             @else { span.unit { " (agrees within " (percent(number.tolerance, 1.0)) ")" } }
         }
     }

@@ -55,22 +55,26 @@ const CORRECTIONS: [(&str, &str, &str); 5] = [
     (
         "remark5-parameters",
         "Give the law a nominal inertia for each joint.",
-        "The factor M̄ of (5) and (6) is printed as 1. With the joint's own inertia the printed gains are stable at any constant inertia; with 1, a joint that is heavy enough is not.",
+        "The factor M̄ of (5) and (6) is printed as 1. With the joint's own inertia the printed gains are stable at \
+            any constant inertia; with 1, a joint that is heavy enough is not.",
     ),
     (
         "lemma1-start",
         "Start the estimate at zero, not the integrals.",
-        "Integrals at zero make the φ̂ of (9) and (10) begin far from it where the arm is off its path. The observer form of (8) begins at zero.",
+        "Integrals at zero make the φ̂ of (9) and (10) begin far from it where the arm is off its path. The observer \
+            form of (8) begins at zero.",
     ),
     (
         "saturation-in-phi",
         "Feed the estimator with the torque that acted.",
-        "(9) and (10) do not know of a torque limit, and go on summing against it. With τ_applied − M̄q̈ the limit is a part of φ, as the paper says.",
+        "(9) and (10) do not know of a torque limit, and go on summing against it. With τ_applied − M̄q̈ the limit is \
+            a part of φ, as the paper says.",
     ),
     (
         "theorem5-componentwise",
         "Take no bound on an error from (40) or (44).",
-        "Row by row they bound nothing: the worst φ goes beyond the limits that (44) was solved for. Peak-to-peak (L₁) gains are the bound.",
+        "Row by row they bound nothing: the worst φ goes beyond the limits that (44) was solved for. Peak-to-peak (L₁) \
+            gains are the bound.",
     ),
     (
         "table2-c2",
@@ -128,18 +132,20 @@ pub(super) fn summary(reproduction: &Reproduction) -> Markup {
     html! {
         section.summary id="summary" aria-label="Summary" {
             p {
-                "Of " (count(all, "statement", "statements")) " of the paper that were tested, " (holds + corrected) " hold: "
+                "Of " (count(all, "statement", "statements")) " of the paper that were \
+                    tested, " (holds + corrected) " hold: "
                 (holds) " as printed, " (corrected) " with a correction, which is named. "
-                (count(refuted, "is", "are")) " refuted as worded. " (open) " cannot be told from what is printed, and that says \
-                 nothing against the paper."
+                (count(refuted, "is", "are")) " refuted as worded. " (open) " cannot be told from what is printed, and \
+                 that says nothing against the paper."
             }
             (corrections(reproduction))
             h2 id="holds" { "What holds" }
             @if !groups.is_empty() { p { "As printed or with a correction: " (groups) "." } }
             (untold(reproduction))
             p {
-                "Every statement says how it was read, what was varied, and where its verdict would turn. Nothing was measured on the \
-                 authors' arms: they are not published, and what is simulated in their place is assumed. Covered: " (covered) "."
+                "Every statement says how it was read, what was varied, and where its verdict would turn. Nothing was \
+                 measured on the authors' arms: they are not published, and what is simulated in their place is \
+                 assumed. Covered: " (covered) "."
             }
         }
     }

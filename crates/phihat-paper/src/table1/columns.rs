@@ -101,15 +101,16 @@ pub(super) fn quantitative(rows: &[(&Table1Row, &[Rated])]) -> Statement {
         kind.words(),
         kind.verdict(),
         format!(
-            "Asked for a bound that is there in every run with tuned gains, holds and is within ten times the measured error, {} rows \
-             agree. For [44] and [20] stands a law of their class that states no bound; theirs may.",
+            "Asked for a bound that is there in every run with tuned gains, holds and is within ten times the measured \
+             error, {} rows agree. For [44] and [20] stands a law of their class that states no bound; theirs may.",
             strict.agree.len()
         ),
         numbers,
     )
     .read_as("a bound on the error that is stated before a run, at the default or the tuned gains")
     .varying(VARIED)
-    .turning("one row whose known law differs (then with a correction); none undecided and none against (then as printed)")
+    .turning("one row whose known law differs (then with a correction); none undecided and none against (then as \
+        printed)")
 }
 
 /// "Optimal."
@@ -129,14 +130,16 @@ pub(super) fn optimal(rows: &[(&Table1Row, &[Rated])]) -> Statement {
         kind.words(),
         kind.verdict(),
         format!(
-            "At the tuned gains {} rows agree: gains that follow best leave the conditions of the proofs, the paper's own as well.",
+            "At the tuned gains {} rows agree: gains that follow best leave the conditions of the proofs, the paper's \
+                own as well.",
             strict.agree.len()
         ),
         numbers,
     )
     .read_as("a certificate, or the condition of the authors' own proof, at the tuned gains or at the authors' own")
     .varying(VARIED)
-    .turning("one row whose known law differs (then with a correction); none undecided and none against (then as printed)")
+    .turning("one row whose known law differs (then with a correction); none undecided and none against (then as \
+        printed)")
 }
 
 /// The least of the rows that shall be large over the largest of those that shall be small: above 1 they are apart.
@@ -170,22 +173,23 @@ pub(super) fn easy(rows: &[(&Table1Row, &[Rated])]) -> Statement {
     }
     .found(
         format!(
-            "draws of gains that keep the specification: {}; the best of the others {:.0} %; least of ✓ over most of ✗: {} by share of draws, {} by \
-             number of gains (above 1, some threshold gives the column)",
+            "draws of gains that keep the specification: {}; the best of the others {:.0} %; least of ✓ over most of \
+             ✗: {} by share of draws, {} by number of gains (above 1, some threshold gives the column)",
             own.join(", "),
             100.0 * most,
             say(by_share),
             say(by_count)
         ),
         Verdict::assumed(found, false),
-        "The paper does not say what makes tuning easy. No threshold on either measure gives its marks, for the laws as they are here; \
-         another measure might.",
+        "The paper does not say what makes tuning easy. No threshold on either measure gives its marks, for the laws \
+         as they are here; another measure might.",
         vec![
             number("least of ✓ over most of ✗, share of draws", "", by_share, 0.2),
             number("least of ✓ over most of ✗, one over the number of gains", "", by_count, 1e-9),
         ],
     )
-    .read_as("any threshold on the share of gains near the default that keep the specification, or on the number of gains")
+    .read_as("any threshold on the share of gains near the default that keep the specification, or on the number of \
+        gains")
     .varying(VARIED)
     .turning("a ratio of 1 in either measure")
 }

@@ -37,7 +37,8 @@ pub(super) fn low(rows: &[(&Table1Row, &[Rated])]) -> Statement {
             if fewer.is_empty() { "none".to_owned() } else { fewer.join(", ") }
         ),
         Verdict::of(low, false),
-        "Counted in the program's own code with default gains, by an instruction counter. It needs no regressor and no model.",
+        "Counted in the program's own code with default gains, by an instruction counter. It needs no regressor and no \
+            model.",
         vec![
             number("most instructions of the paper's law", "", most.map(|count| count as f64), 0.05),
             number("median of the others", "", median.map(|count| count as f64), 0.05),

@@ -75,9 +75,9 @@ pub(super) fn described(rows: &[Table1Row]) -> Statement {
             list(&unsure)
         ),
         verdict,
-        "What a law is handed is in its type here, so that a regressor, a velocity, a model, a measured torque or a path shows. \
-         \"Robust inverse dynamics\" stands for [25]: it has a nominal model in place of a regressor. Rows that say nothing of the kind \
-         ([44]; [5], [12], see erratum-table1-pid) are left out.",
+        "What a law is handed is in its type here, so that a regressor, a velocity, a model, a measured torque or a \
+         path shows. \"Robust inverse dynamics\" stands for [25]: it has a nominal model in place of a regressor. Rows \
+         that say nothing of the kind ([44]; [5], [12], see erratum-table1-pid) are left out.",
         vec![
             number("rows looked at", "", SAID.len() as f64, 0.0),
             number("rows as described", "", f64::from(agree), 0.0),
@@ -106,8 +106,8 @@ pub(super) fn pid_model_free(rows: &[Table1Row]) -> Statement {
     .found(
         named.join("; "),
         Verdict::of(free == laws.len(), 0 < free && free < laws.len()),
-        "Mark and text differ. [12] as a law needs no model, and as a design it needs bounds on the system: \"-\" in the table's own words. \
-         [5] simulates a nominal arm: ✗.",
+        "Mark and text differ. [12] as a law needs no model, and as a design it needs bounds on the system: \"-\" in \
+         the table's own words. [5] simulates a nominal arm: ✗.",
         vec![
             number("laws of the row", "", laws.len() as f64, 0.0),
             number("of these, laws that need no model", "", free as f64, 0.0),

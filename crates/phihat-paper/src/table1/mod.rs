@@ -58,10 +58,10 @@ pub(super) fn table1(progress: &dyn Fn(f64)) -> Result<PaperPart, PartError> {
         title: "Table 1: the state of the art".to_owned(),
         text: words(&[
             "A tick is not a number. A law for every row of the table runs here on the planar arm, tuned by the same \
-             optimiser with few runs, and what the ticks stand for is measured: a bound that was stated before the run, the share of \
-             gains near the default that work, a certificate that was checked. `phihat compare studies/table1.toml` does the same at \
-             length. Where the published law was not found (grade C), a law of its class stands for it: what differs there \
-             leaves the row undecided.",
+             optimiser with few runs, and what the ticks stand for is measured: a bound that was stated before the \
+             run, the share of gains near the default that work, a certificate that was checked. `phihat compare \
+             studies/table1.toml` does the same at length. Where the published law was not found (grade C), a law of \
+             its class stands for it: what differs there leaves the row undecided.",
         ]),
         statements: vec![
             described::described(&rows),
@@ -110,10 +110,10 @@ fn model_free(rows: &[Table1Row]) -> Statement {
             if open.is_empty() { none() } else { open.join(", ") },
         ),
         Verdict::of(wrong.is_empty(), wrong.len() < decided.len()),
-        "Here a law is model-free by its type: it is handed no dynamics and no kinematics. A nominal inertia per joint, and \
-         the range of inertia from which the gains of the paper's law may be designed, are not counted as a model. Row \
-         [5], [12] has one mark for two laws: [12] needs no model, [5] simulates a nominal arm. Where the published law was \
-         not found, the mark is held against the law that stands for it.",
+        "Here a law is model-free by its type: it is handed no dynamics and no kinematics. A nominal inertia per \
+         joint, and the range of inertia from which the gains of the paper's law may be designed, are not counted as a \
+         model. Row [5], [12] has one mark for two laws: [12] needs no model, [5] simulates a nominal arm. Where the \
+         published law was not found, the mark is held against the law that stands for it.",
         vec![
             number("rows", "", rows.len() as f64, 0.0),
             number("rows with ✓ or ✗", "", decided.len() as f64, 0.0),

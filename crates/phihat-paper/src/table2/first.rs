@@ -47,8 +47,8 @@ pub(super) fn a1() -> Result<Statement, PartError> {
             c + root
         ),
         Verdict::of(all, half),
-        "K_p = 200 and K_d = 32.3 follow from K̃ = 222 with φ_max = 22.2, and from no other. Then K̃ > 2φ_max/ė_max is 444: \
-         222 has lost a factor of 2. With K̃ = 444 the least gains are K_p = 100, K_d = 20.",
+        "K_p = 200 and K_d = 32.3 follow from K̃ = 222 with φ_max = 22.2, and from no other. Then K̃ > 2φ_max/ė_max is \
+         444: 222 has lost a factor of 2. With K̃ = 444 the least gains are K_p = 100, K_d = 20.",
         vec![
             number("K̃ by (44)", "1/s", least.k_tilde, 1e-9),
             number("K_p from K̃ = 222", "1/s²", kp, 1e-9),
@@ -78,8 +78,8 @@ pub(super) fn kd_sign() -> Statement {
     .found(
         format!("− c: {:.2}, row not met; + c: {:.2}, as in the table", root - c, root + c),
         Verdict::of(solves(root - c), solves(root + c)),
-        "K_d² − 2cK_d − 2K_p > 0 has its positive root at c + √(c² + 2K_p). The table's own 32.3 has the plus; with the \
-         minus, B2 is violated as well.",
+        "K_d² − 2cK_d − 2K_p > 0 has its positive root at c + √(c² + 2K_p). The table's own 32.3 has the plus; with \
+         the minus, B2 is violated as well.",
         vec![number("K_d with − c", "1/s", root - c, 1e-9), number("K_d with + c", "1/s", root + c, 1e-9)],
     )
     .assuming(&["phi-max"])
@@ -106,8 +106,8 @@ pub(super) fn b1() -> Result<Statement, PartError> {
         format!("{shown}; Newton at φ_max = {PHI_MAX}: {:.1}, {:.1}, {:.1}", ours.k_tilde, ours.kp, ours.kd),
         Verdict::of(printed && refused.is_none(), false),
         format!(
-            "K_d = 0 violates B2, and the outer loop would not be damped at all. The rows without K_d ask for φ_max = {}, \
-             the row with it has no solution.",
+            "K_d = 0 violates B2, and the outer loop would not be damped at all. The rows without K_d ask for φ_max = \
+             {}, the row with it has no solution.",
             rows.join(" and ")
         ),
         vec![
@@ -171,8 +171,8 @@ pub(super) fn c1() -> Result<Statement, PartError> {
             three(least)
         ),
         Verdict::of(refused.is_none(), false),
-        "B2: 1600 > 800. The law has a_0 alone, which is assumed here; K̃ is part of the proof: any K̃ in (0, a_0) gives a \
-         certificate, each for its own cost; the smallest γ belongs to K̃ → 0.",
+        "B2: 1600 > 800. The law has a_0 alone, which is assumed here; K̃ is part of the proof: any K̃ in (0, a_0) \
+         gives a certificate, each for its own cost; the smallest γ belongs to K̃ → 0.",
         vec![
             number("γ at the printed K̃", "", gamma, 1e-9),
             number("infimum of γ over K̃", "", least, 1e-6),

@@ -29,8 +29,8 @@ pub(super) fn table2(_: Extent, progress: &dyn Fn(f64)) -> Result<PaperPart, Par
         id: "table-2".to_owned(),
         title: "Table 2: control parameters".to_owned(),
         text: words(&[
-            "Columns (A) ignore xᵀSBBᵀSx, columns (B) include it, columns (C) were used. φ_max is not printed. Each row of \
-             (44) is solved here for the φ_max at which it is an equality: a column that comes from (44) \
+            "Columns (A) ignore xᵀSBBᵀSx, columns (B) include it, columns (C) were used. φ_max is not printed. Each \
+             row of (44) is solved here for the φ_max at which it is an equality: a column that comes from (44) \
              has the same one in all rows.",
         ]),
         statements,
@@ -59,7 +59,8 @@ fn higher() -> Statement {
         format!("below column (A): {one} gain at m = 1, {two} at m = 2 (K̃ = 68.9 < 222, 174.7); below (B): {of_b}"),
         Verdict::of(one + two + of_b == 0, of_b == 0),
         format!(
-            "They are not lower than columns (B). The K̃ of columns (A) is {:.1} and {:.1} times what was used (m = 1, 2).",
+            "They are not lower than columns (B). The K̃ of columns (A) is {:.1} and {:.1} times what was used (m = 1, \
+                2).",
             factors[0], factors[1]
         ),
         vec![
@@ -98,11 +99,12 @@ fn results_show() -> Statement {
         paper: "in the results section it will be shown",
     }
     .found(
-        format!("columns without A2: {}; of these stable: {stable}, poles of (4) at ±{}j; with K_d = 0.025, printed as 0.0: {rounded}", listed.join("; "), three(pole)),
+        format!("columns without A2: {}; of these stable: {stable}, poles of (4) at ±{}j; with K_d = 0.025, printed as \
+            0.0: {rounded}", listed.join("; "), three(pole)),
         if rounded > 0 { Verdict::assumed(stable > 0, false) } else { Verdict::of(stable > 0, false) },
-        "That A2 is not necessary is true (theorem2-a2). Whether the results show it depends on the rounding of one number: with \
-         K_d = 0 exactly the only gains that violate A2 leave (4) undamped; a K_d between 0 and 0.05 is printed as 0.0, \
-         violates A2, and is stable. That column was not used.",
+        "That A2 is not necessary is true (theorem2-a2). Whether the results show it depends on the rounding of one \
+         number: with K_d = 0 exactly the only gains that violate A2 leave (4) undamped; a K_d between 0 and 0.05 is \
+         printed as 0.0, violates A2, and is stable. That column was not used.",
         vec![
             number("columns without A2", "", without().count() as f64, 0.0),
             number("of these stable", "", stable as f64, 0.0),
@@ -169,7 +171,8 @@ fn newton_table() -> Result<Table, PartError> {
     Ok(Table {
         id: "table-2-newton".to_owned(),
         title: format!(
-            "All gains at which every row of (44) is an equality, as found by Newton's method from 401 points, φ_max = {PHI_MAX}"
+            "All gains at which every row of (44) is an equality, as found by Newton's method from 401 points, φ_max = \
+                {PHI_MAX}"
         ),
         columns: words(&["column", "K̃ [1/s]", "K_p [1/s²]", "K_d [1/s]", "b_0, b_1"]),
         rows,

@@ -34,8 +34,8 @@ pub(super) fn a2() -> Result<Statement, PartError> {
             listed(&roots)
         ),
         Verdict::of(refused.is_none() && roots.iter().any(same), false),
-        "b_0 = 0 violates A1: Q and S are singular, (40) is infinite, and a_0 = 0 makes it an estimator of order 1 with \
-         an idle state. No single φ_max gives the four numbers, and no root at 22.2 is near them.",
+        "b_0 = 0 violates A1: Q and S are singular, (40) is infinite, and a_0 = 0 makes it an estimator of order 1 \
+         with an idle state. No single φ_max gives the four numbers, and no root at 22.2 is near them.",
         [number("Q_11", "", refused.map(|r| r.value), 1e-9)]
             .into_iter()
             .chain(numbers_of(&roots))
@@ -72,10 +72,10 @@ pub(super) fn b2() -> Result<Statement, PartError> {
         Verdict::of(same, false),
         format!(
             "{} The first row is an equality at φ_max = 44.4, twice 22.2, to the last printed digit; the other rows \
-             then fall short by up to {:.0} %. All rows hold for φ_max up to {}. One root has exactly the printed K_p and K_d, \
-             with another K̃ and b_0; it may be the one that the paper had. Its K̃ and b_0 are the least and its K_p \
-             and K_d the largest of the roots: none is the least in every gain, and the paper does not say which one it \
-             takes. `design --method paper` takes the least K̃.",
+             then fall short by up to {:.0} %. All rows hold for φ_max up to {}. One root has exactly the printed K_p \
+             and K_d, with another K̃ and b_0; it may be the one that the paper had. Its K̃ and b_0 are the least and \
+             its K_p and K_d the largest of the roots: none is the least in every gain, and the paper does not say \
+             which one it takes. `design --method paper` takes the least K̃.",
             if refused.is_none() { "The only column of m = 2 that satisfies A1 to A3." } else { "No certificate." },
             100.0 * (1.0 - low / high),
             three(low.into())
@@ -141,10 +141,11 @@ pub(super) fn c2() -> Result<Statement, PartError> {
         ),
         Verdict::of(refused.is_none(), false),
         format!(
-            "A3 asks for K̃ > 2b_0 = 139.2. Theorems 2, 3 and 5 say nothing about the gains of the experiments, whatever γ was: \
-             b_0 = 69.6 with K̃ < a_1 needs a_1² > 2a_0, estimator damping above 1/√2. The loop itself is {} at \
-             M = 1. To halve b_0 (H3) is not enough either: A3 then asks for K̃ > 69.6, and 68.9 is printed. Only with b_0 halved and \
-             K̃ raised is there a certificate; these are other gains, not a correction of these.",
+            "A3 asks for K̃ > 2b_0 = 139.2. Theorems 2, 3 and 5 say nothing about the gains of the experiments, \
+             whatever γ was: b_0 = 69.6 with K̃ < a_1 needs a_1² > 2a_0, estimator damping above 1/√2. The loop itself \
+             is {} at M = 1. To halve b_0 (H3) is not enough either: A3 then asks for K̃ > 69.6, and 68.9 is printed. \
+             Only with b_0 halved and K̃ raised is there a certificate; these are other gains, not a correction of \
+             these.",
             if stable { "stable" } else { "unstable" }
         ),
         vec![

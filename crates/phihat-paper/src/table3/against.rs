@@ -68,11 +68,14 @@ pub(super) fn beats_pd(arms: &[ArmScores]) -> Statement {
     .found(
         format!("(51), PD : proposed, nothing compensated: {bare}; rms, (3) : proposed: {}", listed.join("; ")),
         Verdict::assumed(holds, some),
-        "PD has no integral action: what is left of gravity and friction gives e ≈ φ/(M̄K_p). A robot that leaves none of it has no use for an estimate, which then only adds what encoders and drives put into φ.",
+        "PD has no integral action: what is left of gravity and friction gives e ≈ φ/(M̄K_p). A robot that leaves none \
+            of it has no use for an estimate, which then only adds what encoders and drives put into φ.",
         numbers,
     )
-    .read_as("PD as −K_p e − K_d ė and as the outer loop (3), and a robot that leaves some of its friction, 5 % or more.")
-    .varying("Panda and iiwa; all of gravity and friction left to the law, or no gravity and 100, 20, 5, 0 % of the friction.")
+    .read_as("PD as −K_p e − K_d ė and as the outer loop (3), and a robot that leaves some of its friction, 5 % or \
+        more.")
+    .varying("Panda and iiwa; all of gravity and friction left to the law, or no gravity and 100, 20, 5, 0 % of the \
+        friction.")
     .turning(format!("Gravity compensated; {}.", turns.join("; ")))
     .covering(&COVERS)
 }
@@ -104,10 +107,11 @@ pub(super) fn beats_comparator(arms: &[ArmScores]) -> Statement {
         format!("comparator at its default gains: {ours}; at a quarter of its gain: {weak}"),
         Verdict::assumed(least > 1.0, false),
         format!(
-            "The comparator's gains are not printed, and they decide: the proposed law is better on {at_defaults} of {total} joints with \
-             the comparator at our defaults, on {at_weak} with it at a quarter of that gain. So it is open. It says what two sets of gains do, not what the laws can: at m = 1 they are one \
-             structure up to q̈_d (Remark 9). On joint 2 of the paper the comparator is {} times worse than plain PD, which gains \
-             of that structure need not be.",
+            "The comparator's gains are not printed, and they decide: the proposed law is better on {at_defaults} of \
+             {total} joints with the comparator at our defaults, on {at_weak} with it at a quarter of that gain. So it \
+             is open. It says what two sets of gains do, not what the laws can: at m = 1 they are one structure up to \
+             q̈_d (Remark 9). On joint 2 of the paper the comparator is {} times worse than plain PD, which gains of \
+             that structure need not be.",
             three(joint_2.into())
         ),
         numbers
@@ -123,7 +127,8 @@ pub(super) fn beats_comparator(arms: &[ArmScores]) -> Statement {
     )
     .read_as("(51) on every joint of both arms.")
     .varying("Panda and iiwa; the comparator at our default gains and at a quarter of them.")
-    .turning(format!("The comparator is worse on every joint up to this share of its default gain: {}.", turns.join(", ")))
+    .turning(format!("The comparator is worse on every joint up to this share of its default gain: \
+        {}.", turns.join(", ")))
     .covering(&COVERS)
 }
 
@@ -161,9 +166,9 @@ pub(super) fn fair(arms: &[ArmScores]) -> Statement {
         format!("H∞ PID : proposed = {ours}; the proposed law is better: {}", won.join(", ")),
         Verdict::of(least > 1.0, most),
         format!(
-            "The H∞ PID is better on these joints: {}. {RUNS} runs each, noise capped alike. PD : proposed = {pd}. What is left between \
-             the two integral laws is the feed-forward q̈_d, the anti-windup, and how well {RUNS} runs found their gains; another \
-             budget ends elsewhere.",
+            "The H∞ PID is better on these joints: {}. {RUNS} runs each, noise capped alike. PD : proposed = {pd}. \
+             What is left between the two integral laws is the feed-forward q̈_d, the anti-windup, and how well {RUNS} \
+             runs found their gains; another budget ends elsewhere.",
             lost.join("; ")
         ),
         numbers.collect(),

@@ -132,13 +132,14 @@ pub(super) fn transient(arms: &[Started]) -> Statement {
     .found(
         format!("overshoot, m = 1 → 2, joints that start off their reference: {}", listed.join("; ")),
         Verdict::assumed(some && all(0), some && observer > 0.0 && arms.iter().any(|arm| arm.worse(0) > 0)),
-        "∫e and ∬e must return: what the error did on one side is made good on the other, and of two integrals twice. It is the printed form \
-         that does so.",
+        "∫e and ∬e must return: what the error did on one side is made good on the other, and of two integrals twice. \
+         It is the printed form that does so.",
         numbers.collect(),
     )
     .read_as(
-        "Printed form without a torque limit, as in the paper's simulations; the arm rests at the middle of its sines while they begin \
-         at full size. Worse is a larger overshoot, of every joint that starts off its reference. m = 2 has every estimator pole at 69.6 rad/s.",
+        "Printed form without a torque limit, as in the paper's simulations; the arm rests at the middle of its sines \
+         while they begin at full size. Worse is a larger overshoot, of every joint that starts off its reference. m = \
+         2 has every estimator pole at 69.6 rad/s.",
     )
     .varying(format!(
         "Other m = 2 gains: {}. The robots' own torque limits: larger on {}.",
@@ -146,8 +147,8 @@ pub(super) fn transient(arms: &[Started]) -> Statement {
         limits.join(", ")
     ))
     .turning(format!(
-        "In observer form: there no order overshoots by more than {:.1} %, and started on the reference the largest error is that of φ, which a \
-         higher order makes smaller.",
+        "In observer form: there no order overshoots by more than {:.1} %, and started on the reference the largest \
+         error is that of φ, which a higher order makes smaller.",
         100.0 * observer
     ))
     .covering(&[Item { kind: Kind::Figure, number: 14 }])

@@ -88,8 +88,9 @@ pub(super) fn fig_14(arm: &ArmScores) -> [Figure; 2] {
     let all = figure(
         &format!("fig-14-{name}"),
         &format!("Fig. 14 on {name}: errors of the three laws"),
-        "PD and the proposed law (observer form) with the same K_p and K_d, the H∞ PID at this project's default gains. PD keeps an \
-         error under load; the two laws with integral action do not. The paper's arm, references and gains are not published.",
+        "PD and the proposed law (observer form) with the same K_p and K_d, the H∞ PID at this project's default \
+         gains. PD keeps an error under load; the two laws with integral action do not. The paper's arm, references \
+         and gains are not published.",
         errors(arm, 0),
     );
     let close = figure(

@@ -84,16 +84,16 @@ impl Sized<'_> {
         let listed: Vec<String> = alike.iter().map(|k| robots[*k].left.words()).collect();
         let listed = if listed.is_empty() { "none".to_owned() } else { listed.join("; ") };
         format!(
-            "Within {SAME_SIZE} times on both arms where the law is left: {listed}. The nearest robot is {} times off as roots, {} times \
-             as (51).",
+            "Within {SAME_SIZE} times on both arms where the law is left: {listed}. The nearest robot is {} times off \
+             as roots, {} times as (51).",
             nearest(true),
             nearest(false)
         )
     }
 }
 
-const VARIED: &str = "Panda and iiwa; all of gravity and friction left to the law, or no gravity and 100, 20, 5, 0 % of the friction; the \
-                      table as (51) and as its root.";
+const VARIED: &str = "Panda and iiwa; all of gravity and friction left to the law, or no gravity and 100, 20, 5, 0 % \
+                      of the friction; the table as (51) and as its root.";
 
 /// Finds a statement on size.
 fn sized(arms: &[ArmScores], of: &Sized<'_>, published: Published<'_>, why: &str) -> Statement {
@@ -110,8 +110,8 @@ fn sized(arms: &[ArmScores], of: &Sized<'_>, published: Published<'_>, why: &str
             of.numbers(arms),
         )
         .read_as(
-            "Geometric means over seven joints, the paper's against ours: its own arm is not printed. The table's figures as root \
-             mean squares in rad, as its heading has it.",
+            "Geometric means over seven joints, the paper's against ours: its own arm is not printed. The table's \
+             figures as root mean squares in rad, as its heading has it.",
         )
         .varying(VARIED)
         .turning(of.threshold(arms))
@@ -133,8 +133,9 @@ pub(super) fn size_of_proposed(arms: &[ArmScores]) -> Statement {
         claim: "How large the error of the proposed law is",
         paper: &format!("{} mrad, if roots", written(span(&paper))),
     };
-    let why = "Read as roots of (51) the size comes out with the gains of Table 2 (C). Read as (51), the errors would be larger by an order \
-               of magnitude or more on every robot tried: the heading is right, and the table's figures are roots.";
+    let why = "Read as roots of (51) the size comes out with the gains of Table 2 (C). Read as (51), the errors would \
+               be larger by an order of magnitude or more on every robot tried: the heading is right, and the table's \
+               figures are roots.";
     let bad = "Neither reading gives the size on both arms.";
     let why = if of.verdict(arms) == Verdict::Open { bad } else { why };
     sized(arms, &of, published, why)
@@ -162,13 +163,15 @@ pub(super) fn size_of_pd(arms: &[ArmScores]) -> Statement {
         paper: &format!("{} mrad, if roots", written(span(&paper))),
     };
     let without = if plain.alike(arms, true).is_empty() {
-        "Without q̈_d PD has that size on no robot tried on both arms: its error is then that of the acceleration as well"
+        "Without q̈_d PD has that size on no robot tried on both arms: its error is then that of the acceleration as \
+            well"
     } else {
         "Without q̈_d PD has that size on some of the robots as well"
     };
     let why = format!(
-        "“Simple PD” as the outer loop (3), on a robot that compensates its gravity and nearly all of its friction, as the lightweight arms of such \
-         experiments do. {without}. On a robot that compensates nothing no PD of these gains comes near."
+        "“Simple PD” as the outer loop (3), on a robot that compensates its gravity and nearly all of its friction, as \
+         the lightweight arms of such experiments do. {without}. On a robot that compensates nothing no PD of these \
+         gains comes near."
     );
     let mut statement = sized(arms, &of, published, &why);
     statement.numbers.extend(plain.numbers(arms));
@@ -191,8 +194,9 @@ pub(super) fn times_better(arms: &[ArmScores]) -> Statement {
         claim: "By how much the proposed law is better than PD",
         paper: &format!("{} times, if roots", written(span(&paper))),
     };
-    let why = "With PD as the outer loop (3) on a robot that compensates its gravity and most of its friction the factor is the paper's. On a \
-               robot that compensates nothing it is larger by an order of magnitude, as gravity has it: PD has no integral action.";
+    let why = "With PD as the outer loop (3) on a robot that compensates its gravity and most of its friction the \
+               factor is the paper's. On a robot that compensates nothing it is larger by an order of magnitude, as \
+               gravity has it: PD has no integral action.";
     sized(arms, &of, published, why)
 }
 
@@ -210,8 +214,8 @@ pub(super) fn unit(arms: &[ArmScores]) -> Statement {
     .found(
         format!("twice the error gives {} times (51): rad²", three(factor.into())),
         Verdict::of((factor - 2.0).abs() < 1e-9, (factor - 4.0).abs() < 1e-9),
-        "(51) is a mean square, in rad², and the heading says rad: one of the two has to give way. Which one a dimension does not \
-         show; the sizes above are those of roots, in rad.",
+        "(51) is a mean square, in rad², and the heading says rad: one of the two has to give way. Which one a \
+         dimension does not show; the sizes above are those of roots, in rad.",
         vec![number("factor", "", factor, 1e-9)],
     )
     .read_as("The dimension of (51) against the heading of Table 3.")

@@ -48,9 +48,9 @@ pub(super) fn radius(arms: &[ArmScores]) -> Result<Statement, PartError> {
         format!("m = 1, all joints together: {}", listed.join("; ")),
         Verdict::assumed(slack >= 1.0, false),
         format!(
-            "For φ_max the largest |φ/M̄| of the run, and K̃ = {K_TILDE}. (40) is at least {} times what is met: a criterion as loose as \
-             that says next to nothing of the errors, and it is not a bound (Theorem 5). The limits that the paper set for its \
-             seven joints, if any, are not printed.",
+            "For φ_max the largest |φ/M̄| of the run, and K̃ = {K_TILDE}. (40) is at least {} times what is met: a \
+             criterion as loose as that says next to nothing of the errors, and it is not a bound (Theorem 5). The \
+             limits that the paper set for its seven joints, if any, are not printed.",
             three(slack.into())
         ),
         numbers,
@@ -101,12 +101,15 @@ pub(super) fn higher_order(arms: &[ArmScores]) -> Statement {
     .found(
         format!("m = 1 and 2: {}", listed.join("; ")),
         Verdict::assumed(better == all && everywhere, better == all),
-        "Correction: where the robot leaves gravity to the law. Of what changes slowly, gravity and friction along the motion, the second order leaves less; of what encoders and drives put into φ it does not.",
+        "Correction: where the robot leaves gravity to the law. Of what changes slowly, gravity and friction along the \
+            motion, the second order leaves less; of what encoders and drives put into φ it does not.",
         numbers,
     )
     .read_as(
-        "Root of (51) on every joint of both arms, observer form on its reference; both orders with every estimator pole at 69.6 rad/s.",
+        "Root of (51) on every joint of both arms, observer form on its reference; both orders with every estimator \
+            pole at 69.6 rad/s.",
     )
     .varying(format!("What the robot leaves to the law; smaller on so many joints: {}.", robots.join("; ")))
-    .turning("Where the robot compensates gravity: of what is left, dry friction and noise, the second order leaves no less on every joint.")
+    .turning("Where the robot compensates gravity: of what is left, dry friction and noise, the second order leaves no \
+        less on every joint.")
 }

@@ -64,14 +64,14 @@ pub(super) fn alpha(law: &UnitLaw, draws: usize) -> Statement {
     }
     .found(
         format!(
-            "H3: V̇ < 0 at φ = 0 for α from {} on; at |φ| = ρ⁻¹(|x|) of the worse sign, V̇ > 0 at {broken} of {} random x for \
-             α = 0.501 and 1 and ρ⁻¹(r) = {names} (at 100 times that |φ|: {beyond})",
+            "H3: V̇ < 0 at φ = 0 for α from {} on; at |φ| = ρ⁻¹(|x|) of the worse sign, V̇ > 0 at {broken} of {} \
+             random x for α = 0.501 and 1 and ρ⁻¹(r) = {names} (at 100 times that |φ|: {beyond})",
             three(high.into()),
             2 * draws
         ),
         Verdict::of(above && high <= 0.5 + 1e-9 && broken == 0 && beyond > 0, false),
-        "−V̇ = ½xᵀ(Q + (2α − 1)K̃ SBBᵀS)x + |x_Δ|ρ⁻¹(|x|) + x_Δφ, and the last two terms are not negative together as long as \
-         |φ| ≤ ρ⁻¹(|x|), whatever ρ is: above ½ everything helps. Q leaves a little room below it. The \
+        "−V̇ = ½xᵀ(Q + (2α − 1)K̃ SBBᵀS)x + |x_Δ|ρ⁻¹(|x|) + x_Δφ, and the last two terms are not negative together as \
+         long as |φ| ≤ ρ⁻¹(|x|), whatever ρ is: above ½ everything helps. Q leaves a little room below it. The \
          feedback (29) itself jumps where x_Δ changes sign, unless ρ⁻¹(|x|)/|x_Δ| is replaced by a constant.",
         vec![
             number("least α with V̇ < 0 at φ = 0", "", high, 1e-4),

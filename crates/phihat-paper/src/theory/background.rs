@@ -91,8 +91,8 @@ fn feedback() -> Statement {
     .found(
         format!("coefficients differ by {worst:.0e} at most ({NAMES})"),
         Verdict::of(worst < 1e-12, false),
-        "(19) is φ̂^{(m)} = −(a_{m−1}s^{m−1} + … + a_0)(s² + K_ds + K_p)e, and the product of the two polynomials has the \
-         coefficients of (16).",
+        "(19) is φ̂^{(m)} = −(a_{m−1}s^{m−1} + … + a_0)(s² + K_ds + K_p)e, and the product of the two polynomials has \
+         the coefficients of (16).",
         vec![number("largest relative difference", "", worst, 1e4)],
     )
     .assuming(&["gains"])
@@ -127,9 +127,10 @@ fn parameters() -> Statement {
             listed.collect::<Vec<_>>().join("; ")
         ),
         Verdict::of(any, own),
-        "The q̈ of (5) and the q̈_d − K_dė − K_pe of (6) have a factor with the unit of an inertia that is printed as 1. It is \
-         the nominal inertia M̄, a fourth parameter: with gains as used, a joint of more inertia than M̄ times this figure \
-         is unstable, and with M̄ = M the same gains are stable at any constant inertia. Sampling adds a smallest inertia.",
+        "The q̈ of (5) and the q̈_d − K_dė − K_pe of (6) have a factor with the unit of an inertia that is printed as \
+         1. It is the nominal inertia M̄, a fourth parameter: with gains as used, a joint of more inertia than M̄ \
+         times this figure is unstable, and with M̄ = M the same gains are stable at any constant inertia. Sampling \
+         adds a smallest inertia.",
         most.iter()
             .map(|(name, inertia)| number(&format!("largest stable inertia, {name}"), "kg·m²", *inertia, 1e-6))
             .collect(),
@@ -150,8 +151,8 @@ fn extra_term() -> Statement {
     .found(
         format!("the loop without it is stable at {stable} of {} laws ({NAMES})", all().len()),
         Verdict::of(stable == all().len(), false),
-        "At M = M̄ its polynomial is D(s)A_o(s), stable exactly where (4) and (8) are. The paper's proof asks for A1 to \
-         A3 besides, which H1 and H2 do not meet.",
+        "At M = M̄ its polynomial is D(s)A_o(s), stable exactly where (4) and (8) are. The paper's proof asks for A1 \
+         to A3 besides, which H1 and H2 do not meet.",
         vec![number("stable laws", "", stable as f64, 0.0)],
     )
     .assuming(&["gains"])

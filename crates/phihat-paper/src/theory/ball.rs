@@ -43,8 +43,8 @@ pub(super) fn vacuous(b: &TheoryBounds, paper: &Paper) -> Result<Statement, Part
     }
     .found(
         format!(
-            "(40): {}; what its proof gives, with √cond(S): {}; by L1 gains: {}; worst case met: {}; an entry of x beyond (40) at {beyond} of {seen} \
-             random laws of order 1",
+            "(40): {}; what its proof gives, with √cond(S): {}; by L1 gains: {}; worst case met: {}; an entry of x \
+             beyond (40) at {beyond} of {seen} random laws of order 1",
             three(printed.into()),
             three(corrected.into()),
             three(proven.into()),
@@ -53,11 +53,11 @@ pub(super) fn vacuous(b: &TheoryBounds, paper: &Paper) -> Result<Statement, Part
         // By its proof it would need a ball that is a level set of V.
         Verdict::of(corrected <= printed, met <= corrected && proven <= printed),
         format!(
-            "V̇ < 0 outside the ball of (40); what is then kept is the smallest level set of V around it, √cond(S) = {} \
-             times as large. At these gains (40) is true all the same, by the L1 gains and not by its proof: it is {} times what \
-             the worst φ can do. As a performance criterion both are vacuous here. Whether this \
-             can be false at other gains is open: no entry of x goes beyond it at the worst φ of the random laws. Read per entry it is \
-             false: theorem5-entrywise.",
+            "V̇ < 0 outside the ball of (40); what is then kept is the smallest level set of V around it, √cond(S) = \
+             {} times as large. At these gains (40) is true all the same, by the L1 gains and not by its proof: it is \
+             {} times what the worst φ can do. As a performance criterion both are vacuous here. Whether this \
+             can be false at other gains is open: no entry of x goes beyond it at the worst φ of the random laws. Read \
+             per entry it is false: theorem5-entrywise.",
             three(paper.iss.overshoot.into()),
             three((printed / met).into())
         ),
@@ -100,10 +100,11 @@ pub(super) fn outside(law: &UnitLaw, paper: &Paper) -> Statement {
         paper: "V̇ < 0 iff |x| ≤ …",
     }
     .found(
-        format!("V̇ ≥ 0 at {inside_up} of {inside_seen} states inside the ball, at {outside_up} of {outside_seen} outside"),
+        format!("V̇ ≥ 0 at {inside_up} of {inside_seen} states inside the ball, at {outside_up} of {outside_seen} \
+            outside"),
         Verdict::of(inside_up == 0 && outside_up == outside_seen, inside_up > 0 && outside_up == 0),
-        "The other way around: V̇ < 0 if |x| is larger than (40). Inside, V may grow. And it is not \"only if\": V̇ < 0 at most \
-         states inside as well.",
+        "The other way around: V̇ < 0 if |x| is larger than (40). Inside, V may grow. And it is not \"only if\": V̇ < \
+         0 at most states inside as well.",
         vec![
             number("states inside at which V̇ ≥ 0", "", inside_up as f64, 0.05),
             number("states inside", "", inside_seen as f64, 0.0),
@@ -137,8 +138,8 @@ pub(super) fn not_invariant(law: &UnitLaw, iss: &Iss) -> Statement {
             three(iss.overshoot.into())
         ),
         Verdict::of(most > 1.0 && most <= iss.overshoot, false),
-        "The ball is no level set of V, so that V̇ < 0 outside it does not keep a state in it. The factor √cond(S) covers \
-         what can happen.",
+        "The ball is no level set of V, so that V̇ < 0 outside it does not keep a state in it. The factor √cond(S) \
+         covers what can happen.",
         vec![
             number("largest |x(t)|/|x(0)|", "", most, 1e-3),
             number("√cond(S)", "", iss.overshoot, 1e-4),

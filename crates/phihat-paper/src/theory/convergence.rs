@@ -95,8 +95,8 @@ fn start() -> Statement {
         ),
         Verdict::of(least < 1e-9, eight < 1e-9),
         "With integrators at zero, (9) and (10) begin at −a_{m−1}(ė + K_d e) − a_{m−2} e, not at zero: the \
-         estimate of an unloaded joint that is 0.1 rad off. The estimator (8) itself can start at zero; the observer form \
-         of this project does. What that does to an arm is simulated at Figs. 5 and 6.",
+         estimate of an unloaded joint that is 0.1 rad off. The estimator (8) itself can start at zero; the observer \
+         form of this project does. What that does to an arm is simulated at Figs. 5 and 6.",
         printed.iter().map(number).collect(),
     )
     .assuming(&["gains"])
@@ -166,7 +166,8 @@ pub(super) fn theorem_1() -> Section {
     }
     .found(
         format!(
-            "degree < m: {vanish:.1e} of φ is left after 3.5 s at most, rounding. Sine of 6.17 s: {} of φ is left at m = 1, for ever",
+            "degree < m: {vanish:.1e} of φ is left after 3.5 s at most, rounding. Sine of 6.17 s: {} of φ is left at m \
+                = 1, for ever",
             three(closed_form(&equal_rate(1, RATE)).into())
         ),
         Verdict::of(vanish < 1e-8 && persist < 1e-8, vanish < 1e-8 && off < 1e-3),

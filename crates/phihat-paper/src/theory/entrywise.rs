@@ -120,8 +120,8 @@ pub(super) fn entrywise() -> Result<Statement, PartError> {
     }
     .found(
         format!(
-            "K_p = {}, K_d = {}, a_0 = {}, K̃ = {}: the entry of {name} is {} per unit of φ, and the worst φ takes {name} to {}; \
-             at the gains of Table 2 (C) every entry is at least {} times what the worst φ does",
+            "K_p = {}, K_d = {}, a_0 = {}, K̃ = {}: the entry of {name} is {} per unit of φ, and the worst φ takes \
+             {name} to {}; at the gains of Table 2 (C) every entry is at least {} times what the worst φ does",
             three(Some(*kp)),
             three(Some(*kd)),
             three(a.first().copied()),
@@ -132,9 +132,9 @@ pub(super) fn entrywise() -> Result<Statement, PartError> {
         ),
         Verdict::of(ratio <= 1.0 && reached <= printed, false),
         format!(
-            "(40) is a vector, as (48) and (49) are, which it is meant to be held against. Read so, V̇ < 0 outside the box of (40) is \
-             not shown, and a law with B1 and B2 leaves it: {name} goes {ratio:.2} times as far. Read as lengths, the same search \
-             finds no entry beyond (40) (largest share {whole:.2}); see theorem5-radius."
+            "(40) is a vector, as (48) and (49) are, which it is meant to be held against. Read so, V̇ < 0 outside the \
+             box of (40) is not shown, and a law with B1 and B2 leaves it: {name} goes {ratio:.2} times as far. Read \
+             as lengths, the same search finds no entry beyond (40) (largest share {whole:.2}); see theorem5-radius."
         ),
         vec![
             number("largest gain over its entry of (40), by search", "", ratio, 1e-2),

@@ -75,9 +75,9 @@ pub(super) fn l2_gain() -> Result<Section, PartError> {
         id: "l2-gain".to_owned(),
         title: "(11): the gain from disturbance to cost".to_owned(),
         text: words(&[
-            "Q and R are those of the certificates of m = 1 at the printed K̃ = 68.9 and of H3 at K̃ = 100; H1 and H2 have none, so \
-             that there are no Q and R to ask about. The loop is solved exactly, the two integrals by the trapezoidal \
-             rule at 0.2 ms, until nothing moves any more.",
+            "Q and R are those of the certificates of m = 1 at the printed K̃ = 68.9 and of H3 at K̃ = 100; H1 and H2 \
+             have none, so that there are no Q and R to ask about. The loop is solved exactly, the two integrals by \
+             the trapezoidal rule at 0.2 ms, until nothing moves any more.",
         ]),
         statements: vec![bound(&all), smallest(&all), below_gamma(&all), not_in_l2()],
         tables: Vec::new(),
@@ -136,8 +136,8 @@ fn smallest(all: &[TheoryGain]) -> Statement {
     .found(
         listed.collect::<Vec<_>>().join("; "),
         Verdict::of(found.iter().all(|(_, star, gamma)| 0.0 < *star && star <= gamma), false),
-        "With Q and R given, γ*² is the largest gain over frequency, positive and finite for a stable loop. In the inverse \
-         problem Q and R come with γ: another γ at the same a_{m−1} is another K̃, and another cost.",
+        "With Q and R given, γ*² is the largest gain over frequency, positive and finite for a stable loop. In the \
+         inverse problem Q and R come with γ: another γ at the same a_{m−1} is another K̃, and another cost.",
         found.iter().map(|(name, star, _)| number(&format!("γ*, {name}"), "", *star, 1e-3)).collect(),
     )
     .assuming(&["gains"])
@@ -164,9 +164,9 @@ fn below_gamma(all: &[TheoryGain]) -> Statement {
             three(norms.into())
         ),
         Verdict::of(norms <= 1.0, false),
-        "Read as the ratio of norms, which (11) bounds by γ. (11) itself calls the ratio of the squared norms the gain, and \
-         bounds it by γ²: by that word \"less than γ\" does not follow where γ > 1, as at m = 1 with γ = 1.2, though it is so at \
-         these gains.",
+        "Read as the ratio of norms, which (11) bounds by γ. (11) itself calls the ratio of the squared norms the \
+         gain, and bounds it by γ²: by that word \"less than γ\" does not follow where γ > 1, as at m = 1 with γ = \
+         1.2, though it is so at these gains.",
         vec![
             number("largest ratio of squares, as a share of γ", "", squares, 1e-3),
             number("largest ratio of norms, as a share of γ", "", norms, 1e-3),
@@ -251,15 +251,16 @@ fn not_in_l2() -> Statement {
     }
     .found(
         format!(
-            "a constant φ = {phi} has ∫φ² = {} and {} after 1 and 100 s; |e| peaks at [rad] {}, and is at most {last:.0e} after 10 s",
+            "a constant φ = {phi} has ∫φ² = {} and {} after 1 and 100 s; |e| peaks at [rad] {}, and is at most \
+                {last:.0e} after 10 s",
             three(energy(1.0).into()),
             three(energy(100.0).into()),
             listed.collect::<Vec<_>>().join("; "),
         ),
         // The statement needs ∫φ² to stay finite for what acts on an arm.
         Verdict::of(energy(100.0) < 1.01 * energy(1.0), bounded),
-        "As a sentence about φ ∈ L₂ it is right. But gravity, friction and anything periodic are not in L₂[0, ∞), so that (11) \
-         says nothing about them. Input-to-state stability does: bounded φ gives bounded x.",
+        "As a sentence about φ ∈ L₂ it is right. But gravity, friction and anything periodic are not in L₂[0, ∞), so \
+         that (11) says nothing about them. Input-to-state stability does: bounded φ gives bounded x.",
         most.iter().map(|(name, e)| number(&format!("largest |e|, {name}"), "rad", *e, 1e-4)).collect(),
     )
     .assuming(&["gains", "phi-max"])

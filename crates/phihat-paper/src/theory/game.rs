@@ -24,8 +24,9 @@ pub(super) fn theorem_4() -> Result<Section, PartError> {
         id: "theorem-4".to_owned(),
         title: "Theorem 4: the law is one side of a game".to_owned(),
         text: words(&[
-            "J = ∫(xᵀQx + φ̂ᵀRφ̂ − γ²dᵀd), d = −φ, at the gains H3: H1 and H2 have no Q ≻ 0, and so no such game. Both players use linear feedback, and J is found from \
-                       the exact flow of the loop, without S: ∫₀^∞ e^{Aᵀt} W e^{At} dt by doubling.",
+            "J = ∫(xᵀQx + φ̂ᵀRφ̂ − γ²dᵀd), d = −φ, at the gains H3: H1 and H2 have no Q ≻ 0, and so no such game. Both \
+                       players use linear feedback, and J is found from the exact flow of the loop, without S: ∫₀^∞ \
+                       e^{Aᵀt} W e^{At} dt by doubling.",
         ]),
         statements: vec![condition(), worst_case(&law, c), saddle(&law, c)],
         tables: Vec::new(),
@@ -64,12 +65,13 @@ fn condition() -> Statement {
         format!("|x_Δ| at |x| = 1: {}", listed.collect::<Vec<_>>().join("; ")),
         Verdict::of(possible, rest < 1e-9),
         format!(
-            "No ρ of class K∞ can meet the condition: ρ⁻¹(1) would have to be |x_Δ|/γ² for every x of length 1, and that is \
-             anything from 0, where x_Δ = 0, to |SB|/γ². Only where x = 0 may ρ⁻¹(|x|) vanish. What is true: with the \
-             constant 1/γ² in place of ρ⁻¹(|x|)/|x_Δ|, the law solves (13) (H3: to {rest:.0e}). It is then no \
+            "No ρ of class K∞ can meet the condition: ρ⁻¹(1) would have to be |x_Δ|/γ² for every x of length 1, and \
+             that is anything from 0, where x_Δ = 0, to |SB|/γ². Only where x = 0 may ρ⁻¹(|x|) vanish. What is true: \
+             with the constant 1/γ² in place of ρ⁻¹(|x|)/|x_Δ|, the law solves (13) (H3: to {rest:.0e}). It is then no \
              longer a law of Theorem 3, and its ISS comes from (27)."
         ),
-        all.iter().map(|(name, (_, high))| number(&format!("largest |x_Δ| at |x| = 1, {name}"), "", *high, 1e-9)).collect(),
+        all.iter().map(|(name, (_, high))| number(&format!("largest |x_Δ| at |x| = 1, \
+            {name}"), "", *high, 1e-9)).collect(),
     )
     .assuming(&["gains"])
 }
@@ -193,8 +195,8 @@ fn saddle(law: &UnitLaw, c: &Certified) -> Statement {
             three(played.into())
         ),
         Verdict::of((played + value).abs() < 1e-6 * value && saddle, off < 1e-6 && saddle),
-        "A saddle point, where there is a certificate. The signs of the last lines are not right as our copy of the paper has them: \
-         −∫ 2V̇ is +2V(x(0)), and (u + R⁻¹BᵀSx)ᵀR(u + R⁻¹BᵀSx) enters with a plus, as one line above.",
+        "A saddle point, where there is a certificate. The signs of the last lines are not right as our copy of the \
+         paper has them: −∫ 2V̇ is +2V(x(0)), and (u + R⁻¹BᵀSx)ᵀR(u + R⁻¹BᵀSx) enters with a plus, as one line above.",
         vec![
             number("J(u*, d*)", "", played, 1e-6),
             number("2V(x(0))", "", value, 1e-9),

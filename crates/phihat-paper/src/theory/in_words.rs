@@ -169,10 +169,11 @@ fn proves_theorem_1() -> Result<Statement, PartError> {
         paper: "this also proofs Theorem 1",
     }
     .found(
-        format!("of 200 random laws of order 1 and 2, {stable} are stable, and to {proven} the proof applies (some K̃ meets A1 to A3, B1, B2)"),
+        format!("of 200 random laws of order 1 and 2, {stable} are stable, and to {proven} the proof applies (some K̃ \
+            meets A1 to A3, B1, B2)"),
         Verdict::of(proven == stable, 0 < proven && proven < stable),
-        "It proves that e and φ̃ stay bounded, and go to zero at φ = 0, for laws with A1 to A3. Theorem 1 states it without these conditions; the \
-         poles of (4) and (8) prove that.",
+        "It proves that e and φ̃ stay bounded, and go to zero at φ = 0, for laws with A1 to A3. Theorem 1 states it \
+         without these conditions; the poles of (4) and (8) prove that.",
         vec![
             number("stable laws", "", stable as f64, 0.0),
             number("laws to which the proof applies", "", proven as f64, 0.0),
@@ -208,8 +209,8 @@ fn pd_after() -> Statement {
             three(Some(held))
         ),
         Verdict::of(with <= LIMITS[0], held <= LIMITS[0]),
-        "The PD part of the law is all that is left of (7) once φ̃ is small, and keeps e small, as long as the estimate goes on. PD and a \
-         φ̂ that is held do so only while φ stays what it was.",
+        "The PD part of the law is all that is left of (7) once φ̃ is small, and keeps e small, as long as the \
+         estimate goes on. PD and a φ̂ that is held do so only while φ stays what it was.",
         vec![
             number("largest |e|, estimate going on", "rad", with, 1e-3),
             number("largest |e|, estimate held", "rad", held, 1e-3),
@@ -261,8 +262,8 @@ fn orders_suffice() -> Statement {
     }
     .found(
         format!(
-            "a sine of 22.2 N·m at one turn in 6.17 s takes e and ė to {:.2} % of their limits at most; the limits are kept up to this many times the \
-             path's speed: {listed}",
+            "a sine of 22.2 N·m at one turn in 6.17 s takes e and ė to {:.2} % of their limits at most; the limits are \
+             kept up to this many times the path's speed: {listed}",
             100.0 * share
         ),
         Verdict::of(share <= 1.0, false),

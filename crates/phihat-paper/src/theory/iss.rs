@@ -29,9 +29,9 @@ pub(super) fn theorem_3(draws: usize) -> Result<Section, PartError> {
         id: "theorem-3".to_owned(),
         title: "Theorem 3: input-to-state stability".to_owned(),
         text: words(&[
-            "V = ½xᵀSx with S of (18) needs A1 to A3, which H3 and H4 meet and H1 and H2 do not: what depends on that S is \
-             computed at H3. The loops of m = 1, H1 and H2 are stable and input-to-state stable too, with another S. \
-             The constants are large because |x| of the paper adds rad·s², rad·s, rad and rad/s.",
+            "V = ½xᵀSx with S of (18) needs A1 to A3, which H3 and H4 meet and H1 and H2 do not: what depends on that \
+             S is computed at H3. The loops of m = 1, H1 and H2 are stable and input-to-state stable too, with another \
+             S. The constants are large because |x| of the paper adds rad·s², rad·s, rad and rad/s.",
         ]),
         statements: vec![
             asymptotic(),
@@ -72,8 +72,8 @@ fn asymptotic() -> Statement {
             listed.collect::<Vec<_>>().join("; ")
         ),
         Verdict::of(free < 1e-9 && least < 1e-9, free < 1e-9 && off < 1e-6),
-        "At φ = 0, as any ISS system is. A φ that does not vanish keeps x away from zero: a constant one leaves the integral \
-         of e at φ/(a_0K_p), the first entry of x. (28) is input-to-state stability and no more.",
+        "At φ = 0, as any ISS system is. A φ that does not vanish keeps x away from zero: a constant one leaves the \
+         integral of e at φ/(a_0K_p), the first entry of x. (28) is input-to-state stability and no more.",
         loaded.iter().map(|(name, x, _)| number(&format!("|x| at a constant φ, {name}"), "", *x, 1e-6)).collect(),
     )
     .assuming(&["gains", "phi-max"])
@@ -120,9 +120,9 @@ fn dissipation(law: &UnitLaw, iss: &Iss, any: &[(&str, UnitLaw, Iss)], draws: us
         ),
         Verdict::of(own == 0, false),
         format!(
-            "H3: γ₁ = {:.3e} |x|², γ₂ = {:.3e} φ², found by Cholesky and tried on the state equation. H1 and H2 do not meet A3; \
-             what (18) gives there at K̃ = 68.9: {}. An ISS-Lyapunov function they have all the same, from a Lyapunov \
-             equation, as every stable linear loop.",
+            "H3: γ₁ = {:.3e} |x|², γ₂ = {:.3e} φ², found by Cholesky and tried on the state equation. H1 and H2 do not \
+             meet A3; what (18) gives there at K̃ = 68.9: {}. An ISS-Lyapunov function they have all the same, from a \
+             Lyapunov equation, as every stable linear loop.",
             iss.gamma1,
             iss.gamma2,
             at_h.join("; ")
@@ -233,12 +233,12 @@ fn derivative(draws: usize) -> Statement {
     }
     .found(
         format!(
-            "off by K̃b_0²K_p² x[1]²: {missing:.2e} x[1]² at H3, {of_h1:.2e} x[1]² at the printed b_0 = 69.6 and K̃ = 68.9; with \
-             that term {worst:.0e}"
+            "off by K̃b_0²K_p² x[1]²: {missing:.2e} x[1]² at H3, {of_h1:.2e} x[1]² at the printed b_0 = 69.6 and K̃ = \
+             68.9; with that term {worst:.0e}"
         ),
         Verdict::of(missing.abs() < 1e-12, worst < 1e-8),
-        "(32) and (34) leave out the first entry of Q. It is positive, so where A1 to A3 hold the conclusion stands. H1 and \
-         H2 have one b_0, and A, S and Q do not contain a_i otherwise.",
+        "(32) and (34) leave out the first entry of Q. It is positive, so where A1 to A3 hold the conclusion stands. \
+         H1 and H2 have one b_0, and A, S and Q do not contain a_i otherwise.",
         vec![
             number("coefficient of x[1]² left out, H3", "", missing, 1e-9),
             number("coefficient of x[1]² left out, printed b_0 and K̃", "", of_h1, 1e-9),

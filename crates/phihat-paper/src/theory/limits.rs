@@ -73,8 +73,9 @@ fn within(laws: &[&TheoryBounds], entries: &Entries, (word, place): (&str, &str)
             "Peak-to-peak gains keep it at both values of φ_max that Table 2 (A) can mean."
         }
         Verdict::Refuted => {
-            "A φ that switches between ±φ_max leaves the limit at either value of φ_max that Table 2 (A) can mean, and is the worst \
-             that |φ| ≤ φ_max allows. φ of an arm is smoother; its limits in steady state are kept in the simulation of Fig. 7."
+            "A φ that switches between ±φ_max leaves the limit at either value of φ_max that Table 2 (A) can mean, and \
+             is the worst that |φ| ≤ φ_max allows. φ of an arm is smoother; its limits in steady state are kept in the \
+             simulation of Fig. 7."
         }
         _ => {
             "It depends on which value of φ_max Table 2 (A) means, or on which a_i were used: neither is printed."
@@ -87,14 +88,16 @@ fn within(laws: &[&TheoryBounds], entries: &Entries, (word, place): (&str, &str)
         [
             &format!("theorem5-{}-{word}", entries.name),
             &format!("Theorem 5, Remark 11, {place}"),
-            &format!("With the gains that were used {} never {} in {place} while |φ| ≤ φ_max", entries.what, entries.does),
+            &format!("With the gains that were used {} never {} in {place} while |φ| ≤ \
+                φ_max", entries.what, entries.does),
             &format!("{place}; never exceed"),
         ],
         verdict,
         (format!("true up to φ_max = {listed} N·m; Table 2 (A) means {one} or {half}"), why.to_owned()),
         numbers.collect(),
     )
-    .read_as("any φ with |φ| ≤ φ_max, from rest, M̄ = 1: \"to ensure that the joint errors never exceed a predefined value\"")
+    .read_as("any φ with |φ| ≤ φ_max, from rest, M̄ = 1: \"to ensure that the joint errors never exceed a predefined \
+        value\"")
     .varying(format!("φ_max {half} and {one} N·m; at m = 2 the hypotheses on the gains"))
     .turning(format!("φ_max = {listed} N·m"))
     .assuming(&["gains", "phi-max"])

@@ -57,8 +57,8 @@ fn assumptions() -> Vec<Assumption> {
         missing: "φ_max is not printed.".to_owned(),
         assumed: "22.2, the only value from which K_p = 200 and K_d = 32.3 of Table 2 (A), m = 1, follow."
             .to_owned(),
-        influence: "Every bound is proportional to it. That (40) is vacuous at the printed gains does not depend on it: \
-                    bound and worst case grow together."
+        influence: "Every bound is proportional to it. That (40) is vacuous at the printed gains does not depend on \
+                    it: bound and worst case grow together."
             .to_owned(),
     }]
 }

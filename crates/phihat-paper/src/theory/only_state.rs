@@ -43,11 +43,13 @@ pub(super) fn only_state() -> Result<Statement, PartError> {
     }
     .found(
         format!(
-            "told another applied torque, commands change by {printed:.1} of the largest in the printed form, by {observer:.1} in the observer form"
+            "told another applied torque, commands change by {printed:.1} of the largest in the printed form, by \
+                {observer:.1} in the observer form"
         ),
         Verdict::of(printed == 0.0, false),
-        "Of the arm it measures nothing else, besides the reference and its derivatives. The observer form, which this project \
-         runs by default, is fed the torque that acted: that is what keeps it from winding up at a torque limit.",
+        "Of the arm it measures nothing else, besides the reference and its derivatives. The observer form, which this \
+         project runs by default, is fed the torque that acted: that is what keeps it from winding up at a torque \
+         limit.",
         vec![
             number("share by which commands change, printed form", "", printed, 0.0),
             number("share by which commands change, observer form", "", observer, 0.1),

@@ -69,7 +69,8 @@ fn q33() -> Result<Statement, PartError> {
     }
     .found(
         format!(
-            "residual of (13), relative: {printed:.2}, {:.2}, {:.2}, {:.2} as printed (H3, H1, H2, H4); at most {:.0e} with K̃ b_0²",
+            "residual of (13), relative: {printed:.2}, {:.2}, {:.2}, {:.2} as printed (H3, H1, H2, H4); at most {:.0e} \
+                with K̃ b_0²",
             h1[0],
             h2[0],
             h4[0],
@@ -77,8 +78,8 @@ fn q33() -> Result<Statement, PartError> {
         ),
         Verdict::of(every(0) < ROUNDING && definite, every(1) < ROUNDING && definite && same),
         "Q_33 begins with K̃ b_0², as (32) has it. All other entries of Q and S in (18) are right. At the gains H3 and \
-         K̃ = 100, Q ≻ 0 and S ≻ 0. At H1 and H2 with the printed K̃ = 68.9 the matrices solve (13) too, but Q_44 < 0, so that \
-         they prove nothing there.",
+         K̃ = 100, Q ≻ 0 and S ≻ 0. At H1 and H2 with the printed K̃ = 68.9 the matrices solve (13) too, but Q_44 < 0, \
+         so that they prove nothing there.",
         vec![
             number("relative residual of (13) as printed, H3", "", printed, 1e-6),
             number("relative residual of (13) with b_0²", "", every(1), 1e4),
@@ -202,7 +203,8 @@ fn every_order() -> Result<(Statement, Table), PartError> {
         format!("one procedure certifies m = 1 … 4, residual at most {worst:.0e}"),
         Verdict::of(false, all),
         "It can be extended, and there is a procedure: q_i is the coefficient of ω^{2(i−1)} in \
-         (1/K̃)|D(jω)|²(|(jω)^m + K̃g(jω)|² − ω^{2m}), and S follows from the last row of (13) upwards. At m = 2 these poles are H3.",
+         (1/K̃)|D(jω)|²(|(jω)^m + K̃g(jω)|² − ω^{2m}), and S follows from the last row of (13) upwards. At m = 2 these \
+         poles are H3.",
         vec![number("largest relative residual, m = 1 … 4", "", worst, 1e4)],
     );
     Ok((statement, table))
@@ -248,8 +250,8 @@ fn damping_is_not_necessary() -> Result<Statement, PartError> {
     }
     .found(
         format!(
-            "A2: K_d > {}; K_d = 0.5: {} at H1, H2, H3 and H4; H3: diagonal Q ≻ 0 from K_d = {} at K̃ = 100, from {any:.2} at K̃ = {at:.0}, and, at \
-             K_d = 0.5, γ = {} with another Q",
+            "A2: K_d > {}; K_d = 0.5: {} at H1, H2, H3 and H4; H3: diagonal Q ≻ 0 from K_d = {} at K̃ = 100, from \
+             {any:.2} at K̃ = {at:.0}, and, at K_d = 0.5, γ = {} with another Q",
             three(a2.into()),
             if stable { "stable" } else { "not stable everywhere" },
             three(high.into()),

@@ -24,8 +24,8 @@ pub(super) fn recipe() -> Result<Section, PartError> {
         id: "recipe".to_owned(),
         title: "Secs. V-A, V-B, VII: the recipe".to_owned(),
         text: words(&[
-            "What is said around Table 2; the table itself is looked at below. Newton's method solves every row of (44) as an \
-             equality, at φ_max = 22.2 and the limits (48) and (49).",
+            "What is said around Table 2; the table itself is looked at below. Newton's method solves every row of \
+             (44) as an equality, at φ_max = 22.2 and the limits (48) and (49).",
         ]),
         statements: vec![
             term(),
@@ -62,8 +62,8 @@ fn term() -> Statement {
     .found(
         format!("at φ = 0, V̇ < 0 in {count} of {cases} cases: a_{{m−1}}/K̃ = 0.501, 0.75, 1, 2 at m = 1 and H3"),
         Verdict::of(count == cases, false),
-        "Read for φ = 0, and where there is a certificate: it is α > ½ of Theorem 3. With φ, V̇ can be positive near x = 0; the \
-         term is then not negative, and leaving it out asks for larger gains, not smaller ones.",
+        "Read for φ = 0, and where there is a certificate: it is α > ½ of Theorem 3. With φ, V̇ can be positive near x \
+         = 0; the term is then not negative, and leaving it out asks for larger gains, not smaller ones.",
         vec![number("cases with V̇ < 0", "", count as f64, 0.0)],
     )
     .assuming(&["gains"])
@@ -103,15 +103,16 @@ fn analytical() -> Result<Statement, PartError> {
     }
     .found(
         format!(
-            "K_p = ė/∫e, K_d − 2K_p/K_d = ė/e, K̃ = 2φ_max/(2ė + K_p∫e + K_de) at the limits: {}, {}, {} with (48); Newton agrees to {off:.0e}",
+            "K_p = ė/∫e, K_d − 2K_p/K_d = ė/e, K̃ = 2φ_max/(2ė + K_p∫e + K_de) at the limits: {}, {}, {} with (48); \
+                Newton agrees to {off:.0e}",
             three(k_tilde.into()),
             three(kp.into()),
             three(kd.into())
         ),
         Verdict::of(off > 1e-3, false),
         "There is one. Divided by (SB)_i, all rows hold the same φ_max and the same term: two differences give K_p and \
-         K_d, and a row is then linear in K̃ (here with γ → ∞). For m ≥ 2 the rows are polynomials of higher degree in b_0 and \
-         K_d; whether they have an analytical solution is not decided here.",
+         K_d, and a row is then linear in K̃ (here with γ → ∞). For m ≥ 2 the rows are polynomials of higher degree in \
+         b_0 and K_d; whether they have an analytical solution is not decided here.",
         vec![
             number("K̃ in closed form, (48)", "1/s", k_tilde, 1e-9),
             number("largest relative difference to Newton's method", "", off, 1e6),
@@ -165,8 +166,8 @@ fn without_term() -> Result<Statement, PartError> {
     .found(
         listed.join("; "),
         Verdict::of(holds, false),
-        "A row of (44) without the term can only be met with Q_ii > 0, so that gains from it are H-infinity optimal for \
-         that Q. That is true of gains from (44), and not of the printed column (A) of m = 2, which has b_0 = 0.",
+        "A row of (44) without the term can only be met with Q_ii > 0, so that gains from it are H-infinity optimal \
+         for that Q. That is true of gains from (44), and not of the printed column (A) of m = 2, which has b_0 = 0.",
         numbers,
     )
     .assuming(&["phi-max"]))
@@ -198,7 +199,8 @@ fn third_order() -> Statement {
     }
     .found(
         format!(
-            "m = 1, 2, 3, every pole at 20 rad/s: a constant φ is found to 1 % after {} s; of a sine of 6.17 s {} is left",
+            "m = 1, 2, 3, every pole at 20 rad/s: a constant φ is found to 1 % after {} s; of a sine of 6.17 s {} is \
+                left",
             say(time),
             say(left)
         ),
@@ -227,15 +229,16 @@ fn taylor() -> Statement {
     }
     .found(
         format!(
-            "m = 2, poles at 20, 69.6, 200 rad/s: converged to 1 % after h = {} s, in which a sine of 6.17 s leaves its tangent by {} of \
-             its size",
+            "m = 2, poles at 20, 69.6, 200 rad/s: converged to 1 % after h = {} s, in which a sine of 6.17 s leaves \
+             its tangent by {} of its size",
             rest.map(|(h, _)| three(h.into())).join(", "),
             rest.map(|(_, off)| three(off.into())).join(", ")
         ),
         Verdict::of(falls && rest[2].1 < 1e-2, false),
-        "The rest of (46) is h²|φ̈|/2 at most, and h falls as 1/a_1. What (47) leaves out is −φ̈ on its right-hand side: \
-         small, and why φ̃ does not vanish (Theorem 1).",
-        rates.iter().zip(rest).map(|(rate, (_, off))| number(&format!("rest of (46), poles at {rate} rad/s"), "", off, 2e-2)).collect(),
+        "The rest of (46) is h²|φ̈|/2 at most, and h falls as 1/a_1. What (47) leaves out is −φ̈ on its right-hand \
+         side: small, and why φ̃ does not vanish (Theorem 1).",
+        rates.iter().zip(rest).map(|(rate, (_, off))| number(&format!("rest of (46), poles at {rate} \
+            rad/s"), "", off, 2e-2)).collect(),
     )
 }
 
@@ -253,8 +256,8 @@ fn step_three() -> Statement {
     .found(
         listed.collect::<Vec<_>>().join("; "),
         Verdict::assumed(found.iter().all(|(_, ratio)| (3.0..=5.0).contains(ratio)), false),
-        "The paper does not say what the gain of (47) is. As a_0^{1/m}/√K_p the recipe agrees with m = 1, H1, H2 and H3, and \
-         not with H4; as a_0/K_p it agrees with none of them.",
+        "The paper does not say what the gain of (47) is. As a_0^{1/m}/√K_p the recipe agrees with m = 1, H1, H2 and \
+         H3, and not with H4; as a_0/K_p it agrees with none of them.",
         found.iter().map(|(name, ratio)| number(&format!("a_0^(1/m)/√K_p, {name}"), "", *ratio, 1e-9)).collect(),
     )
     .assuming(&["gains"])

@@ -78,7 +78,8 @@ fn conditions_of_q() -> Statement {
         paper: "a_0, K_p, K_d > 0; K_d² > 2K_p",
     }
     .found(
-        format!("Q ≻ 0 exactly where B2 holds, at {same} of {} random laws with B1, {meet} of which meet B2", laws.len()),
+        format!("Q ≻ 0 exactly where B2 holds, at {same} of {} random laws with B1, {meet} of which meet \
+            B2", laws.len()),
         Verdict::of(same == laws.len() && 0 < meet && meet < laws.len(), false),
         "With K̃ > 0 the only entry of (22) that can fail is K̃(K_d² − 2K_p). They are the conditions for this Q; for \
          optimality with another Q they are not needed (see A2).",
@@ -111,9 +112,9 @@ fn condition_of_choi() -> Statement {
             three(other.into())
         ),
         Verdict::of(margin > 1.0 && other > 1.0 && !b2(&light), false),
-        "(K_p + a_0K_d)² − 2a_0K_p(K_d + a_0) = K_p² + a_0²(K_d² − 2K_p): B2 makes it positive, so that the proof of Choi \
-         et al., which keeps the true M(q) and C(q, q̇), covers every law of order 1 with B2. The term K_p² leaves \
-         room for laws without.",
+        "(K_p + a_0K_d)² − 2a_0K_p(K_d + a_0) = K_p² + a_0²(K_d² − 2K_p): B2 makes it positive, so that the proof of \
+         Choi et al., which keeps the true M(q) and C(q, q̇), covers every law of order 1 with B2. The term K_p² \
+         leaves room for laws without.",
         vec![
             number("least K_P²/(2K_I) under B2", "", margin, 1e-6),
             number("K_P²/(2K_I) at K_d = 28, without B2", "", other, 1e-9),

@@ -30,7 +30,8 @@ pub(super) fn componentwise() -> Result<Statement, PartError> {
     }
     .found(
         format!(
-            "limits (48): K̃ = {}, K_p = {}, K_d = {}, worst error {:.1} % of its limit; limits (1e-4, 1e-2, 1e-2): {:.1} %",
+            "limits (48): K̃ = {}, K_p = {}, K_d = {}, worst error {:.1} % of its limit; limits (1e-4, 1e-2, 1e-2): \
+                {:.1} %",
             three(least.k_tilde.into()),
             three(least.kp.into()),
             three(least.kd.into()),

@@ -68,16 +68,16 @@ pub(super) fn step_one() -> Result<Statement, PartError> {
     }
     .found(
         format!(
-            "(48), φ_max = {PHI_MAX}: the least K̃ by (40) is {}, at K_p = {}, K_d = {}; any φ then keeps the errors within {:.0} % of their limits. Used: \
-             K̃ = 68.9, a_0 = 69.6",
+            "(48), φ_max = {PHI_MAX}: the least K̃ by (40) is {}, at K_p = {}, K_d = {}; any φ then keeps the errors \
+             within {:.0} % of their limits. Used: K̃ = 68.9, a_0 = 69.6",
             three(Some(k_tilde)),
             three(Some(kp)),
             three(Some(kd)),
             100.0 * worst
         ),
         Verdict::of(worst <= 1.0, false),
-        "There are such gains, and they keep the limits. The least a_0 is hundreds of times what was used, far above the sample rate of 1 kHz. (44), from which Table 2 (A) \
-         comes, asks for far less.",
+        "There are such gains, and they keep the limits. The least a_0 is hundreds of times what was used, far above \
+         the sample rate of 1 kHz. (44), from which Table 2 (A) comes, asks for far less.",
         vec![
             number("least K̃ by (40)", "1/s", k_tilde, 1e-3),
             number("worst error as a share of its limit", "", worst, 1e-3),

@@ -72,7 +72,8 @@ fn chain() -> Statement {
         paper: "2xᵀSBu C xᵀSBK̃BᵀSx",
     }
     .found(
-        format!("with a plus in place of C the lines differ by {plus:.0e}, as a product by {product:.2} (relative, 200 random x and u)"),
+        format!("with a plus in place of C the lines differ by {plus:.0e}, as a product by {product:.2} (relative, 200 \
+            random x and u)"),
         Verdict::of(product < ROUNDING, plus < ROUNDING),
         "2xᵀSBu + xᵀSBK̃BᵀSx.",
         vec![number("difference as a product", "", product, 1e-3)],
@@ -125,12 +126,14 @@ fn scalar() -> Result<Statement, PartError> {
     }
     .found(
         format!(
-            "two joints with ė limits of 0.1 and 0.2 rad/s: K̃ = {}, {} by (44); with an a_0 each, {certified} of 2 have a certificate",
+            "two joints with ė limits of 0.1 and 0.2 rad/s: K̃ = {}, {} by (44); with an a_0 each, {certified} of 2 \
+                have a certificate",
             three(each.first().copied()),
             three(each.get(1).copied())
         ),
         Verdict::of(spread == 0.0, certified == found.len()),
-        "One a_{m−1} per joint, as K_p and K_d have: the joints are independent in (7), so that the theorems hold joint by joint.",
+        "One a_{m−1} per joint, as K_p and K_d have: the joints are independent in (7), so that the theorems hold \
+            joint by joint.",
         vec![number("relative difference of K̃ between the joints", "", spread, 1e-9)],
     )
     .assuming(&["phi-max"]))

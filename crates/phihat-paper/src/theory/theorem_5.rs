@@ -36,8 +36,8 @@ pub(super) fn theorem_5() -> Result<Section, PartError> {
         title: "Theorem 5: how large the errors get".to_owned(),
         text: words(&[
             "|x| of (40) adds rad·s, rad and rad/s. φ comes from outside here, at M̄ = 1 and bounded by \
-                       φ_max; the worst φ switches between ±φ_max and is computed, not guessed. (40) needs a certificate, \
-                       which H1 and H2 do not have; the gains between peaks need none.",
+                       φ_max; the worst φ switches between ±φ_max and is computed, not guessed. (40) needs a \
+                       certificate, which H1 and H2 do not have; the gains between peaks need none.",
         ]),
         statements,
         tables: vec![table(&all)],
@@ -94,8 +94,8 @@ fn attained(all: &[TheoryBounds]) -> Statement {
         format!("the worst φ attains {:.2} to {:.2} % of the bounds", 100.0 * low, 100.0 * high),
         Verdict::of(low > 0.99 && high <= 1.0 + 1e-6, false),
         format!(
-            "So the limits of (48) and (49) hold up to a φ_max that can be computed, and no further. A φ that is smooth does less: \
-             |e| ≤ {} |φ̇|_∞ at m = 1. All this is from rest: an initial error comes on top.",
+            "So the limits of (48) and (49) hold up to a φ_max that can be computed, and no further. A φ that is \
+             smooth does less: |e| ≤ {} |φ̇|_∞ at m = 1. All this is from rest: an initial error comes on top.",
             three(all.first().and_then(|b| b.peaks.error(1)).map(|gain| gain.upper))
         ),
         vec![number("least share of the bound that is met", "", low, 1e-3)],

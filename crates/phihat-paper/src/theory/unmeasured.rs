@@ -24,7 +24,8 @@ pub(super) fn unmeasured() -> Section {
         [
             "Sec. V-A",
             "no analytical solution for m ≥ 2",
-            "Not decided here. Newton's method solves the rows for m = 2 and 3 (Table 2); for m = 1 see analytical-first.",
+            "Not decided here. Newton's method solves the rows for m = 2 and 3 (Table 2); for m = 1 see \
+                analytical-first.",
         ],
         [
             "Sec. VI",
@@ -34,15 +35,16 @@ pub(super) fn unmeasured() -> Section {
         [
             "Sec. VIII",
             "a funnel improves the transient",
-            "Future work of the paper. phihat has one for the start (`[supervisor]` of a study), and bounds on the transient (tubes).",
+            "Future work of the paper. phihat has one for the start (`[supervisor]` of a study), and bounds on the \
+                transient (tubes).",
         ],
     ];
     Section {
         id: "without-a-number".to_owned(),
         title: "Stated without a number".to_owned(),
         text: words(&[
-            "These sentences give no value, law or criterion that a computation could meet or miss. They have no verdict and are \
-             not counted.",
+            "These sentences give no value, law or criterion that a computation could meet or miss. They have no \
+             verdict and are not counted.",
         ]),
         statements: Vec::new(),
         tables: vec![Table {

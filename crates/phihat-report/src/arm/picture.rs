@@ -117,10 +117,10 @@ pub(crate) fn animation(drawing: &Drawing, bound: Option<(f64, f64)>) -> Option<
 
 fn head(height: f64, title: &str) -> String {
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"{title}\" viewBox=\"0 0 {WIDTH} {height}\" \
-         font-family=\"sans-serif\" font-size=\"15\" stroke-linecap=\"round\" stroke-linejoin=\"round\" fill=\"none\">\
-         <title>{title}</title><desc>Links in grey, the desired pose in orange, the path of the tip; a payload in green.</desc>\
-         <rect width=\"{WIDTH}\" height=\"{height}\" fill=\"#fff\"/>"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"{title}\" viewBox=\"0 0 {WIDTH} \
+         {height}\" font-family=\"sans-serif\" font-size=\"15\" stroke-linecap=\"round\" stroke-linejoin=\"round\" \
+         fill=\"none\"><title>{title}</title><desc>Links in grey, the desired pose in orange, the path of the tip; a \
+         payload in green.</desc><rect width=\"{WIDTH}\" height=\"{height}\" fill=\"#fff\"/>"
     )
 }
 
@@ -253,9 +253,10 @@ impl PictureMotion<'_> {
         let y = HEIGHT - 18.0;
         let _ = write!(
             svg,
-            "<g fill=\"#57606a\"><circle cx=\"26\" cy=\"{cy}\" r=\"6\" fill=\"#46525f\"/><text x=\"40\" y=\"{y}\">{by}{carried}</text>\
-             <circle cx=\"560\" cy=\"{cy}\" r=\"6\" fill=\"#f08a1c\" opacity=\"0.6\"/><text x=\"574\" y=\"{y}\">desired pose</text>\
-             <path d=\"M700 {cy}H724\" stroke=\"#e06806\" stroke-width=\"3\"/><text x=\"732\" y=\"{y}\">path of the tip</text></g>",
+            "<g fill=\"#57606a\"><circle cx=\"26\" cy=\"{cy}\" r=\"6\" fill=\"#46525f\"/><text x=\"40\" \
+             y=\"{y}\">{by}{carried}</text><circle cx=\"560\" cy=\"{cy}\" r=\"6\" fill=\"#f08a1c\" \
+             opacity=\"0.6\"/><text x=\"574\" y=\"{y}\">desired pose</text><path d=\"M700 {cy}H724\" \
+             stroke=\"#e06806\" stroke-width=\"3\"/><text x=\"732\" y=\"{y}\">path of the tip</text></g>",
             cy = y - 5.0,
         );
     }
@@ -281,7 +282,8 @@ impl PictureMotion<'_> {
         let most = most.max(1e-9);
         let _ = write!(
             svg,
-            "<rect y=\"{HEIGHT}\" width=\"{WIDTH}\" height=\"{STRIP}\" fill=\"#fff\"/><clipPath id=\"strip\"><path d=\"M{left} {top}H{right}V{bottom}H{left}Z\"/></clipPath><g clip-path=\"url(#strip)\">"
+            "<rect y=\"{HEIGHT}\" width=\"{WIDTH}\" height=\"{STRIP}\" fill=\"#fff\"/><clipPath id=\"strip\"><path \
+                d=\"M{left} {top}H{right}V{bottom}H{left}Z\"/></clipPath><g clip-path=\"url(#strip)\">"
         );
         let end = self.t.last().copied().unwrap_or(1.0).max(1e-9);
         let y = |e: f64| 0.5 * (top + bottom) - 0.5 * (bottom - top) * e / most;
@@ -307,10 +309,11 @@ impl PictureMotion<'_> {
         svg.push_str("</g>");
         let _ = write!(
             svg,
-            "<path d=\"M0 {top}V{bottom}\" stroke=\"#d55e00\" stroke-width=\"2\"><animateTransform attributeName=\"transform\" type=\"translate\" \
-             from=\"{left} 0\" to=\"{right} 0\" dur=\"{s:.2}s\" repeatCount=\"indefinite\"/></path>\
-             <g fill=\"#57606a\"><text x=\"{left}\" y=\"{words}\">0 s</text><text x=\"{right}\" y=\"{words}\" text-anchor=\"end\">{end} s</text>\
-             <text x=\"{middle}\" y=\"{words}\" text-anchor=\"middle\">error e of every joint [{unit}]{dashed}</text>",
+            "<path d=\"M0 {top}V{bottom}\" stroke=\"#d55e00\" stroke-width=\"2\"><animateTransform \
+             attributeName=\"transform\" type=\"translate\" from=\"{left} 0\" to=\"{right} 0\" dur=\"{s:.2}s\" \
+             repeatCount=\"indefinite\"/></path><g fill=\"#57606a\"><text x=\"{left}\" y=\"{words}\">0 s</text><text \
+             x=\"{right}\" y=\"{words}\" text-anchor=\"end\">{end} s</text><text x=\"{middle}\" y=\"{words}\" \
+             text-anchor=\"middle\">error e of every joint [{unit}]{dashed}</text>",
             s = self.duration(),
             words = bottom + 22.0,
             unit = self.unit(),

@@ -232,7 +232,8 @@ mod tests {
                 let most = finite.fold(0.0, |most: f64, value| most.max(value.abs()));
                 for (given, back) in given.iter().zip(back) {
                     prop_assert_eq!(given.is_nan(), back.is_nan());
-                    prop_assert!(given.is_nan() || (given - back).abs() <= 8e-6 * most.max(1e-30), "{} {}", given, back);
+                    prop_assert!(given.is_nan() || (given - back).abs() <= 8e-6 * most.max(1e-30), "{} \
+                        {}", given, back);
                 }
             }
         }

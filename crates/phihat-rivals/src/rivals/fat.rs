@@ -60,7 +60,8 @@ impl Rival for Fat {
         reference: "[4]",
         source: "Huang, Wu, Ting, Robotica 24(2), 2006",
         grade: Grade::B,
-        caveat: "the update law is written after the monograph of Huang and Chien; five harmonics and one rate for M and C are this project's",
+        caveat: "the update law is written after the monograph of Huang and Chien; five harmonics and one rate for M \
+            and C are this project's",
         law: "τ = M̂ q̈_r + Ĉ q̇_r + ĝ − K_D s,  every entry wᵀ z(t),  dw/dt = −γ s (·) z − σ w",
         printed: None,
     };

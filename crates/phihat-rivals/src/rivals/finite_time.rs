@@ -60,7 +60,8 @@ impl Rival for FiniteTime {
         reference: "[44]",
         source: "Liu, Tian, Wang, Zhang, IEEE T-IE 63(9), 2016",
         grade: Grade::C,
-        caveat: "published law not found: derived in its class, with the power made smooth at zero in the law and in its derivative alike",
+        caveat: "published law not found: derived in its class, with the power made smooth at zero in the law and in \
+            its derivative alike",
         law: "τ = M̂ dα/dt + Ĉ α + Ĝ + F̂ α − U e − k_2 U ⌊z⌋ − (1/(2γ²) + ½) U z",
         printed: Some(Ticks {
             quantitative: Tick::Yes,

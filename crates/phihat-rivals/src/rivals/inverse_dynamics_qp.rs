@@ -111,7 +111,8 @@ impl Rival for InverseDynamicsQp {
         source: "Del Prete, Mansard, IEEE T-RO 32(5), 2016",
         grade: Grade::B,
         caveat: "the joints' task alone; limits of torque rate, preview and dry friction are added",
-        law: "min |q̈ − (q̈_d − K_d ė − K_p e)|²,  M̂ q̈ + Ĉ q̇ + Ĝ + F̂ q̇ + ĉ(q̇_d) = τ,  |τ| ≤ τ_max,  |τ − τ₋₁| ≤ rate T",
+        law: "min |q̈ − (q̈_d − K_d ė − K_p e)|²,  M̂ q̈ + Ĉ q̇ + Ĝ + F̂ q̇ + ĉ(q̇_d) = τ,  |τ| ≤ τ_max,  |τ − τ₋₁| ≤ \
+            rate T",
         printed: None,
     };
     const SCALARS: &'static [Scalar] = Pd::SCALARS;

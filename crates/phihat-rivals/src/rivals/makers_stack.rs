@@ -56,7 +56,8 @@ impl Rival for MakersStack {
         reference: "",
         source: "libfranka: joint_impedance_control, lowpassFilter, limitRate",
         grade: Grade::B,
-        caveat: "gains per unit of inertia in place of one stiffness and damping per joint; gravity by the nominal model",
+        caveat: "gains per unit of inertia in place of one stiffness and damping per joint; gravity by the nominal \
+            model",
         law: "u = −K_P e − K_D ė + Ĉ q̇ + Ĝ,  f = f₋₁ + g (u − f₋₁),  τ = τ₋₁ + clip(f − τ₋₁, ± rate T)",
         printed: None,
     };

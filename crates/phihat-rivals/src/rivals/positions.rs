@@ -338,7 +338,8 @@ impl RowKind for PositionsFiltered {
         source: "this project, docs/theory/positions.md; the search of `phihat design`, `innovation_filter`",
         grade: Grade::A,
         caveat: "",
-        law: "τ_i = ff + r + g_i (φ̂⁺ − M̄_i (K_d,i ė̂⁺ + K_p,i ê⁺) + M̄_i Σ (b₀ x + b₁ δ) − r),  all gains by design, for each joint",
+        law: "τ_i = ff + r + g_i (φ̂⁺ − M̄_i (K_d,i ė̂⁺ + K_p,i ê⁺) + M̄_i Σ (b₀ x + b₁ δ) − r),  all gains by design, \
+            for each joint",
         printed: None,
     };
     const SCALARS: &'static [Scalar] = &[];

@@ -271,7 +271,8 @@ impl Rival for Second {
         let ceiling = (c[3] * c[2] * c[1] - c[3] * c[3] * c[0]) / (c[1] * c[1]);
         let floor = arm.ratio_min(c[3], tuning.period());
         Some(Condition::inside(
-            "(K_d + a₁)T/c < μ < (c₃c₂c₁ − c₃²c₀)/c₁² of (s² + K_d s + K_p)(s² + a₁s + a₀); c = 2, behind one sample of delay 1",
+            "(K_d + a₁)T/c < μ < (c₃c₂c₁ − c₃²c₀)/c₁² of (s² + K_d s + K_p)(s² + a₁s + a₀); c = 2, behind one sample \
+                of delay 1",
             arm.ratio,
             [floor, ceiling],
         ))

@@ -102,7 +102,8 @@ impl Audited<'_> {
                 AuditRow::of_interval(Assumption::Inertia, (recorded, assumed, "kg·m²"), near);
             row.with_change(|| {
                 let (low, high) = (recorded.0.max(0.0).min(assumed.0), recorded.1.max(assumed.1));
-                format!("# in the arm's file, joint {name}\n[rotor]\narmature_min_kg_m2 = {low:.4}\narmature_max_kg_m2 = {high:.4}")
+                format!("# in the arm's file, joint {name}\n[rotor]\narmature_min_kg_m2 = {low:.4}\narmature_max_kg_m2 \
+                    = {high:.4}")
             })
         };
         let (low, high) = &self.study.design.coulomb;

@@ -131,7 +131,8 @@ impl Audited<'_> {
             let values = part.clone().map(|k| (self.time(k), off(i, first, k)));
             let (most, time) = largest_beyond(values, SAME);
             AuditRow::at_most(Assumption::Reference, (most, 0.0, "rad"), time).on(name).with_change(
-                || "[reference]: the motion that was driven (`kind = \"samples\"`), or its class (`kind = \"any\"`)".to_owned(),
+                || "[reference]: the motion that was driven (`kind = \"samples\"`), or its class (`kind = \
+                    \"any\"`)".to_owned(),
             )
         };
         self.names().map(row).collect()

@@ -139,8 +139,8 @@ pub fn described(options: &ArmOptions) -> Result<(Robot, Part, Vec<String>), Ses
     }
     let names = without.join(", ");
     let why = format!(
-        "no torque limit is stated for {names}, and nothing can be estimated without it: --torque-max NM states one for \
-         all {n} joints, or a list with one each, as in the drives' data sheet; --base and --tip leave joints out"
+        "no torque limit is stated for {names}, and nothing can be estimated without it: --torque-max NM states one \
+         for all {n} joints, or a list with one each, as in the drives' data sheet; --base and --tip leave joints out"
     );
     Err(SessionError::at(Path::new(&options.arm), why))
 }

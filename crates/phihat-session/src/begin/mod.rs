@@ -203,9 +203,10 @@ mod tests {
     fn options(folder: &Path, friction: f64, effort: f64) -> BeginOptions {
         let urdf = format!(
             "<robot name=\"one\"><link name=\"base\"/><joint name=\"lift\" type=\"revolute\"><parent link=\"base\"/>\
-             <child link=\"arm\"/><axis xyz=\"0 1 0\"/><limit lower=\"-1\" upper=\"1\" effort=\"{effort}\" velocity=\"3\"/>\
-             <dynamics friction=\"{friction}\"/></joint><link name=\"arm\"><inertial><origin xyz=\"0.1 0 0\"/><mass value=\"0.5\"/>\
-             <inertia ixx=\"0.005\" ixy=\"0\" ixz=\"0\" iyy=\"0.005\" iyz=\"0\" izz=\"0.005\"/></inertial></link></robot>"
+             <child link=\"arm\"/><axis xyz=\"0 1 0\"/><limit lower=\"-1\" upper=\"1\" effort=\"{effort}\" \
+             velocity=\"3\"/><dynamics friction=\"{friction}\"/></joint><link name=\"arm\"><inertial><origin xyz=\"0.1 \
+             0 0\"/><mass value=\"0.5\"/><inertia ixx=\"0.005\" ixy=\"0\" ixz=\"0\" iyy=\"0.005\" iyz=\"0\" \
+             izz=\"0.005\"/></inertial></link></robot>"
         );
         let arm = folder.join("one.urdf");
         fs::write(&arm, urdf).unwrap();

@@ -71,8 +71,8 @@ pub(super) fn study_of(
     let text = study(options, &name, &joints);
     let keys = OPEN.map(|(key, _)| key).join(", ");
     let lacks = format!(
-        "{named} has no masses, so no gains can be designed yet: fill in {keys} of each [[joint]] in {}; `phihat identify` finds them \
-         from records of the arm",
+        "{named} has no masses, so no gains can be designed yet: fill in {keys} of each [[joint]] in {}; `phihat \
+         identify` finds them from records of the arm",
         options.out.display()
     );
     let error_bound = options.error_bound.unwrap_or(ERROR_BOUND);
@@ -87,9 +87,9 @@ fn slides(joint: &Joint) -> bool {
 fn study(options: &BeginOptions, name: &str, joints: &[Joint]) -> String {
     let word = |text: &str| toml::Value::String(text.to_owned()).to_string();
     let mut text = format!(
-        "# A study made by `phihat new` of a description without masses. Fill in what stands behind a # in each [[joint]];\n\
-         # `phihat identify` finds it from records of the arm. Then `phihat run THIS FILE`. Every key: docs/study.md.\n\
-         title = {}\nduration_s = 20.0\nseed = 1\n",
+        "# A study made by `phihat new` of a description without masses. Fill in what stands behind a # in each \
+         [[joint]];\n# `phihat identify` finds it from records of the arm. Then `phihat run THIS FILE`. Every key: \
+         docs/study.md.\ntitle = {}\nduration_s = 20.0\nseed = 1\n",
         word(&format!("First run of {name}, joint by joint")),
     );
     for joint in joints {
@@ -127,8 +127,8 @@ fn study(options: &BeginOptions, name: &str, joints: &[Joint]) -> String {
     let bits = options.encoder_bits.unwrap_or(18);
     let _ = write!(
         text,
-        "\n# The error you can live with, from settle_s on.\n[spec]\nsettle_s = 2.0\nerror_bound_rad = {error:?}\n\n[design]\n\n\
-         # The control loop: rate, and the samples from measuring to the torque that acts.\n\
+        "\n# The error you can live with, from settle_s on.\n[spec]\nsettle_s = 2.0\nerror_bound_rad = \
+         {error:?}\n\n[design]\n\n# The control loop: rate, and the samples from measuring to the torque that acts.\n\
          [loop]\nrate_hz = {rate:?}\ndelay_samples = {delay}\n\n\
          # Bits of the encoders over one turn of the joint: those of your arm.\n\
          [sensor]\nencoder_bits = {bits}\nvelocity = \"differenced\"\nvelocity_filter_hz = \"design\"\n",
@@ -154,8 +154,8 @@ fn reference(text: &mut String, joints: &[Joint]) {
     };
     let _ = write!(
         text,
-        "\n# What the arm shall do: a slow sine per joint about the middle of its travel. What it might hit is not known here.\n\
-         [reference]\nkind = \"sines\"\ncenter_rad = {}\nfade_in_s = 2.0\n\n\
+        "\n# What the arm shall do: a slow sine per joint about the middle of its travel. What it might hit is not \
+         known here.\n[reference]\nkind = \"sines\"\ncenter_rad = {}\nfade_in_s = 2.0\n\n\
          [[reference.sine]]\namplitude_rad = {}\nfrequency_hz = {}\n",
         list(&centre),
         list(&amplitude),

@@ -80,9 +80,9 @@ pub(super) fn easy_posture(robot: &Robot, payload_kg: f64) -> Result<Easy, Sessi
         let limit = joint.torque_max.unwrap_or(f64::INFINITY);
         let unit = unit(joint);
         format!(
-            "the arm cannot hold itself: at the easiest of {TRIED} postures ({q:.2?}) gravity takes {torque:.3} {unit} of joint \
-             {}, whose limit is {limit} {unit}: state the drives' limits with --torque-max, a lighter --payload, or a chain \
-             of stronger joints with --base and --tip",
+            "the arm cannot hold itself: at the easiest of {TRIED} postures ({q:.2?}) gravity takes {torque:.3} {unit} \
+             of joint {}, whose limit is {limit} {unit}: state the drives' limits with --torque-max, a lighter \
+             --payload, or a chain of stronger joints with --base and --tip",
             joint.name
         )
     });

@@ -147,8 +147,9 @@ impl<'a> BeginStudy<'a> {
                 }
                 let width = (100.0 * share).round();
                 self.notes.push(format!(
-                    "no gains bear the whole estimated interval of the rotors: it was narrowed to {width} % of its width \
-                     about the middle. What is promised holds for rotors inside it: measure, or take the data sheet's"
+                    "no gains bear the whole estimated interval of the rotors: it was narrowed to {width} % of its \
+                     width about the middle. What is promised holds for rotors inside it: measure, or take the data \
+                     sheet's"
                 ));
                 return Ok(());
             }
@@ -206,8 +207,8 @@ impl<'a> BeginStudy<'a> {
         }
         let mut notes = narrower.notes;
         notes.push(
-            "no error is promised over the whole estimated interval of dry friction: it was narrowed to 40 % of its width \
-             about the middle. What is promised holds for friction inside it: measure"
+            "no error is promised over the whole estimated interval of dry friction: it was narrowed to 40 % of its \
+             width about the middle. What is promised holds for friction inside it: measure"
                 .to_owned(),
         );
         Ok(BeginResult { notes, ..narrower })
@@ -362,8 +363,8 @@ impl<'a> BeginStudy<'a> {
                 }
                 Err(why) if too_stiff(&why) => {
                     return Ok(ErrorOutcome::Never(format!(
-                        "rotors at {place:?}: {why}: dry friction is estimated from the torque limit, which may be a placeholder; \
-                         state the drives' with --torque-max"
+                        "rotors at {place:?}: {why}: dry friction is estimated from the torque limit, which may be a \
+                         placeholder; state the drives' with --torque-max"
                     )));
                 }
                 Err(why) => return Err(why),
@@ -513,7 +514,8 @@ fn slowest(
         String::new()
     };
     let takes = format!(
-        "even a slow and small motion about the easiest posture takes {:.3} {unit} of joint {name}{of_friction}, whose limit is {limit} {unit}",
+        "even a slow and small motion about the easiest posture takes {:.3} {unit} of joint {name}{of_friction}, whose \
+            limit is {limit} {unit}",
         share * limit
     );
     if share <= TORQUE_MOST {

@@ -28,6 +28,14 @@ pub(super) enum Centre<'a> {
     Posture(&'a [f64]),
 }
 
+const HEAD: &str = "# A study made by `phihat new`: a first run of this arm, to change step by step.
+# `phihat run THIS FILE` designs gains, proves what can be proved, and simulates. Every key: docs/study.md.";
+
+const ERROR: &str = "
+# The error you can live with, once the arm has settled; when that is, the certificate says. This is near the least
+# that can be promised for this arm, payload, loop and motion: ask for less and `phihat design` says what stands in
+# its way.";
+
 impl Words<'_> {
     /// The whole study.
     pub(super) fn text(&self) -> String {
@@ -35,19 +43,15 @@ impl Words<'_> {
         let mut line = |words: String| {
             let _ = writeln!(text, "{words}");
         };
-        line(
-            "# A study made by `phihat new`: a first run of this arm, to change step by step."
-                .into(),
-        );
-        line("# `phihat run THIS FILE` designs gains, proves what can be proved, and simulates. Every key: docs/study.md.".into());
+        line(HEAD.into());
         line(format!("title = {}", toml::Value::String(self.title.to_owned())));
         line(format!("duration_s = {:?}", self.motion.duration));
         line("seed = 1                      # everything random comes from this number".into());
-        line("\n# The arm. Its own file says what a URDF leaves out: rotor inertia, friction, limits, encoders.".into());
+        line("\n# The arm. Its own file says what a URDF leaves out: rotor inertia, friction, limits, \
+            encoders.".into());
         line("[robot]".into());
         self.robot.iter().for_each(|words| line(words.clone()));
-        line("\n# The error you can live with, once the arm has settled; when that is, the certificate says. This is near the least".into());
-        line("# that can be promised for this arm, payload, loop and motion: ask for less and `phihat design` says what is in the way.".into());
+        line(ERROR.into());
         line("[spec]".into());
         line(format!("error_bound_rad = {}", numbers(self.error)));
         line("\n# What the gains must bear. No gains are stated: `phihat run` finds them.".into());
@@ -72,7 +76,8 @@ impl Words<'_> {
         if !self.torque.is_empty() {
             line(format!("torque_max_nm = {}", numbers(self.torque)));
         }
-        line("\n# What the controller sees: an encoder, and velocity from its differences, filtered as the design finds best.".into());
+        line("\n# What the controller sees: an encoder, and velocity from its differences, filtered as the design \
+            finds best.".into());
         line("[sensor]".into());
         line(format!("encoder_bits = {}", self.encoder));
         line("velocity = \"differenced\"".into());
@@ -83,7 +88,8 @@ impl Words<'_> {
         if self.payload_kg > 0.0 {
             line(format!("payload = {{ mass_kg = {:?} }}", self.payload_kg));
         }
-        line("\n# Where the run begins: on the reference, held by the torque that keeps the arm as described still, as brakes or a".into());
+        line("\n# Where the run begins: on the reference, held by the torque that keeps the arm as described still, as \
+            brakes or a".into());
         line("# robot's own controller do. The law takes over from there.".into());
         line("[start]".into());
         line("torque_nm = \"gravity\"".into());
@@ -95,8 +101,10 @@ impl Words<'_> {
         let mut line = |words: String| {
             let _ = writeln!(text, "{words}");
         };
-        line("\n# What the arm shall do: a sine per joint about a posture, well inside the limits of position, speed and torque. Other".into());
-        line("# kinds: \"waypoints\", \"circle\", \"curve\", \"csv\", \"hold\". What the arm might hit is not known here.".into());
+        line("\n# What the arm shall do: a sine per joint about a posture, well inside the limits of position, speed \
+            and torque. Other".into());
+        line("# kinds: \"waypoints\", \"circle\", \"curve\", \"csv\", \"hold\". What the arm might hit is not known \
+            here.".into());
         line("[reference]".into());
         line("kind = \"sines\"".into());
         match &self.centre {

@@ -30,7 +30,9 @@ const LEAST: f64 = 0.1;
 const PLACEHOLDER: (f64, f64) = (500.0, 100.0);
 
 /// Source of the torque limits, as the arm's file states it.
-const SOURCE: &str = "assumption where the URDF has no limit, or 500 N m and more of which the arm needs less than a hundredth: twice what gravity takes of the joint at most, and what brings its heaviest inertia to full speed in 0.25 s; the drive's data sheet has it";
+const SOURCE: &str = "assumption where the URDF has no limit, or 500 N m and more of which the arm needs less than a \
+    hundredth: twice what gravity takes of the joint at most, and what brings its heaviest inertia to full speed in \
+    0.25 s; the drive's data sheet has it";
 
 /// Gives each joint without a torque limit, or with one that is a [`PLACEHOLDER`], the limit of a sufficient
 /// drive, and reports which; `None`: all have one.
@@ -81,8 +83,8 @@ pub(super) fn assume(
         }
         if !limit.is_finite() || limit > MOST {
             let why = format!(
-                "no torque limit is stated for {}, and one of {limit:e} would have to be assumed: state it with --torque-max, \
-                 as in the drives' data sheet",
+                "no torque limit is stated for {}, and one of {limit:e} would have to be assumed: state it with \
+                 --torque-max, as in the drives' data sheet",
                 joint.name
             );
             return Err(SessionError::at(Path::new(arm), why));
@@ -99,8 +101,8 @@ pub(super) fn assume(
     }
     robot.sources.insert("limits".to_owned(), SOURCE.to_owned());
     Ok(Some(format!(
-        "no torque limit is stated for {} of {n} joints, or a placeholder, and this is an assumption: {}. State the drives' own with --torque-max: \
-         rotor inertia and friction are estimated from it",
+        "no torque limit is stated for {} of {n} joints, or a placeholder, and this is an assumption: {}. State the \
+         drives' own with --torque-max: rotor inertia and friction are estimated from it",
         told.len(),
         told.join(", ")
     )))

@@ -266,7 +266,8 @@ fn ends(joint: &Joint, center: f64, amplitude: f64) -> Result<(f64, f64), FirstM
 pub enum FirstMotionError {
     /// There is nothing to take a share of.
     #[error(
-        "a first motion takes a share of each joint's largest torque, and {joint} states none: valid: `torque_max_nm` of the joint or of [loop]"
+        "a first motion takes a share of each joint's largest torque, and {joint} states none: valid: `torque_max_nm` \
+            of the joint or of [loop]"
     )]
     NoLimit {
         /// Joint name.
@@ -274,7 +275,8 @@ pub enum FirstMotionError {
     },
     /// The joint stands at the end of its travel.
     #[error(
-        "joint {joint} stands at {at:.3} rad, at the end of its travel: valid: {room} rad or more away from it, or a smaller --amplitude-rad"
+        "joint {joint} stands at {at:.3} rad, at the end of its travel: valid: {room} rad or more away from it, or a \
+            smaller --amplitude-rad"
     )]
     NoRoom {
         /// Joint name.

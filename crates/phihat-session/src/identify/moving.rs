@@ -1,6 +1,6 @@
 //! One joint of an arm that moved while the others were held.
 
-use phihat_design::{EstimateError, RecordedJoint, Smoothed, enclose_inertia};
+use phihat_design::{EstimateError, RecordedJoint, Smoothed, Undetermined, enclose_inertia_of};
 
 use super::{IdentifiedJoint, IdentifyOptions, shown};
 
@@ -15,19 +15,11 @@ pub fn identify_moving(
     period_ns: u64,
     options: &IdentifyOptions,
 ) -> Result<IdentifiedJoint, EstimateError> {
-    let name = || joints.get(moved).map_or_else(String::new, |joint| joint.name.clone());
-    let mut enclosed = enclose_inertia(joints, period_ns, options.width)?;
-    if moved >= enclosed.len() {
-        let expected = enclosed.len();
-        return Err(EstimateError::Length { joint: name(), found: 0, expected });
-    }
-    let undetermined = |why| EstimateError::Undetermined { joint: name(), why };
-    let inertia = enclosed.swap_remove(moved).map_err(undetermined)?;
-    let smoothed = Smoothed::new(joints, period_ns, options.width);
-    let smoothed = smoothed.ok_or_else(|| EstimateError::Length {
-        joint: name(),
-        found: joints.first().map_or(0, |joint| joint.q.len()),
-        expected: 0,
-    })?;
+    let inertia = enclose_inertia_of(joints, moved, period_ns, options.width)?;
+    let short = || EstimateError::Undetermined {
+        joint: joints[moved].name.clone(),
+        why: Undetermined::Short,
+    };
+    let smoothed = Smoothed::new(joints, period_ns, options.width).ok_or_else(short)?;
     Ok(shown((joints, &smoothed), moved, inertia, options))
 }

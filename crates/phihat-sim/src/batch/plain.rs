@@ -329,7 +329,8 @@ mod tests {
                 "{{ frame = \"panda_link8\", mass_kg = 0.{}, com_m = [0.0, 0.01, 0.05] }}",
                 arm + 1
             );
-            write!(text, "[world]\nsubsteps = 4\n{drive}friction = \"robot\"\ncoulomb_extra_nm = 0.{arm}\npayload = {payload}\n").unwrap();
+            write!(text, "[world]\nsubsteps = 4\n{drive}friction = \"robot\"\ncoulomb_extra_nm = 0.{arm}\npayload = \
+                {payload}\n").unwrap();
             text += [
                 "",
                 "[world.drive]\ngain = 0.95\nripple = 0.01\nripple_per_turn = 7\n",

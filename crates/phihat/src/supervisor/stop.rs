@@ -28,6 +28,9 @@ const TRIED_FIRST: u32 = 64;
 const TRIED_SAMPLES: u32 = 48;
 const TRIED_HALF: u32 = 8;
 
+/// Number of times that a drive was taken back from which on its trials begin no later: 64 · 4⁸ samples.
+const LATER_MOST: u8 = 8;
+
 /// Speed below which what holds the arm is learnt anew \[rad/s\].
 const LEARNS_BELOW: f64 = 0.1;
 
@@ -148,7 +151,7 @@ impl<R: Real> JointRules<R> {
 
     /// Torque of a drive that did not follow its command: zero, and at times, ever more seldom, the small
     /// torque by which a first motion is judged, against the motion. A joint that was only pushed follows it
-    /// and is taken back.
+    /// and is taken back. Each time that it has to be let go again, the first trial comes four times later.
     fn tried_again(
         &self,
         memory: &mut JointMemory<R>,
@@ -160,7 +163,9 @@ impl<R: Real> JointRules<R> {
         // 64, 128, 256 … samples after it was let go.
         let begun = 1_u32 << age.ilog2();
         let since = age - begun;
-        if begun < TRIED_FIRST || since >= TRIED_SAMPLES || memory.stopping.taken_back {
+        let taken_back = memory.stopping.taken_back;
+        let first = TRIED_FIRST << (2 * taken_back.min(LATER_MOST));
+        if begun < first || since >= TRIED_SAMPLES {
             return R::ZERO;
         }
         if since == 0 {
@@ -178,7 +183,8 @@ impl<R: Real> JointRules<R> {
         }
         if since + 1 == TRIED_SAMPLES {
             let (fastest, learns) = (m.dq.abs(), memory.stopping.learns);
-            memory.stopping = Stopping { fastest, taken_back: true, learns, ..Stopping::default() };
+            let taken_back = taken_back.saturating_add(1);
+            memory.stopping = Stopping { fastest, taken_back, learns, ..Stopping::default() };
             return R::ZERO;
         }
         let small = self.first_motion.map_or(R::ZERO, R::sqrt);

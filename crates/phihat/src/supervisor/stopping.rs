@@ -65,8 +65,8 @@ pub(crate) struct Stopping<R> {
     pub(crate) peak: R,
     /// Samples since the drive did not follow its command and lost its torque; 0: it follows.
     pub(crate) let_go: u32,
-    /// It was let go and taken back: that happens once.
-    pub(crate) taken_back: bool,
+    /// Number of times that it was let go and taken back, 255 at most.
+    pub(crate) taken_back: u8,
 }
 
 impl<R: Real> StopRules<R> {

@@ -303,7 +303,8 @@ impl PanelArea<'_> {
         };
         html! { g.mark {
             @if !marker.note.is_empty() { title { (marker.note) } }
-            @if let Some(link) = &marker.link { a href=(link) aria-label=[marker.label.is_empty().then_some(&marker.note)] { (sign) } } @else { (sign) }
+            @if let Some(link) = &marker.link { a href=(link)
+                aria-label=[marker.label.is_empty().then_some(&marker.note)] { (sign) } } @else { (sign) }
             @if marker.ring { circle.s-ink cx=(px(at[0])) cy=(px(at[1])) r=(px(2.3 * self.look.mark()))
                 fill="none" stroke="#1b1f24" stroke-width="1.6" {} }
         } }
