@@ -178,7 +178,7 @@ pub(crate) fn standing(record: &Record<'_>) -> Markup {
             (facts(record, &standing))
             (weakest(&standing))
         }
-        @if let Some(certificate) = certificate { (folded(certificate)) }
+        @if let Some(certificate) = certificate { (folded(certificate, &standing)) }
     } }
 }
 
@@ -313,8 +313,8 @@ fn bound_word(word: StandingWord) -> &'static str {
     }
 }
 
-/// Assumptions and what is left out, one tap away.
-fn folded(certificate: &Certificate) -> Markup {
+/// Assumptions, what is left out, and what would make the bound smaller, one tap away.
+fn folded(certificate: &Certificate, standing: &RunStanding<'_>) -> Markup {
     let (assumed, rest) = (certificate.assumptions().len(), certificate.not_counted.len());
     html! { div.folds {
         details { summary { "if " (assumed) " assumptions hold" } (assumptions(certificate)) }
@@ -323,6 +323,30 @@ fn folded(certificate: &Certificate) -> Markup {
             details open { summary { "not proved of the specification" }
                 ul { @for clause in &certificate.unproved { li { (line(clause)) } } }
             }
+        }
+        details { summary { "what would make it better" } (better(certificate, standing)) }
+    } }
+}
+
+/// Changes that make the bound smaller, as far as the certificate has them, and the command that looks for more.
+fn better(certificate: &Certificate, standing: &RunStanding<'_>) -> Markup {
+    let paces = certificate.class.iter().flat_map(|class| &class.paces);
+    let slower = paces.filter(|pace| pace.factor < 1.0).filter_map(|pace| {
+        let bound = pace.error_bound_rad?;
+        Some((pace.factor, bound))
+    });
+    html! { ul.scope {
+        @if let Some(one) = standing.weakest() {
+            li { "Of all joints " (line(&one.joint.name)) " is nearest to what the study accepts: begin there." }
+        }
+        @for (factor, bound) in slower {
+            li {
+                "The same gains at " (stated(factor)) " times the speed: |e| ≤ " (number(MILLI * bound)) "\u{a0}mrad."
+            }
+        }
+        li {
+            code { "phihat design STUDY.toml --budget" } " says what the error is spent on, cause by cause, and "
+            "what changes of the study would bring."
         }
     } }
 }

@@ -293,35 +293,6 @@ fn works(case: &Case, study: &Study, trace: &Trace, at: usize) -> (Vec<f64>, usi
     (works, counted)
 }
 
-/// Prints the course of the one case whose number is in `PHIHAT_STOP`, every 50 ms from the event on: position, speed
-/// and torque of each joint.
-#[test]
-fn course_of_one_stop() {
-    let Ok(number) = std::env::var("PHIHAT_STOP") else { return };
-    let mut dice = Dice(4);
-    let case = (0..=number.parse().unwrap()).map(|_| case(&mut dice)).last().unwrap();
-    let study = read(&case.text());
-    let outcome: SimulationOutcome =
-        Simulation::new(&study, &case.gains(&study)).unwrap().run(|_| ());
-    let (trace, rate) = (&outcome.trace, ARMS[case.arm].1);
-    let supervision = trace.supervision.as_ref().unwrap();
-    println!("{case:?}\n{}", case.text());
-    let step = (0.05 * rate) as usize;
-    for k in ((EVENT_S * rate) as usize..trace.t_ns.len()).step_by(step) {
-        let joints = trace
-            .joints
-            .iter()
-            .map(|j| format!("{:8.3} {:8.3} {:8.2} |", j.q[k], j.dq[k], j.tau_applied[k]));
-        let joints: String = joints.collect();
-        println!(
-            "{:.3} {:?} {:?} {joints}",
-            k as f64 / rate,
-            supervision.mode[k],
-            supervision.fault[k]
-        );
-    }
-}
-
 #[test]
 fn f32_a_stop_of_the_repositorys_arms_takes_energy_out_of_them() {
     let all = if std::env::var_os("PHIHAT_ALL").is_some() { 400 } else { 24 };

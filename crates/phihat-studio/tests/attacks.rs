@@ -12,6 +12,7 @@ use crate::support::{Place, document, place, status, wait_for};
 type Attempt = (&'static str, Vec<u8>, &'static [u16]);
 
 /// Requests that are refused: by host, origin, key or method.
+#[expect(clippy::too_many_lines, reason = "a list of attempts")]
 fn strangers(place: &Place) -> Vec<Attempt> {
     let Place { address, key, .. } = place;
     let port = address.port();

@@ -184,7 +184,7 @@ impl<R: Real> JointRules<R> {
         if since + 1 == TRIED_SAMPLES {
             let (fastest, learns) = (m.dq.abs(), memory.stopping.learns);
             let taken_back = taken_back.saturating_add(1);
-            memory.stopping = Stopping { fastest, taken_back, learns, ..Stopping::default() };
+            memory.stopping = Stopping { learns, fastest, taken_back, ..Stopping::default() };
             return R::ZERO;
         }
         let small = self.first_motion.map_or(R::ZERO, R::sqrt);
