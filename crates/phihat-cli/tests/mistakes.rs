@@ -724,7 +724,7 @@ fn files_that_are_not_what_they_are_taken_for() {
             ],
         ),
         ("gains of another rate", check("slow.json"), &["slow.json: ", "500 Hz", "1000 Hz"]),
-        ("gains cut short", check("short.json"), &["short.json: ", "EOF", "line 1"]),
+        ("gains cut short", check("short.json"), &["short.json: ", "EOF", "line 2"]),
         ("gains that are not there", check("none.json"), &["none.json: ", "cannot be read"]),
         ("a study for gains", check("study.toml"), &["study.toml: ", "not gains", "phihat design"]),
         (

@@ -91,16 +91,16 @@ fn urdf(mesh: &str) -> String {
         r#"<robot name="rod"><link name="base"/><joint name="pivot" type="revolute">
 <parent link="base"/><child link="rod"/><axis xyz="0 1 0"/>
         <limit lower="-3" upper="3" effort="40" velocity="5"/></joint>
-        <link name="rod"><inertial><origin xyz="0 0 \
-            -0.4"/><mass value="2"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>
+        <link name="rod"><inertial><origin xyz="0 0 -0.4"/>
+        <mass value="2"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>
         {mesh}</link></robot>"#
     )
 }
 
 fn visual(file: &str) -> String {
     format!(
-        r#"<visual><origin xyz="0 0 1" rpy="0 0 1.5707963267948966"/><geometry><mesh filename="{file}" scale="0.1 0.2 \
-        0.3"/></geometry></visual>"#
+        r#"<visual><origin xyz="0 0 1" rpy="0 0 1.5707963267948966"/>
+        <geometry><mesh filename="{file}" scale="0.1 0.2 0.3"/></geometry></visual>"#
     )
 }
 
