@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 use phihat_certificate::extremes::Extremes as _;
-use phihat_model::{Part, Robot};
+use phihat_model::{Part, Profile, Robot};
 use phihat_report::kit::{MILLI, unit_of};
 use phihat_session::{ArmOptions, BeginOptions, Begun, begin};
 use serde_json::json;
@@ -26,7 +27,7 @@ use crate::xacro::Xacro;
 #[command(
     after_help = "Exit code 1: the files are written, and no gains keep any error; what would make them possible is \
                         told.\n\nExamples:\n  phihat new planar3r --out my_first.toml --payload 0.2\n  phihat new \
-                        fr3.urdf.xacro hand:=true"
+                        fr3.urdf.xacro hand:=true\n  phihat new ur.urdf --arm ur5e --payload 2"
 )]
 pub(crate) struct New {
     /// A URDF, MJCF or xacro file, the TOML of an arm, or a built-in arm's name.
@@ -51,7 +52,13 @@ pub(crate) struct New {
     /// Torque limits of the drives, one for all joints or one each, separated by commas [default: those of the file].
     #[arg(long, value_name = "NM,…", value_delimiter = ',', value_parser = positive)]
     torque_max: Vec<f64>,
-    /// Control samples per second [default: 1000].
+    /// Arm that it is, of those known by name, or none [default: by the names in the description].
+    #[arg(long = "arm", value_name = "NAME|none")]
+    known: Option<String>,
+    /// Torque interface [default: that of the arm, where it is known].
+    #[arg(long, value_name = "PROFILE", value_parser = PossibleValuesParser::new(Profile::NAMES))]
+    profile: Option<String>,
+    /// Control samples per second [default: that of the torque interface, at most 1000].
     #[arg(long, value_name = "HZ", value_parser = positive)]
     rate: Option<f64>,
     /// Samples from measuring to the torque that acts [default: 1].
@@ -125,6 +132,8 @@ impl New {
                 part: Part { base: self.base.clone(), tip: self.tip.clone(), ..Part::default() },
                 xacro: self.xacro.options()?,
                 torque_max_nm: self.torque_max.clone(),
+                known: self.known.clone(),
+                profile: self.profile.clone(),
             },
             out,
             payload_kg: self.payload.unwrap_or(0.0),

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use phihat_model::xacro::{expand, is_xacro};
-use phihat_model::{Chain, InertiaRange, Part, Robot, RobotError};
-use phihat_session::{ArmOptions, files, write_arm};
+use clap::builder::PossibleValuesParser;
+use phihat_model::xacro::{Expanded, expand, is_xacro};
+use phihat_model::{Chain, InertiaRange, KnownArm, Part, Profile, Recognition, Robot, RobotError};
+use phihat_session::{ArmOptions, ambiguity_text, files, recognition_text, write_arm};
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -45,6 +46,12 @@ pub(crate) struct Robots {
     /// Link that the arm ends in.
     #[arg(long, value_name = "LINK")]
     tip: Option<String>,
+    /// Arm that it is, of those known by name, or none [default: by the names in the description].
+    #[arg(long = "arm", value_name = "NAME|none")]
+    known: Option<String>,
+    /// Torque interface [default: that of the arm, where it is known, for that file].
+    #[arg(long, value_name = "PROFILE", value_parser = PossibleValuesParser::new(Profile::NAMES), requires = "write")]
+    profile: Option<String>,
     /// Write the commented file of an arm of a bare URDF or MJCF, with estimates of what that leaves out: beside it,
     /// or above it.
     #[arg(long, value_name = "ARM.toml", requires = "name")]
@@ -102,6 +109,8 @@ impl Robots {
             part: Part { base: self.base.clone(), tip: self.tip.clone(), ..Part::default() },
             xacro: self.xacro.options()?,
             torque_max_nm: self.torque_max.clone(),
+            known: self.known.clone(),
+            profile: self.profile.clone(),
         };
         let notes = write_arm(&options, out, self.force)?;
         if self.json {
@@ -150,7 +159,7 @@ impl Robots {
     /// The arm of a file or a built-in one, and the chains of a file in which no part is stated.
     fn read(&self, name: &str) -> Result<(Result<Robot, RobotError>, Vec<Chain>), Failure> {
         let file = Some(Path::new(name)).filter(|path| path.extension().is_some());
-        let part = Part { base: self.base.clone(), tip: self.tip.clone(), ..Part::default() };
+        let mut part = Part { base: self.base.clone(), tip: self.tip.clone(), ..Part::default() };
         let xacro = self.xacro.options()?;
         let Some(path) = file else {
             if part.is_stated() {
@@ -160,19 +169,55 @@ impl Robots {
             }
             return Ok((Robot::named(name), Vec::new()));
         };
-        let (chains, robot) = if is_xacro(path) {
-            let own = expand(path, &xacro).map_err(Failure::plain)?;
-            let (text, origin) = (&own.urdf, &own.origin);
-            (Robot::chains_of_text(text, origin), Robot::part_of_text(text, &part, origin))
+        let expanded = if is_xacro(path) {
+            Some(expand(path, &xacro).map_err(Failure::plain)?)
         } else if let Some(argument) = xacro.arguments.keys().next() {
             let why =
                 format!("{argument}:= is an argument of xacro, and {name} is no file of xacro");
             return Err(Failure::plain(why));
         } else {
-            (Robot::chains(path), Robot::read_part(path, &part))
+            None
         };
-        let chains = if part.is_stated() { Vec::new() } else { chains.map_err(Failure::plain)? };
+        let chains = match &expanded {
+            Some(Expanded { urdf, origin, .. }) => Robot::chains_of_text(urdf, origin),
+            None => Robot::chains(path),
+        };
+        let read = |part: &Part| match &expanded {
+            Some(Expanded { urdf, origin, .. }) => Robot::part_of_text(urdf, part, origin),
+            None => Robot::read_part(path, part),
+        };
+        let robot = read(&part);
+        if part.is_stated() {
+            return Ok((robot, Vec::new()));
+        }
+        let chains = chains.map_err(Failure::plain)?;
+        // Of a known arm, its hand is no part.
+        if let [first, ..] = &chains[..] {
+            (part.base, part.tip) = (Some(first.base.clone()), Some(first.tip.clone()));
+            let arm = read(&part).ok().filter(|arm| self.recognised(arm).is_some());
+            let bare =
+                robot.as_ref().is_ok_and(|robot| robot.bare_file().is_some() || expanded.is_some());
+            if let Some(arm) = arm.filter(|_| bare) {
+                return Ok((Ok(arm), chains));
+            }
+        }
         Ok((robot, chains))
+    }
+
+    /// Sentence on the known arm that a robot is, and that arm; `None`: it is none, or could be several.
+    fn recognised(&self, robot: &Robot) -> Option<(String, &'static KnownArm)> {
+        match self.known.as_deref() {
+            Some("none") => None,
+            Some(name) => {
+                KnownArm::named(name).ok().map(|arm| (recognition_text(arm, "as stated"), arm))
+            }
+            None => match KnownArm::of(robot) {
+                Recognition::Known(arm, by) => {
+                    Some((recognition_text(arm, &format!("by {by}")), arm))
+                }
+                _ => None,
+            },
+        }
     }
 
     fn show(&self, name: &str) -> Result<(), Failure> {
@@ -197,12 +242,19 @@ impl Robots {
             }
             robot => robot.map_err(Failure::plain)?,
         };
+        let known = self.recognised(&robot);
         let range = robot.inertia_range(POSTURES, SEED);
         if self.json {
-            println!("{:#}", document(&robot, &range, &chains));
+            let mut told = document(&robot, &range, &chains);
+            told["known"] = json!(known.map(|(words, arm)| {
+                json!({ "name": arm.name, "title": arm.title, "profile": arm.profile, "encoder": arm.encoder,
+                        "recognised": words, "notes": arm.notes, "source": arm.source })
+            }));
+            println!("{told:#}");
             return Ok(());
         }
         println!("{} · {}", robot.name, robot.description);
+        tell_known(&robot, known);
         println!("{}", table::joints(&robot, &range));
         println!(
             "inertia over {POSTURES} postures inside the joint limits, rotors included, no payload;\n\
@@ -223,6 +275,19 @@ impl Robots {
             println!("warning: {warning}");
         }
         Ok(())
+    }
+}
+
+/// Prints which known arm a robot is, or which ones it could be.
+fn tell_known(robot: &Robot, known: Option<(String, &KnownArm)>) {
+    if let Some((words, arm)) = known {
+        println!("{words}");
+        for note in &arm.notes {
+            println!("note: {note}");
+        }
+        println!("source: {}", arm.source);
+    } else if let Recognition::OneOf(arms) = KnownArm::of(robot) {
+        println!("note: {}", ambiguity_text(&arms));
     }
 }
 

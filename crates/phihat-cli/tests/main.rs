@@ -17,6 +17,7 @@ mod help_and_errors;
 mod hostile_world;
 mod identify;
 mod killed;
+mod known;
 mod mistakes;
 mod new;
 mod panda;

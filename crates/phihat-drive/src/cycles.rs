@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use phihat::{Mode, Reference, Report};
+use phihat::{Mode, Reference, Report, VelocityFilter, VelocityState};
 use phihat_sim::{ControlSide, Row, Sample};
 use serde::Serialize;
 
@@ -121,6 +121,28 @@ pub struct Desk {
     out: Vec<f64>,
     /// Version and positions of the last target that others requested.
     target: (u64, Vec<f64>),
+    velocity: Option<DeskVelocity>,
+}
+
+/// Velocities of a loop from its positions.
+#[derive(Debug)]
+struct DeskVelocity {
+    filter: VelocityFilter<f64>,
+    /// One per joint, in the study's order.
+    states: Vec<VelocityState<f64>>,
+    /// Time of the last sample that came \[ns\].
+    last_ns: u64,
+}
+
+impl DeskVelocity {
+    /// Puts velocities in place of those of a sample that came at this time \[ns\].
+    fn estimate(&mut self, t_ns: u64, sample: &mut Sample) {
+        let interval = t_ns.saturating_sub(self.last_ns) as f64 * 1e-9;
+        self.last_ns = t_ns;
+        for (joint, state) in sample.joints.iter_mut().zip(&mut self.states) {
+            joint.dq = self.filter.estimate(state, joint.q, interval);
+        }
+    }
 }
 
 impl Desk {
@@ -133,7 +155,17 @@ impl Desk {
             out: vec![0.0; width],
             target: (0, vec![0.0; joints]),
             order,
+            velocity: None,
         }
+    }
+
+    /// The same, with velocities that are differences of the positions behind a filter, in place of the link's: the
+    /// velocity that gains are certified for, where a study says `velocity = "differenced"`.
+    #[must_use]
+    pub fn differencing(mut self, filter: VelocityFilter<f64>) -> Self {
+        let states = vec![VelocityState::default(); self.sample.joints.len()];
+        self.velocity = Some(DeskVelocity { filter, states, last_ns: 0 });
+        self
     }
 
     /// One sample: what came is answered and sent.
@@ -148,6 +180,9 @@ impl Desk {
         let late_ns = link.late_ns();
         let begun = link.now_ns();
         self.order.gather(&self.raw, &mut self.sample);
+        if let (Some(velocity), Arrival::Fresh) = (&mut self.velocity, arrival) {
+            velocity.estimate(t_ns, &mut self.sample);
+        }
         control.step(t_ns as f64 * 1e-9, &self.sample, arrival != Arrival::Skipped);
         let took_ns = link.now_ns().zip(begun).map(|(now, begun)| now.saturating_sub(begun));
         let report = control.report().copied();

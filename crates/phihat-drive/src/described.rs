@@ -1,13 +1,17 @@
 //! Comparison of the arm that a robot describes with the arm of a study.
 
 use core::f64::consts::PI;
+use std::collections::BTreeMap;
 
-use phihat_model::{ModelError, Robot, RobotError, Workspace, evenly};
+use phihat_model::{ModelError, Part, Robot, RobotError, Workspace, evenly};
 use phihat_study::Study;
 use thiserror::Error;
 
 /// Postures in which both are compared.
 const POSTURES: u32 = 200;
+
+/// Place of the description in errors.
+const ORIGIN: &str = "the description that the robot hands out";
 
 /// Why a description cannot be compared with a study's arm.
 #[derive(Debug, Error)]
@@ -26,7 +30,16 @@ pub(crate) enum NotComparable {
 /// links of the description with the study's rotors, which no description contains; over postures of the
 /// whole range, and over `x` of single joints and of pairs that turn with or against each other.
 pub(crate) fn apart(study: &Study, urdf: &str) -> Result<(f64, f64), NotComparable> {
-    let described = Robot::from_text(urdf, None, "the description that the robot hands out")?;
+    let mut described = Robot::from_text(urdf, None, ORIGIN)?;
+    if described.joints.len() > study.robot.joints.len() {
+        // With its hand: the study's joints by their names. The others are where the study has them, or, under other
+        // names, where a description leaves them.
+        let joints = Some(study.robot.joint_names());
+        let mut locked = [study.robot.held.clone(), BTreeMap::new()].into_iter();
+        let part = |locked| Part { joints: joints.clone(), locked, ..Part::default() };
+        let arm = locked.find_map(|locked| Robot::part_of_text(urdf, &part(locked), ORIGIN).ok());
+        described = arm.unwrap_or(described);
+    }
     let (ours, theirs) = (study.robot.joints.len(), described.joints.len());
     if ours != theirs {
         return Err(NotComparable::Joints { theirs, ours });
@@ -90,6 +103,20 @@ mod tests {
         let heavy = format!("{}{}{}", &urdf[..last], grams + 1.0, &urdf[end..]);
         let (low, high) = apart(&study, &heavy).unwrap();
         assert!((1.0 - 1e-9..1.01).contains(&low) && high > 1.1, "{low} {high}");
+    }
+
+    #[test]
+    fn a_finger_is_carried_and_no_joint_of_the_arm() {
+        let study = panda();
+        let finger = "<joint name=\"finger\" type=\"prismatic\"><parent link=\"panda_hand\"/><child link=\"pad\"/>\
+                      <axis xyz=\"0 1 0\"/>\
+                      <limit lower=\"0\" upper=\"0.04\" effort=\"9\" velocity=\"1\"/></joint>\
+                      <link name=\"pad\"><inertial><mass value=\"0.1\"/><inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" \
+                      iyy=\"0\" \
+                      iyz=\"0\" izz=\"0\"/></inertial></link></robot>";
+        let urdf = study.robot.urdf().unwrap().replace("</robot>", finger);
+        let (low, high) = apart(&study, &urdf).unwrap();
+        assert!((1.0 - 1e-9..1.01).contains(&low) && (1.001..1.2).contains(&high), "{low} {high}");
     }
 
     #[test]

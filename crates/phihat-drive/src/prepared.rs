@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::thread;
 
+use phihat::{VelocityFilter, VelocitySource};
 use phihat_session::{
     Done, FirstMotion, FirstStudy, Leave, RunOptions, Session, SessionError, Take, Watch,
     error_shares, first_study, none_unfinished, rigid_joints, share_entries,
@@ -320,6 +321,7 @@ impl Prepared {
             let supervisor = study.supervisor.as_ref();
             let braked = supervisor.is_some_and(|asked| asked.brake_closing.is_some());
             let park = park(&study);
+            let velocity = velocity_filter(&study);
             let mut way = DriveInputs {
                 at,
                 checks,
@@ -334,6 +336,7 @@ impl Prepared {
                 park,
                 tap,
                 targets,
+                velocity,
             };
             let driven = match (robot, &options.on) {
                 (Some(robot), _) => way.drive(robot, control, watch, take),
@@ -406,6 +409,15 @@ struct DriveInputs<'a> {
     park: Option<Park<'a>>,
     tap: Option<Box<dyn Tap>>,
     targets: Option<&'a Targets>,
+    /// Filter of the velocities, where the study has them differenced.
+    velocity: Option<VelocityFilter<f64>>,
+}
+
+/// Filter of a study's velocities, where they are differences of positions; the session has checked its figures.
+fn velocity_filter(study: &Study) -> Option<VelocityFilter<f64>> {
+    let period = study.control.period_ns as f64 * 1e-9;
+    let filter = VelocityFilter::new(study.sensor.velocity_filter_hz, period).ok();
+    filter.filter(|_| study.sensor.velocity == VelocitySource::Differenced)
 }
 
 /// Samples that the ring holds: seconds for a writer that was held up.
@@ -442,6 +454,9 @@ impl DriveInputs<'_> {
         let patient = facts.clock == Clock::LockStep;
         let (mut tape, reader) = ring(names.len(), RING, patient);
         let mut desk = Desk::new(order, names.len());
+        if let Some(filter) = self.velocity.filter(|_| !facts.tells.truth) {
+            desk = desk.differencing(filter);
+        }
         let stop_samples = STOP_NS / facts.period_ns.max(1);
         let most = self.options.first.map_or(STOP_NS, |_| FAULT_NS) / facts.period_ns.max(1);
         // After a fault a simulated arm goes on to the end of its study, as with `run`; an arm that neither

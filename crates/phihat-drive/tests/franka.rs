@@ -106,6 +106,24 @@ fn record(study: &Path, folder: &str) -> Trace {
     Trace::read(file, &phihat_session::read(study).unwrap()).unwrap()
 }
 
+/// Fails where the law has the robot's velocity in place of the one that its gains are certified for: this robot
+/// filters its velocity by another low-pass, and the drive has to be the simulation of its own study all the same.
+#[test]
+fn the_law_has_the_studys_velocity_whatever_the_robot_says() {
+    let folder = folder("franka-velocity");
+    let other = panda().replace("velocity_filter_hz = 45.0", "velocity_filter_hz = 400.0");
+    let (study, other) =
+        (written(&folder, "own.toml", &panda()), written(&folder, "other.toml", &other));
+    let (address, serving) = serve(&other, 600);
+    let driven = driven(&options(&study, &format!("fci://{address}?protocol=5")));
+    assert_eq!((driven.tally.end, driven.tally.lost), (End::Complete, 0));
+    serving.join().unwrap();
+    for (own, whole) in record(&study, "driven").joints.iter().zip(&simulated(&study).joints) {
+        assert!(own.dq_measured == whole.dq_measured, "{}", own.name);
+        assert!(own.tau_command == whole.tau_command, "{}", own.name);
+    }
+}
+
 #[test]
 fn what_is_driven_over_the_wire_is_what_is_simulated() {
     let folder = folder("franka-same");
@@ -163,9 +181,10 @@ fn states_that_do_not_come_are_lost_samples() {
     // The last states may be lost at the end, where no other tells of them.
     assert!((595..=600).contains(&driven.tally.cycles), "{:?}", driven.tally);
     let whole = simulated(&study);
+    // From 0.2 to 0.45 s the arm is faster than a step of the encoder per sample: a position twice is a lost sample.
     let stale = |trace: &Trace| {
         let q = &trace.joints[0].q_measured;
-        (1..590).filter(|&k| q[k].to_bits() == q[k - 1].to_bits() && k > 200).collect::<Vec<_>>()
+        (200..450).filter(|&k| q[k].to_bits() == q[k - 1].to_bits()).collect::<Vec<_>>()
     };
     assert_eq!(stale(&own), stale(&whole));
     assert!((15..=45).contains(&driven.tally.lost), "{:?}", driven.tally);

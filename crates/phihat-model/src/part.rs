@@ -72,6 +72,8 @@ pub struct Chain {
     pub base: String,
     /// Link that its last joint moves, or one welded to that whose name says that it does the work.
     pub tip: String,
+    /// Links that could be its tip by their names as well as that one, that one among them; empty: none.
+    pub tips: Vec<String>,
     /// Its joints, from the base to the tip.
     pub joints: Vec<String>,
 }

@@ -50,16 +50,17 @@ pub struct Profile {
     pub torque_filter: Option<f64>,
 }
 
-const FILES: [(&str, &str); 4] = [
+const FILES: [(&str, &str); 5] = [
     ("ideal", include_str!("../robots/profiles/ideal.toml")),
     ("franka", include_str!("../robots/profiles/franka.toml")),
     ("ur", include_str!("../robots/profiles/ur.toml")),
     ("kuka_fri", include_str!("../robots/profiles/kuka_fri.toml")),
+    ("kortex", include_str!("../robots/profiles/kortex.toml")),
 ];
 
 impl Profile {
     /// Names of the interfaces that come with the crate.
-    pub const NAMES: &'static [&'static str] = &["ideal", "franka", "ur", "kuka_fri"];
+    pub const NAMES: &'static [&'static str] = &["ideal", "franka", "ur", "kuka_fri", "kortex"];
 
     /// Gives the torque interface of this name: one of [`NAMES`](Self::NAMES).
     ///

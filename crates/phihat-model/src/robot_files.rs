@@ -7,7 +7,7 @@ use crate::error::RobotError;
 use crate::input::plain;
 use crate::robot_text::read_text;
 use crate::source::{described, is_mjcf};
-use crate::{Chain, Model, MotionOnly, Part, Robot, extras, mjcf};
+use crate::{Chain, KnownArm, Model, MotionOnly, Part, Robot, extras, mjcf};
 
 /// Files of the arms that come with the crate: name, URDF, TOML.
 macro_rules! arms {
@@ -129,8 +129,13 @@ impl Robot {
         let Some((_, urdf, toml)) = ARMS.iter().find(|(known, ..)| *known == name) else {
             return Err(RobotError::Unknown {
                 name: name.to_owned(),
-                hint: nearest(name, NAMES)
-                    .map_or_else(String::new, |n| format!(", did you mean \"{n}\"?")),
+                hint: if KnownArm::named(name).is_ok() {
+                    ": it is known by name, and its description does not come along: name its URDF"
+                        .to_owned()
+                } else {
+                    nearest(name, NAMES)
+                        .map_or_else(String::new, |n| format!(", did you mean \"{n}\"?"))
+                },
                 known: NAMES,
             });
         };

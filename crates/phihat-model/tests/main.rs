@@ -19,6 +19,7 @@ mod gravity;
 mod inertia_range;
 mod inverse_kinematics;
 mod jacobian;
+mod known;
 mod lockstep;
 mod look;
 mod mass_matrix;

@@ -51,7 +51,9 @@ mod words;
 
 pub use arm::arm as drawn_arm;
 pub use audit::{Assumption, Audit, AuditRow, Standing, audit, audited};
-pub use begin::{ArmOptions, BeginOptions, Begun, begin, described, write_arm};
+pub use begin::{
+    ArmOptions, BeginOptions, Begun, ambiguity_text, begin, described, recognition_text, write_arm,
+};
 pub use budget::{BudgetFiles, write_budget};
 pub use check::{Mistake, StudyCheck, check, check_rewritten, check_text};
 pub use design::{arm, beside_limits, budget, designed, designed_for, read};

@@ -29,7 +29,7 @@ fn held(robot: &str, interface: &str) -> phihat_study::Study {
 #[test]
 fn f25_gravity_is_counted_once_by_every_interface() {
     for robot in ["planar3r", "panda", "iiwa14", "ur5"] {
-        for interface in ["ideal", "franka", "ur", "kuka_fri"] {
+        for interface in ["ideal", "franka", "ur", "kuka_fri", "kortex"] {
             let study = held(robot, interface);
             let outcome = run(&study);
             assert_eq!(outcome.abort, None, "{robot} {interface}");
@@ -40,7 +40,7 @@ fn f25_gravity_is_counted_once_by_every_interface() {
             let rest = vec![0.0; q.len()];
             model.bias(&mut Workspace::new(&model), &q, &rest, &mut gravity);
             let scale = gravity.iter().fold(0.0_f64, |most, tau| most.max(tau.abs()));
-            let share = if interface == "ideal" { 1.0 } else { 0.0 };
+            let share = if ["ideal", "kortex"].contains(&interface) { 1.0 } else { 0.0 };
             for (joint, gravity) in outcome.trace.joints.iter().zip(&gravity) {
                 let bias = joint.phi_hat.last().unwrap() - share * gravity;
                 assert!(

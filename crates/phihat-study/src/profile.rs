@@ -18,7 +18,7 @@ pub(crate) static PROFILE: FormatSection = FormatSection {
         Key {
             name: "name",
             unit: "",
-            shape: Shape::Word(&["robot", "ideal", "franka", "ur", "kuka_fri"]),
+            shape: Shape::Word(&["robot", "ideal", "franka", "ur", "kuka_fri", "kortex"]),
             need: Need::Word("robot"),
             doc: "The interface; `\"robot\"` takes the one that the robot's description names.",
         },

@@ -1,7 +1,8 @@
 //! Chains of a tree that could be arms.
 
-use super::Moves;
 use super::part::WholeDescription;
+use super::{JointElement, Moves};
+use crate::joint::JointKind;
 use crate::part::Chain;
 
 /// Words in the names of what grasps: it ends an arm.
@@ -23,6 +24,12 @@ const WORKS: [&str; 10] = [
     "ee",
     "grasp",
 ];
+
+/// Those of them by which a link is a tip without a doubt.
+const TIPS: usize = 4;
+
+/// A joint that slides by no more than this \[m\] after so many others is a gripper's.
+const JAW: (f64, usize) = (0.1, 5);
 
 /// A branch with more joints than this is no finger.
 const FINGER_MAX: usize = 5;
@@ -109,28 +116,68 @@ impl WholeDescription<'_> {
         let short = |at: usize| counts[child(at)] + usize::from(self.moves(at)) <= FINGER_MAX;
         let all_named = !on.is_empty()
             && on.iter().all(|at| named(*at) && (short(*at) || on.len() > 1 || before >= ARM_MIN));
-        all_named || (on.len() > 1 && before >= ARM_MIN && on.iter().all(|at| short(*at)))
+        let jaw =
+            before >= JAW.1 && matches!(on, [one] if self.is_jaw(*one) && counts[child(*one)] == 0);
+        all_named || jaw || (on.len() > 1 && before >= ARM_MIN && on.iter().all(|at| short(*at)))
     }
 
     fn chain(&self, path: &[usize]) -> Option<Chain> {
         let (first, last) = (*path.first()?, *path.last()?);
         let name = |link: usize| &*self.links[link].element.name;
         let moved = self.tree.child_of_joint[last];
-        // All that is welded to the link that moves last.
-        let (mut welded, mut next) = (Vec::new(), vec![moved]);
+        let welded = self.welded(moved);
+        let (mut tip, mut tips) = self.best_tip(&welded).unwrap_or((moved, Vec::new()));
+        // What grasps is behind the flange, and the payload is in it.
+        let carries_hand =
+            |link: &&usize| self.tree.children[**link].iter().any(|at| self.moves(*at));
+        let palm = welded.iter().rev().find(carries_hand).copied();
+        if let Some(palm) = palm.filter(|palm| *palm != tip && self.carries(tip, *palm)) {
+            let behind: Vec<usize> = self.welded(palm).into_iter().skip(1).collect();
+            (tip, tips) = self.best_tip(&behind).unwrap_or((palm, Vec::new()));
+        }
+        Some(Chain {
+            base: name(self.tree.parent_of_joint[first]).to_owned(),
+            tip: name(tip).to_owned(),
+            tips: tips.into_iter().map(|link| name(link).to_owned()).collect(),
+            joints: path.iter().map(|at| self.joints[*at].element.name.clone()).collect(),
+        })
+    }
+
+    /// Returns true if a joint slides as the jaw of a gripper does.
+    fn is_jaw(&self, joint: usize) -> bool {
+        let JointElement { moves, reach, .. } = &self.joints[joint];
+        let slides = matches!(moves, Moves::Driven(JointKind::Prismatic));
+        slides && reach.is_some_and(|(low, high)| high - low <= JAW.0)
+    }
+
+    /// All that is welded to a link, itself first.
+    fn welded(&self, link: usize) -> Vec<usize> {
+        let (mut welded, mut next) = (Vec::new(), vec![link]);
         while let Some(link) = next.pop() {
             welded.push(link);
             let fixed = self.tree.children[link].iter();
             let fixed = fixed.filter(|at| matches!(self.joints[**at].moves, Moves::Not));
             next.extend(fixed.rev().map(|at| self.tree.child_of_joint[*at]));
         }
-        let works = WORKS
-            .iter()
-            .find_map(|word| welded.iter().find(|link| name(**link).to_lowercase().contains(word)));
-        Some(Chain {
-            base: name(self.tree.parent_of_joint[first]).to_owned(),
-            tip: name(*works.unwrap_or(&moved)).to_owned(),
-            joints: path.iter().map(|at| self.joints[*at].element.name.clone()).collect(),
-        })
+        welded
+    }
+
+    /// Returns true if a link carries another one, or is it.
+    fn carries(&self, link: usize, other: usize) -> bool {
+        let above = |at: &usize| self.tree.hangs[*at].map(|joint| self.tree.parent_of_joint[joint]);
+        std::iter::successors(Some(other), above).any(|at| at == link)
+    }
+
+    /// Link of a list whose name says best that it does the work; and all links whose names say so equally, if it is
+    /// not clear.
+    fn best_tip(&self, links: &[usize]) -> Option<(usize, Vec<usize>)> {
+        let (rank, equal) = WORKS.iter().enumerate().find_map(|(rank, word)| {
+            let has = |link: &&usize| self.links[**link].element.name.to_lowercase().contains(word);
+            let equal: Vec<usize> = links.iter().filter(has).copied().collect();
+            (!equal.is_empty()).then_some((rank, equal))
+        })?;
+        let first = *equal.first()?;
+        let clear = equal.iter().all(|one| self.carries(first, *one) || self.carries(*one, first));
+        Some((first, if clear || rank >= TIPS { Vec::new() } else { equal }))
     }
 }

@@ -130,7 +130,7 @@ fn moves_nothing(joint: &JointElement, matter: &[LumpedBody]) -> RobotError {
 
 fn too_many(moving: usize, proposed: Option<&Chain>, origin: &str) -> RobotError {
     let remedy = proposed.map_or_else(String::new, |chain| {
-        let Chain { base, tip, joints } = chain;
+        let Chain { base, tip, joints, .. } = chain;
         format!(", such as base = \"{base}\", tip = \"{tip}\" ({} joints)", joints.len())
     });
     let why = format!(

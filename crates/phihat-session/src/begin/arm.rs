@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-use phihat_model::{Part, Robot};
+use phihat_model::{Chain, Part, Robot};
 
+use super::known::completed;
 use super::options::{ArmOptions, BeginOptions};
 use super::posture::{Easy, easy_posture};
 use super::torque::assume;
@@ -130,8 +131,15 @@ impl ChosenArm {
 ///
 /// [`SessionError`]: it cannot be read, or a joint of an arm with a file of its own has no torque limit.
 pub fn described(options: &ArmOptions) -> Result<(Robot, Part, Vec<String>), SessionError> {
-    let (mut robot, part, notes) = read(options)?;
+    let (mut robot, part, mut notes) = read(options)?;
     let n = robot.joints.len();
+    if robot.bare_file().is_some() {
+        notes.extend(completed(&mut robot, options)?);
+    } else if let Some(known) = &options.known {
+        let why =
+            format!("--arm {known}: it has a file of its own already, which says what arm it is");
+        return Err(SessionError::at(Path::new(&options.arm), why));
+    }
     options.limit(&mut robot.joints)?;
     let without = robot.without_torque_limit();
     if without.is_empty() || robot.bare_file().is_some() {
@@ -161,14 +169,19 @@ fn read(options: &ArmOptions) -> Result<(Robot, Part, Vec<String>), SessionError
     let chains = Robot::chains(path).map_err(refuse)?;
     let whole = if part.is_stated() { None } else { Some(Robot::read_part(path, &part)) };
     let alone = |robot: &Robot| match &chains[..] {
-        [] => true,
-        [first, ..] => first.joints == robot.model.joint_names() || robot.bare_file().is_none(),
+        [first, ..] if robot.bare_file().is_some() => {
+            first.joints == robot.model.joint_names() && first.tip == robot.tip
+        }
+        _ => true,
     };
     if let Some(read) = whole {
         match (read, &chains[..]) {
             (Ok(robot), _) if alone(&robot) => return Ok((robot, part, notes)),
             (read, []) => return Ok((read.map_err(refuse)?, part, notes)),
             (_, [first, others @ ..]) => {
+                if let [_, ..] = &first.tips[..] {
+                    return Err(which_tip(path, first));
+                }
                 (part.base, part.tip) = (Some(first.base.clone()), Some(first.tip.clone()));
                 let other = others.first().map_or_else(String::new, |chain| {
                     format!("; others, such as --base {} --tip {}", chain.base, chain.tip)
@@ -182,7 +195,33 @@ fn read(options: &ArmOptions) -> Result<(Robot, Part, Vec<String>), SessionError
             }
         }
     }
-    Ok((Robot::read_part(path, &part).map_err(refuse)?, part, notes))
+    let robot = Robot::read_part(path, &part).map_err(refuse)?;
+    notes.extend(fixed_joints_note(&robot));
+    Ok((robot, part, notes))
+}
+
+/// Note on joints that are none of the arm's: their links are carried.
+fn fixed_joints_note(robot: &Robot) -> Option<String> {
+    let fixed: Vec<String> =
+        robot.held.iter().map(|(name, at)| format!("{name} at {at}")).collect();
+    let fixed = fixed.join(", ");
+    (!fixed.is_empty()).then(|| {
+        format!(
+            "no joints of the arm, fixed and carried with their mass: {fixed}; a payload is on {}",
+            robot.tip
+        )
+    })
+}
+
+/// Refusal of a file with more than one link that could do the work.
+fn which_tip(path: &Path, chain: &Chain) -> SessionError {
+    let tips: Vec<String> = chain.tips.iter().map(|tip| format!("--tip {tip}")).collect();
+    let why = format!(
+        "which link does the work and carries the payload? {}, each with --base {}",
+        tips.join(" or "),
+        chain.base
+    );
+    SessionError::at(path, why)
 }
 
 /// An arm with its estimates, for a file of its own: with the part that it is, its URDF's name, and what was chosen.
@@ -190,21 +229,22 @@ pub(super) fn to_write(
     options: &ArmOptions,
     out: &Path,
 ) -> Result<(Robot, Part, String, Vec<String>), SessionError> {
-    let (robot, part, notes) = read(options)?;
-    let Some(urdf) = robot.bare_file() else {
+    let (mut robot, part, mut notes) = read(options)?;
+    let Some(urdf) = robot.bare_file().map(Path::to_owned) else {
         let why =
             "it has a file of its own already: a bare description is what a file is written for";
         return Err(SessionError::at(Path::new(&options.arm), why));
     };
-    let place = relative(folder_of(out), urdf);
+    let place = relative(folder_of(out), &urdf);
     if Path::new(&place).components().any(|part| !matches!(part, Component::Normal(_))) {
         let why =
             format!("the description {} must be beside this file or below it", urdf.display());
         return Err(SessionError::at(out, why));
     }
-    let mut robot = robot;
-    if !options.torque_max_nm.is_empty() {
-        robot = described(options)?.0;
+    if options.torque_max_nm.is_empty() {
+        notes.extend(completed(&mut robot, options)?);
+    } else {
+        (robot, _, notes) = described(options)?;
     }
     let mut robot = robot.estimated();
     if robot.without_torque_limit().is_empty()

@@ -14,6 +14,7 @@
 //! That the motion hits nothing: a description's links have no bodies here.
 
 mod arm;
+mod known;
 mod motion;
 mod motion_only;
 mod options;
@@ -30,6 +31,7 @@ use phihat_study::Study;
 use tempfile::TempDir;
 
 pub use arm::described;
+pub use known::{ambiguity_text, recognition_text};
 pub use options::{ArmOptions, BeginOptions};
 
 use crate::disk::{DiskError, Whole, folder_of, make_folder};

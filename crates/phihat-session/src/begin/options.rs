@@ -18,6 +18,10 @@ pub struct ArmOptions {
     pub xacro: XacroOptions,
     /// Torque limits \[N·m\]: one for all joints or one each, in place of those of the description; empty: those.
     pub torque_max_nm: Vec<f64>,
+    /// Known arm that it is, by its name in [`phihat_model::KnownArm`]; `"none"`: none; `None`: by its description.
+    pub known: Option<String>,
+    /// Torque interface, in place of the arm's: one of [`phihat_model::Profile::NAMES`].
+    pub profile: Option<String>,
 }
 
 impl ArmOptions {

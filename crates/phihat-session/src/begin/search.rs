@@ -54,6 +54,9 @@ const PACES: i32 = 4;
 const SMALLER: f64 = 0.5;
 const REACHES: i32 = 2;
 
+/// Torque interface of bare drives.
+const OWN_DRIVES: &str = "ideal";
+
 /// The loop's rate where nothing says otherwise \[Hz\].
 const RATE_HZ: f64 = 1000.0;
 
@@ -543,12 +546,19 @@ fn words(
     let named = own || !chosen.posture_added;
     let torque: &[f64] = if own { &[] } else { &options.arm.torque_max_nm };
     let title = format!("{}: a first run", chosen.robot.name);
+    let interface = Profile::named(options.arm.profile.as_deref().unwrap_or(&chosen.robot.profile));
+    // A file of the arm that is written has the stated one.
+    let stated = options.arm.profile.as_deref().filter(|_| !own).unwrap_or("robot");
+    let is_bare = interface.as_ref().is_ok_and(|profile| profile.name == OWN_DRIVES);
     Words {
         title: &title,
         robot,
+        profile: (!is_bare).then_some(stated),
+        starts_itself: interface
+            .is_ok_and(|profile| profile.adds_gravity || profile.first_torque_max.is_some()),
         error,
         payload_kg: options.payload_kg,
-        rate_hz: options.rate_hz.unwrap_or_else(|| rate(&chosen.robot)),
+        rate_hz: options.rate_hz.unwrap_or_else(|| rate(options, &chosen.robot)),
         delay_samples: options.delay_samples.unwrap_or(1),
         form_designed,
         encoder: &encoder,
@@ -560,8 +570,8 @@ fn words(
 }
 
 /// The rate of the robot's torque interface \[Hz\], 1 kHz where it takes that.
-fn rate(robot: &Robot) -> f64 {
-    let profile = Profile::named(&robot.profile);
+fn rate(options: &BeginOptions, robot: &Robot) -> f64 {
+    let profile = Profile::named(options.arm.profile.as_deref().unwrap_or(&robot.profile));
     let (low, high) = profile.map_or((None, None), |profile| (profile.rate_min, profile.rate_max));
     let most = high.unwrap_or(RATE_HZ).min(RATE_HZ);
     low.map_or(most, |low| most.max(low))

@@ -8,6 +8,10 @@ use super::motion::Sines;
 pub(super) struct Words<'a> {
     pub(super) title: &'a str,
     pub(super) robot: &'a [String],
+    /// Name of the torque interface, where it is no bare drive's.
+    pub(super) profile: Option<&'a str>,
+    /// True if the robot holds the arm against gravity, or begins with a torque of its own.
+    pub(super) starts_itself: bool,
     pub(super) error: &'a [f64],
     pub(super) payload_kg: f64,
     pub(super) rate_hz: f64,
@@ -51,6 +55,10 @@ impl Words<'_> {
             encoders.".into());
         line("[robot]".into());
         self.robot.iter().for_each(|words| line(words.clone()));
+        self.write_profile(&mut text);
+        let mut line = |words: String| {
+            let _ = writeln!(text, "{words}");
+        };
         line(ERROR.into());
         line("[spec]".into());
         line(format!("error_bound_rad = {}", numbers(self.error)));
@@ -88,13 +96,38 @@ impl Words<'_> {
         if self.payload_kg > 0.0 {
             line(format!("payload = {{ mass_kg = {:?} }}", self.payload_kg));
         }
-        line("\n# Where the run begins: on the reference, held by the torque that keeps the arm as described still, as \
-            brakes or a".into());
-        line("# robot's own controller do. The law takes over from there.".into());
-        line("[start]".into());
-        line("torque_nm = \"gravity\"".into());
+        self.write_start(&mut text);
         self.write_reference(&mut text);
         text
+    }
+
+    /// Torque interface, where it is no bare drive's, and the supervisor that a drive needs.
+    fn write_profile(&self, text: &mut String) {
+        let Some(profile) = self.profile else { return };
+        let _ = writeln!(
+            text,
+            "\n# The robot's torque interface: what it adds to a torque, and on what it stops. `phihat robots` of the \
+             arm has the sources.\n\
+             [profile]\nname = {profile:?}\n\n\
+             # What a real arm needs around its law; `phihat drive` asks for it. A tube is about the loop without it: \
+             design first,\n\
+             # then take the # away, and [start] where there is one, and drive with those gains (--gains).\n\
+             # [supervisor]\n# error_stop_rad = 0.1"
+        );
+    }
+
+    /// Torque that holds the arm before the first sample, where the robot's interface begins with none of its own.
+    fn write_start(&self, text: &mut String) {
+        if self.starts_itself {
+            return;
+        }
+        let _ = writeln!(
+            text,
+            "\n# Where the run begins: on the reference, held by the torque that keeps the arm as described still, as \
+             brakes or a\n\
+             # robot's own controller do. The law takes over from there.\n\
+             [start]\ntorque_nm = \"gravity\""
+        );
     }
 
     fn write_reference(&self, text: &mut String) {

@@ -1,0 +1,79 @@
+//! The arm that a description is of, where it is known by name; and its torque interface.
+
+use std::path::Path;
+
+use phihat_model::{KnownArm, Profile, Recognition, Robot};
+
+use super::options::ArmOptions;
+use crate::error::SessionError;
+
+/// Word in place of a known arm's name: none.
+const NONE: &str = "none";
+
+/// Recognises the arm of a bare description by its names, or takes the one that is stated, and completes it by what its
+/// maker publishes; gives what is to be said of it.
+pub(super) fn completed(
+    robot: &mut Robot,
+    options: &ArmOptions,
+) -> Result<Vec<String>, SessionError> {
+    let refuse = |why| SessionError::other(why);
+    let (arm, by) = match options.known.as_deref() {
+        Some(NONE) => return with_profile(robot, options, Vec::new()),
+        Some(name) => (KnownArm::named(name).map_err(refuse)?, "as stated".to_owned()),
+        None => match KnownArm::of(robot) {
+            Recognition::Known(arm, by) => (arm, format!("by {by}")),
+            Recognition::OneOf(arms) => {
+                let note = ambiguity_text(&arms);
+                return with_profile(robot, options, vec![note]);
+            }
+            Recognition::None => return with_profile(robot, options, Vec::new()),
+        },
+    };
+    let (n, count) = (robot.joints.len(), arm.count);
+    if n != count {
+        let why = format!(
+            "{} has {count} joints, and this arm {n}: --base and --tip leave joints out",
+            arm.title
+        );
+        return Err(SessionError::at(Path::new(&options.arm), why));
+    }
+    let mut notes = arm.complete(robot).map_err(refuse)?;
+    notes.insert(
+        0,
+        format!("{}; --profile ideal or --arm none to ignore it", recognition_text(arm, &by)),
+    );
+    notes.extend(arm.notes.iter().cloned());
+    with_profile(robot, options, notes)
+}
+
+/// Sentence on the arm that a description was recognised as, `by` its names.
+pub fn recognition_text(arm: &KnownArm, by: &str) -> String {
+    let KnownArm { title, name, profile, encoder, .. } = arm;
+    let interface = Profile::named(profile).map_or_else(|_| String::new(), |own| own.description);
+    format!(
+        "recognised as {title} ({name}), {by}; profile {profile} ({interface}); encoders: {encoder}"
+    )
+}
+
+/// Sentence on arms with the same names.
+pub fn ambiguity_text(arms: &[&KnownArm]) -> String {
+    let names: Vec<&str> = arms.iter().map(|arm| &*arm.name).collect();
+    let names = names.join(", ");
+    format!(
+        "its joints are named as those of {names}: --arm NAME says which one it is, --arm none that it is none of them"
+    )
+}
+
+/// The torque interface that is stated, in place of the arm's.
+fn with_profile(
+    robot: &mut Robot,
+    options: &ArmOptions,
+    notes: Vec<String>,
+) -> Result<Vec<String>, SessionError> {
+    if let Some(name) = &options.profile {
+        let own = Profile::named(name).map_err(SessionError::other)?;
+        robot.sources.insert("profile".to_owned(), own.source);
+        robot.profile = own.name;
+    }
+    Ok(notes)
+}
