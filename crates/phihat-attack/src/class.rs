@@ -83,6 +83,8 @@ pub fn class_run(
     let outcome = run(&own, gains, if fed { &[] } else { &phase })?;
     let lost = outcome.divergence.is_some() || outcome.abort.is_some();
     let trace = &outcome.trace;
+    // After a row of lost commands the drives see the changes of all of them.
+    let changes = 1.0 + f64::from(bound.signals.as_ref().map_or(0, |own| own.commands_lost));
     let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     let mut found = ClassRuns { runs: 1, ..ClassRuns::default() };
     for (i, joint) in trace.joints.iter().enumerate() {
@@ -90,7 +92,7 @@ pub fn class_run(
         found.errors.push(error / bound.error_bound_rad[i]);
         found.velocities.push(velocity / bound.velocity_error_bound_rad_s[i]);
         let step = outcome.told_step_max.get(i).copied().unwrap_or(0.0);
-        found.steps.push(step / bound.torque_step_nm[i]);
+        found.steps.push(step / (changes * bound.torque_step_nm[i]));
     }
     Ok(found.judged(lost, seed))
 }

@@ -1,4 +1,5 @@
-//! Runs that try to leave the bound for a class of motions through the supervisor, by what they request.
+//! Runs that try to leave the bound for a class of motions by what they request of the supervisor, by readings that are
+//! off and by commands that they lose.
 
 use phihat::Mode;
 use phihat_certificate::ClassBound;
@@ -8,6 +9,7 @@ use phihat_sim::{ControlSide, Simulation};
 use phihat_study::{MotionClass, ReferenceRequest, RequestedMode, Study};
 
 use crate::class::{ClassRuns, varied};
+use crate::hostile::Hostile;
 use crate::run::NoRun;
 
 /// Share of its largest speed at which a joint is fast.
@@ -30,12 +32,14 @@ enum Way {
 }
 
 /// Runs one stream of requests and targets that nobody would send, drawn with payload and friction by a seed, and holds
-/// what the supervisor makes of it against the bound while it holds or tracks.
+/// what the supervisor makes of it against the bound while it holds or tracks. Noise of readings and rows of lost
+/// commands
+/// are as bad as is known how to make them. Without a supervisor the motion is the study's own, drawn anew.
 ///
 /// # Errors
 ///
 /// [`NoRun`]: the gains are none of this study, or it cannot be simulated.
-pub fn supervised_run(
+pub fn hostile_run(
     study: &Study,
     gains: &Gains,
     bound: &ClassBound,
@@ -47,6 +51,7 @@ pub fn supervised_run(
     if let Some(supervisor) = &mut own.supervisor {
         supervisor.requests = requests(&mut dice, own.duration, period);
     }
+    let mut hostile = Hostile::of(&mut own, gains, &mut dice)?;
     phihat_sim::derive_substeps(&mut own);
     gains.complete(&mut own)?;
     let names = own.robot.joint_names();
@@ -62,17 +67,19 @@ pub fn supervised_run(
         steps: zero(),
         ..ClassRuns::default()
     };
-    let (mut tau, mut before) = (zero(), zero());
+    let mut tau = zero();
+    // A law alone goes on from the torque that held the arm.
+    let mut before: Vec<f64> = control.commands().iter().map(|command| command.tau).collect();
     let mut stopped = false;
     while let Some(sensed) = world.sense() {
         targets.next(&mut control, period, &mut dice);
-        control.step(sensed.t_ns as f64 * 1e-9, sensed.sample, sensed.runs);
+        control.step(sensed.t_ns as f64 * 1e-9, hostile.misread(sensed.sample), sensed.runs);
         tau.iter_mut().zip(control.commands()).for_each(|(tau, command)| *tau = command.tau);
         let report = control.report().copied();
         world.brake(report.as_ref());
-        world.act(&tau);
+        world.act(hostile.lose(&tau));
         let acts =
-            report.is_some_and(|report| matches!(report.mode, Mode::Holding | Mode::Tracking));
+            report.is_none_or(|report| matches!(report.mode, Mode::Holding | Mode::Tracking));
         stopped |= report.is_some_and(|report| report.fault.is_some());
         for (i, reference) in control.references().iter().enumerate().filter(|_| acts) {
             let at = world.acted(i, 1.0);
@@ -140,6 +147,7 @@ impl Targets {
         };
         let mean = turn * dice.pick(&[0.02, 0.2, 1.0, 3.0]);
         let way = match dice.below(5) {
+            _ if study.supervisor.is_none() => Way::Drawn,
             0 => Way::Drawn,
             1 => Way::Together(mean),
             2 => Way::Apart(mean),

@@ -9,9 +9,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
-use phihat_attack::{
-    AttackRecord, AttackSummary, ClassRuns, NoRun, Trial, class_run, supervised_run,
-};
+use phihat_attack::{AttackRecord, AttackSummary, ClassRuns, NoRun, Trial, class_run, hostile_run};
 use phihat_campaign::{Journal, RunEnded, run_all};
 
 /// Draws studies and tries to break what is certified about them.
@@ -110,8 +108,9 @@ fn attack_class(
             let mut found = ClassRuns::default();
             for k in (job..arguments.count).step_by(usize::try_from(jobs).unwrap_or(1)) {
                 let seed = first.wrapping_add(k);
-                found.and(&if bound.is_supervised() {
-                    supervised_run(study, gains, bound, seed)?
+                // Where no supervisor is asked, signals are at their worst in every second run.
+                found.and(&if bound.is_supervised() || (bound.signals.is_some() && k % 2 == 1) {
+                    hostile_run(study, gains, bound, seed)?
                 } else {
                     class_run(study, gains, bound, seed)?
                 });

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::Certificate;
+use crate::{Certificate, ClassBound};
 
 /// Assumption of a theorem: its number in `docs/theory` and its text for a reader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -67,14 +67,14 @@ const CLASS: [Assumption; 8] = [
         "C1",
         "links and joints do not bend, as for A1; the payload is a constant of the stated set",
     ),
-    assume("C2", "all other forces are at most the stated friction"),
+    assume("C2", "all other forces are at most the stated friction, stiction and cogging"),
     assume(
         "C3",
         "torques act whole samples late and are constant over a sample; measurements are not late",
     ),
     assume(
         "C4",
-        "a reading is off by at most half a quantum and the stated bias; no noise, no ripple",
+        "a reading is off by at most half a quantum, the stated bias and the stated largest noise",
     ),
     assume("C5", "references stay in the box and within its speed, acceleration and jerk"),
     assume("C6", "the start is at rest and in balance"),
@@ -98,24 +98,39 @@ const SUPERVISED: [Assumption; 3] = [
     assume("C11", "every sample comes in time, and no fault is reported"),
 ];
 
+/// Assumptions of such a bound about signals, where they are imperfect.
+const JITTER: Assumption = assume(
+    "C12",
+    "samples are taken early by at most the stated jitter, and nobody takes note of it",
+);
+const LOSSES: Assumption = assume(
+    "C13",
+    "no more commands are lost in a row, and no sooner again, than stated; none while it is armed",
+);
+
 impl Certificate {
     /// Assumptions under which the claims hold; of several kinds of bounds, those of the one that is printed.
     pub fn assumptions(&self) -> Vec<Assumption> {
         match (&self.tube, &self.class) {
             (Some(_), _) => TUBE.to_vec(),
-            (None, Some(class)) if class.is_supervised() => {
-                let own = CLASS.into_iter().filter(|one| one.number != "C6");
-                own.chain(SUPERVISED).collect()
-            }
-            (None, Some(_)) => CLASS.to_vec(),
+            (None, Some(class)) => of_class(class),
             (None, None) => LOOP.to_vec(),
         }
     }
 }
 
+fn of_class(class: &ClassBound) -> Vec<Assumption> {
+    let (supervised, signals) = (class.is_supervised(), class.signals.as_ref());
+    let own = CLASS.into_iter().filter(|one| !supervised || one.number != "C6");
+    let started = SUPERVISED.into_iter().filter(|_| supervised);
+    let early = signals.filter(|own| own.jitter_s > 0.0).map(|_| JITTER);
+    let lost = signals.filter(|own| own.commands_lost > 0).map(|_| LOSSES);
+    own.chain(started).chain(early).chain(lost).collect()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{CLASS, LOOP, SUPERVISED, TUBE};
+    use super::{CLASS, JITTER, LOOP, LOSSES, SUPERVISED, TUBE};
 
     #[test]
     fn every_assumption_stands_in_the_theory_under_its_number() {
@@ -123,7 +138,9 @@ mod tests {
             include_str!("../../../docs/theory/assumptions.md"),
             include_str!("../../../docs/theory/class.md")
         );
-        for one in LOOP.iter().chain(&TUBE).chain(&CLASS).chain(&SUPERVISED) {
+        for one in
+            LOOP.iter().chain(&TUBE).chain(&CLASS).chain(&SUPERVISED).chain([&JITTER, &LOSSES])
+        {
             let row = [format!("| **{}** ", one.number), format!("| {} |", one.number)];
             assert!(row.iter().any(|row| theory.contains(row)), "{}", one.number);
             assert!(one.text.len() < 115, "{}", one.text);

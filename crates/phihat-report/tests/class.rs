@@ -37,6 +37,7 @@ fn of_class() -> Fixture {
         start_nm: vec![0.0; 3],
         start_s: 0.0,
         reading_rad: vec![1e-5; 3],
+        signals: None,
         error_bound_rad: above(|j| j.error_peak_rad),
         velocity_error_bound_rad_s: above(|j| j.velocity_error_steady_max_rad_s),
         torque_step_nm: above(|j| j.tau_step_max_nm),

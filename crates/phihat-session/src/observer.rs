@@ -79,8 +79,8 @@ fn bound_on_measured_error(study: &Study, gains: &Gains) -> Option<Vec<f64>> {
         Some(own) => class.covers(own.reference_box.as_ref(), own.motion.as_ref()),
         None => matches!(study.reference, ReferenceRequest::Any { .. }),
     };
-    let ends = class.error_bound_rad.iter().zip(&class.reading_rad);
-    covered.then(|| ends.map(|(error, reading)| error + reading).collect())
+    let ends = class.error_bound_rad.iter().enumerate();
+    covered.then(|| ends.map(|(i, error)| error + class.reading(i)).collect())
 }
 
 /// Shares of that bound that the measured errors of a run take up; `None`: there is no such bound.

@@ -38,6 +38,7 @@ fn effects_of_size_zero_leave_every_bit_as_it_is() {
         "velocity_noise_rad_s = 0.1",
         "torque_noise_nm = 0.0",
         "sample_jitter_s = 0.0",
+        "position_noise_max_rad = 0.0\nposition_noise_max_lsb = 0.0\nsample_stamps = \"nominal\"",
         "sample_delay_samples = 0",
         "wrap = true",
         "torque = \"demanded\"",
@@ -157,6 +158,32 @@ fn a_slow_drive_changes_its_torque_no_faster_than_it_can() {
     let joint = &free(&format!("{drive}{HOLD}")).trace.joints[0];
     let steps = joint.tau_applied.windows(2).map(|w| (w[1] - w[0]).abs());
     assert!((steps.fold(0.0, f64::max) - 0.05).abs() < 1e-9);
+}
+
+#[test]
+fn a_noise_with_a_bound_reaches_it_and_stays_within_it() {
+    let sensor = "[sensor]\nencoder_bits = 16\nposition_noise_max_lsb = 3.0\nposition_noise_max_rad = 1e-4\n";
+    let joint = &free(&format!("{sensor}{HOLD}")).trace.joints[0];
+    let quantum = core::f64::consts::TAU / 65536.0;
+    let most = 3.5 * quantum + 1e-4;
+    let off = joint.q_measured.iter().zip(&joint.q).map(|(m, q)| (m - q).abs());
+    let largest = off.fold(0.0, f64::max);
+    assert!(largest <= most * (1.0 + 1e-9) && largest > 0.8 * most, "{largest} {most}");
+}
+
+#[test]
+fn a_lost_command_leaves_the_torque_of_the_one_before() {
+    let outcome = free(&format!(
+        "[world.network]\ncommands_lost_max = 3\ncommands_lost_every_s = 0.05\n{TURN}"
+    ));
+    let joint = &outcome.trace.joints[0];
+    let pairs = joint.tau_applied.iter().zip(&joint.tau_command);
+    let lost: Vec<bool> = pairs.map(|(acts, told)| (acts - told).abs() > 0.0).collect();
+    let longest = lost.split(|own| !own).map(<[bool]>::len).max();
+    assert_eq!((lost[..50].contains(&true), longest), (false, Some(3)));
+    for (k, _) in lost.iter().enumerate().filter(|(_, lost)| **lost) {
+        assert!((joint.tau_applied[k] - joint.tau_applied[k - 1]).abs() < 1e-12, "{k}");
+    }
 }
 
 #[test]

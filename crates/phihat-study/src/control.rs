@@ -6,7 +6,7 @@ use crate::arm::StudyArm;
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::node::Node;
 use crate::robot_value::{choose, limits};
-use crate::study::{Control, DrivesBeyond, GainsRequest, LawRequest, Sensor};
+use crate::study::{Control, DrivesBeyond, GainsRequest, LawRequest, SampleStamps, Sensor};
 
 /// Control samples of a run at most: a trace of 7 joints then takes some 4 GiB.
 const SAMPLES_MAX: f64 = 4e6;
@@ -126,10 +126,15 @@ pub(crate) fn read_sensor(
             _ => TorqueSource::Applied,
         },
         position_noise: arm.joints.numbers(node, "position_noise_rad")?,
+        position_noise_max: noise_max(node, arm)?,
         position_bias: arm.joints.numbers(node, "position_bias_rad")?,
         velocity_noise: arm.joints.numbers(node, "velocity_noise_rad_s")?,
         torque_noise: arm.joints.numbers(node, "torque_noise_nm")?,
         jitter: jitter(node, rate)?,
+        stamps: match node.word("sample_stamps")? {
+            "nominal" => SampleStamps::Nominal,
+            _ => SampleStamps::Taken,
+        },
         delay_samples: node.small_count("sample_delay_samples")?,
         at_motor: node.word("encoder_at")? == "motor",
         wrap: node.flag("wrap")?,
@@ -146,6 +151,27 @@ fn below_half(node: &Node<'_>, key: &str, rate: f64) -> Result<Option<f64>, Stud
         node.note(error.with_help(format!("at most {} Hz", rate / 2.0)))?;
     }
     Ok(filter)
+}
+
+/// Most of a noise that has a bound \[rad\]: as stated, and so many quanta of the encoder.
+fn noise_max(node: &Node<'_>, arm: &StudyArm) -> Result<Vec<f64>, StudyError> {
+    let mut most = arm.joints.numbers(node, "position_noise_max_rad")?;
+    let quanta = arm.joints.numbers(node, "position_noise_max_lsb")?;
+    if quanta.iter().all(|own| *own <= 0.0) {
+        return Ok(most);
+    }
+    let key = "encoder_bits";
+    let stated = arm.robot.joints.iter().map(|joint| joint.encoder_bits);
+    let bits = choose(node, arm, key, arm.joints.counts_or_word(node, key)?, stated)?;
+    let Some(bits) = bits else {
+        let message = "a noise in quanta of an encoder, and `encoder_bits` is \"none\"";
+        let error = node.error(Kind::Conflict, "position_noise_max_lsb", message);
+        return Err(error.with_help("state encoder_bits, or position_noise_max_rad"));
+    };
+    for ((most, own), bits) in most.iter_mut().zip(&quanta).zip(bits) {
+        *most += own * core::f64::consts::TAU * (-f64::from(bits)).exp2();
+    }
+    Ok(most)
 }
 
 fn jitter(node: &Node<'_>, rate: f64) -> Result<f64, StudyError> {

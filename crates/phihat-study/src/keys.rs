@@ -471,6 +471,19 @@ static SENSOR: FormatSection = FormatSection {
             "White noise on the position: standard deviation.",
         ),
         per_joint(
+            "position_noise_max_rad",
+            "rad",
+            NOISE,
+            "White noise on the position, before the encoder rounds it, of any size up to this: what the bound for \
+             a class of motions can count.",
+        ),
+        per_joint(
+            "position_noise_max_lsb",
+            "quanta",
+            NumberBounds::closed(0.0, 1e4),
+            "The same in quanta of the encoder, on top.",
+        ),
+        per_joint(
             "position_bias_rad",
             "rad",
             NumberBounds::within(10.0),
@@ -495,6 +508,14 @@ static SENSOR: FormatSection = FormatSection {
             need: Need::Number(0.0),
             doc: "Every sample is taken early by a random time up to this, at most one period; its time \
                   stamp says when.",
+        },
+        Key {
+            name: "sample_stamps",
+            unit: "",
+            shape: Shape::Word(&["taken", "nominal"]),
+            need: Need::Word("taken"),
+            doc: "Time that a sample's stamp says where it is taken early. `taken`: when it was; a supervisor's law \
+                  then takes the interval for what it was. `nominal`: when it was due, so that nobody knows.",
         },
         Key {
             name: "sample_delay_samples",

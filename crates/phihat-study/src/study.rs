@@ -280,6 +280,15 @@ pub enum DrivesBeyond {
     Allow,
 }
 
+/// Time that the stamp of a sample says which is taken early.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SampleStamps {
+    /// When it was taken.
+    Taken,
+    /// When it was due.
+    Nominal,
+}
+
 /// `[sensor]`: what the controller measures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensor {
@@ -295,6 +304,8 @@ pub struct Sensor {
     pub torque: TorqueSource,
     /// White noise on the position \[rad\] per joint, standard deviation.
     pub position_noise: Vec<f64>,
+    /// Most of a white noise on the position that has a bound \[rad\] per joint.
+    pub position_noise_max: Vec<f64>,
     /// Constant error of the position \[rad\] per joint.
     pub position_bias: Vec<f64>,
     /// White noise on a measured velocity \[rad/s\] per joint, standard deviation.
@@ -303,6 +314,8 @@ pub struct Sensor {
     pub torque_noise: Vec<f64>,
     /// Most that a sample is taken early \[s\].
     pub jitter: f64,
+    /// Time that a sample's stamp says.
+    pub stamps: SampleStamps,
     /// Delay of the measurements \[samples\], 0 … 8.
     pub delay_samples: u32,
     /// True if the motor's side of an elastic transmission is measured, not the link's.
@@ -350,6 +363,17 @@ pub struct Network {
     pub command: Loss,
     /// Measurements.
     pub sample: Loss,
+    /// Commands that are lost in a row, now and then; `None`: none.
+    pub rows: Option<LostRows>,
+}
+
+/// Rows of lost commands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LostRows {
+    /// Most commands in a row, at least 1.
+    pub most: u32,
+    /// Least time from the start of a row, or of the run, to the start of the next \[s\].
+    pub apart: f64,
 }
 
 /// Loss of messages.

@@ -7,8 +7,8 @@ use crate::payload;
 use crate::per_joint::{Joints, PerJoint};
 use crate::robot_value::limits;
 use crate::study::{
-    Drive, EndStops, Flexibility, Held, Loss, Network, Push, Start, Stiction, ToolForce, Wall,
-    World,
+    Drive, EndStops, Flexibility, Held, Loss, LostRows, Network, Push, Start, Stiction, ToolForce,
+    Wall, World,
 };
 
 pub(crate) fn read(top: &Node<'_>, arm: &StudyArm, duration: f64) -> Result<World, StudyError> {
@@ -73,7 +73,25 @@ fn network(node: &Node<'_>) -> Result<Network, StudyError> {
     Ok(Network {
         command: loss("command_loss", "command_burst_samples")?,
         sample: loss("sample_loss", "sample_burst_samples")?,
+        rows: lost_rows(node)?,
     })
+}
+
+fn lost_rows(node: &Node<'_>) -> Result<Option<LostRows>, StudyError> {
+    let (most, every) = ("commands_lost_max", "commands_lost_every_s");
+    let (count, apart) = (node.small_count(most)?, node.number_if(every));
+    match (count, apart) {
+        (0, None) => Ok(None),
+        (0, Some(_)) => {
+            let message = format!("`{every}` without `{most}`: how many are lost is not stated");
+            Err(node.error(Kind::Conflict, every, message))
+        }
+        (_, None) => {
+            let message = format!("`{most}` without `{every}`: how often is not stated");
+            Err(node.error(Kind::Conflict, most, message).with_help(format!("state {every}")))
+        }
+        (most, Some(apart)) => Ok(Some(LostRows { most, apart })),
+    }
 }
 
 /// When something begins: before the end of the run.

@@ -400,6 +400,22 @@ static NETWORK: FormatSection = FormatSection {
         burst("command_burst_samples"),
         probability("sample_loss", "Share of measurements that are lost, or come late."),
         burst("sample_burst_samples"),
+        Key {
+            name: "commands_lost_max",
+            unit: "samples",
+            shape: Shape::Number(NumberBounds::integers(0.0, 20.0)),
+            need: Need::Count(0),
+            doc: "Most commands that are lost in a row, every `commands_lost_every_s`: a loss with a bound, which the \
+                  bound for a class of motions can count.",
+        },
+        Key {
+            name: "commands_lost_every_s",
+            unit: "s",
+            shape: Shape::Number(NumberBounds::positive(86_400.0)),
+            need: Need::Optional("no row of commands is lost"),
+            doc: "Least time from the start of such a row, or of the run, to the start of the next one; half of the \
+                  times are that, the others up to twice as long.",
+        },
     ],
 };
 

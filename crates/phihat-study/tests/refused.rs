@@ -228,6 +228,14 @@ const LOOP_AND_SENSOR: &[Case] = &[
     (20, "delay_ms = 1", "loop.delay_ms", WrongUnit, "write `delay_samples`"),
     (23, "encoder_bits = 0", "sensor.encoder_bits", OutOfRange, "1 to 32"),
     (23, "encoder_bits = [18, 33, 18]", "sensor.encoder_bits[1]", OutOfRange, "1 to 32"),
+    (
+        23,
+        "position_noise_max_lsb = 1.0",
+        "sensor.position_noise_max_lsb",
+        Conflict,
+        "quanta of an encoder",
+    ),
+    (24, "sample_stamps = 'exact'", "sensor.sample_stamps", UnknownName, "nominal"),
     (24, "velocity = 'difference'", "sensor.velocity", UnknownName, "did you mean `differenced`?"),
     (
         24,
@@ -239,6 +247,27 @@ const LOOP_AND_SENSOR: &[Case] = &[
 ];
 
 const WORLD: &[Case] = &[
+    (
+        29,
+        "network = { commands_lost_max = 3 }",
+        "world.network.commands_lost_max",
+        Conflict,
+        "how often is not stated",
+    ),
+    (
+        29,
+        "network = { commands_lost_every_s = 0.5 }",
+        "world.network.commands_lost_every_s",
+        Conflict,
+        "how many are lost is not stated",
+    ),
+    (
+        29,
+        "network = { commands_lost_max = 21, commands_lost_every_s = 0.5 }",
+        "world.network.commands_lost_max",
+        OutOfRange,
+        "0 to 20",
+    ),
     (27, "gravity_m_s2 = [0.0, -9.81]", "world.gravity_m_s2", WrongLength, "2 numbers, expected 3"),
     (27, "gravity_m_s2 = 9.81", "world.gravity_m_s2", WrongType, "an array of numbers"),
     (27, "friction = true", "world.friction", WrongType, "expected a string, found a boolean"),

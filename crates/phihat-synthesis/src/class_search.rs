@@ -152,7 +152,8 @@ pub(crate) fn for_class(study: &Study, arm: &Arm) -> Result<Outcome, SynthesisEr
                 radius = Some(own);
                 shares.iter().map(|share| (1.4 * share).min(SHARES.1)).collect()
             }
-            Err(ClassRefusal::Unstable(_)) => {
+            // Softer ones change their commands less after a loss.
+            Err(ClassRefusal::Unstable(_) | ClassRefusal::Losses { .. }) => {
                 shares.iter().map(|share| (0.7 * share).max(SHARES.0)).collect()
             }
             Err(why) => return Err(why.into()),

@@ -90,6 +90,16 @@ impl ClassBound {
             let fine = *value >= 0.0 && value.is_finite();
             yes(CLAIM, "0 ≤ start out of balance < ∞", *value, 0.0, fine)?;
         }
+        if let Some(signals) = &self.signals {
+            let lists = [&signals.stiction_nm, &signals.stiction_nm_s_rad];
+            let sized = lists.iter().all(|list| list.len() == n);
+            yes(CLAIM, "one stiction per joint", 0.0, n as f64, sized)?;
+            let numbers = lists.into_iter().flatten();
+            for value in numbers.chain([&signals.jitter_s, &signals.lost_every_s]) {
+                let fine = *value >= 0.0 && value.is_finite();
+                yes(CLAIM, "0 ≤ imperfection of a signal < ∞", *value, 0.0, fine)?;
+            }
+        }
         let (low, high) = &self.box_rad;
         let same = low.len() == n && high.len() == n;
         yes(CLAIM, "one end of the box per joint", low.len() as f64, n as f64, same)?;

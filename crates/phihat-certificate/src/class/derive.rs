@@ -314,7 +314,7 @@ impl ClassSetting<'_> {
     ) -> Result<PlayedPosture, Refutation> {
         let dynamics = Dynamics::at(model, self.added.as_ref(), q);
         let inverse = crate::coupled::inverse(&dynamics.mass, self.n)?;
-        let sums = PlayedSums::at(loops, (&dynamics, &inverse), self.period)?;
+        let sums = PlayedSums::at(loops, (&dynamics, &inverse), (self.period, self.rows))?;
         let sizes = |m: &crate::Matrix| m.iter().flatten().map(|x| x.abs()).collect();
         Ok(PlayedPosture { sums, mass: sizes(&dynamics.mass), inverse: sizes(&inverse) })
     }

@@ -25,6 +25,8 @@ use crate::{FrozenPayload, TubePayloadSet};
 /// start may then be out of balance by `start_nm`, for at most `start_s` before the law's first sample. Samples come in
 /// time, and no fault is reported; in a safe stop the claim ends.
 ///
+/// With [`signals`](Self::signals) the same holds with these imperfections of stiction, sampling and commands.
+///
 /// # Not claimed
 ///
 /// The maxima over box and payloads are the largest of a search (assumption C8 of docs/theory/class.md), not proved.
@@ -52,6 +54,9 @@ pub struct ClassBound {
     pub start_s: f64,
     /// Largest error of a reading \[rad\] per joint.
     pub reading_rad: Vec<f64>,
+    /// Imperfections that it counts beside forces and errors of readings; `None`: none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub signals: Option<ClassSignals>,
     /// Bound on `|e|` \[rad\] per joint.
     #[serde(alias = "error_rad")]
     pub error_bound_rad: Vec<f64>,
@@ -78,6 +83,36 @@ pub struct ClassBound {
     /// The same laws at other paces; informs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub paces: Vec<ClassPace>,
+}
+
+/// Imperfect signals that a bound for a class counts, as docs/theory/class.md has them (C12 to C14).
+///
+/// Joint by joint, stiction of bristles that are damped is a force of any course with
+/// `|f| ≤ max(stiction_nm, stiction_nm_s_rad |q̇|)`, of which `force_nm` has the first part.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClassSignals {
+    /// Breakaway level \[N·m\] per joint; 0 without stiction.
+    pub stiction_nm: Vec<f64>,
+    /// Force of the bristles' damping per speed \[N·m·s/rad\] per joint, `σ_1 (1 + ρ)`.
+    pub stiction_nm_s_rad: Vec<f64>,
+    /// Most that a sample is taken early without anybody's knowledge \[s\].
+    pub jitter_s: f64,
+    /// Most commands that are lost in a row; 0: none is.
+    pub commands_lost: u32,
+    /// Least time between the starts of two such rows \[s\]; 0 where none is lost.
+    pub lost_every_s: f64,
+}
+
+impl ClassSignals {
+    /// Returns true if nothing is imperfect.
+    pub fn is_perfect(&self) -> bool {
+        let none = |list: &[f64]| list.iter().all(|own| *own <= 0.0);
+        none(&self.stiction_nm)
+            && none(&self.stiction_nm_s_rad)
+            && self.jitter_s <= 0.0
+            && self.commands_lost == 0
+    }
 }
 
 /// A posture that sets the error of a joint.
@@ -134,6 +169,15 @@ impl ClassBound {
             && within(speed, &self.speed_max_rad_s)
             && within(acceleration, &self.acceleration_max_rad_s2)
             && within(jerk, &self.jerk_max_rad_s3)
+    }
+
+    /// Largest error of a reading of a joint \[rad\], with what jitter adds to it: `N + (v + V) t_J`; 0 for no such
+    /// joint.
+    pub fn reading(&self, joint: usize) -> f64 {
+        let at = |list: &[f64]| list.get(joint).copied().unwrap_or(0.0);
+        let early = self.signals.as_ref().map_or(0.0, |signals| signals.jitter_s);
+        let speed = at(&self.speed_max_rad_s) + at(&self.velocity_error_bound_rad_s);
+        at(&self.reading_rad) + early * speed
     }
 
     /// The largest bound on `|e|` of a joint \[rad\], and the joint's index.

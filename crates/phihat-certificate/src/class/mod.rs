@@ -2,7 +2,7 @@
 //!
 //! docs/theory/class.md has the theorem; `derive` is the way in of the second derivation:
 //!
-//! 1. `setting`: class, forces, readings, payloads and start, read from a study.
+//! 1. `setting`, `signals`: class, forces, readings, payloads and start, imperfect signals, read from a study.
 //! 2. `places`: numbers of a seed, and postures drawn by them.
 //! 3. `dynamics`, `bends`: the arm's matrices at a posture, and maxima of their derivatives.
 //! 4. `maxima`: torques and their rates over the class.
@@ -21,10 +21,11 @@ mod maxima;
 mod places;
 mod setting;
 mod shared;
+mod signals;
 mod solve;
 mod sums;
 mod words;
 
 pub use along::{AlongBound, KnownMotion};
 pub use derive::{ClassAgain, ClassPair, JointOfClass};
-pub use document::{ClassBound, ClassPace, ClassWitness};
+pub use document::{ClassBound, ClassPace, ClassSignals, ClassWitness};

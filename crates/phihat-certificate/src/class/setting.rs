@@ -3,8 +3,10 @@
 use phihat_model::{Body, Model, Rotor};
 use phihat_study::{Held, Known, MotionClass, Study};
 
-use super::document::ClassBound;
+use super::document::{ClassBound, ClassSignals};
 use super::maxima::{ClassTorques, Maxima};
+use super::signals::{imperfect, lost_rows, without_imperfections};
+use super::sums::LostSpacing;
 use crate::check::agree::agrees;
 use crate::check::plausible::at_most;
 use crate::extremes::larger;
@@ -35,6 +37,9 @@ pub(super) struct ClassSetting<'a> {
     /// Largest age of what is fed forward \[samples\].
     pub(super) late: f64,
     pub(super) start: ClassStart,
+    /// Stiction, jitter, lost commands.
+    pub(super) signals: ClassSignals,
+    pub(super) rows: Option<LostSpacing>,
 }
 
 /// Start of the law, as a study has it.
@@ -128,13 +133,24 @@ pub(super) fn rotors(study: &Study) -> &'static [Rotor] {
     if study.robot.has_rotor_interval() { &[Rotor::Least, Rotor::Most] } else { &[Rotor::Stated] }
 }
 
-/// Level of forces of any course \[N·m\] per joint: dry friction, pushes.
-fn forces(study: &Study) -> Vec<f64> {
-    let mut dry = study.design.coulomb.1.clone();
+/// Level of forces of any course \[N·m\] per joint: dry friction or its breakaway level, cogging, pushes.
+fn forces(study: &Study, signals: &ClassSignals) -> Vec<f64> {
+    let level = study.design.coulomb.1.iter().zip(&signals.stiction_nm);
+    let mut dry: Vec<f64> = level.map(|(dry, sticks)| larger(*dry, *sticks)).collect();
+    for (i, dry) in dry.iter_mut().enumerate() {
+        *dry += study.world.drive.as_ref().map_or(0.0, |drive| drive.cogging[i]);
+    }
     for push in &study.world.pushes {
         dry[push.joint] += push.torque.abs();
     }
     dry
+}
+
+/// Largest error of a joint's reading \[rad\]: half a quantum, bias, noise.
+fn reading(study: &Study, i: usize) -> f64 {
+    let sensor = &study.sensor;
+    let quantum = sensor.encoder_bits.as_ref().map_or(0.0, |bits| TorqueNoise::quantum(bits[i]));
+    0.5 * quantum + sensor.position_bias[i].abs() + sensor.position_noise_max[i]
 }
 
 /// Model of what is fed forward, and true if that is gravity alone; its dry friction goes to the forces.
@@ -180,8 +196,7 @@ impl<'a> ClassSetting<'a> {
             1.0,
             plain,
         )?;
-        let mut alone = study.clone();
-        alone.supervisor = None;
+        let alone = without_imperfections(study);
         crate::tube::counted(&alone).map_err(|why| refuse(CLAIM, &why.to_string(), 1.0, 0.0))?;
         let start = ClassStart::of(study)?;
         let profile = &study.interface.profile;
@@ -189,7 +204,8 @@ impl<'a> ClassSetting<'a> {
             profile.adds_friction <= 0.0 && !(profile.adds_gravity && study.feedforward.is_some());
         Refutation::unless(CLAIM, "nothing but gravity is added by the robot", 1.0, 0.0, lone)?;
         let delay = models.iter().map(|m| m.delay_samples).max().unwrap_or(0);
-        let mut dry = forces(study);
+        let signals = imperfect(study)?;
+        let mut dry = forces(study, &signals);
         let fed = fed_forward(study, &mut dry)?;
         let slope = |i: usize| {
             let own = study.robot.joints[i].friction;
@@ -200,18 +216,13 @@ impl<'a> ClassSetting<'a> {
                 acts.sigmoid.map_or(0.0, |s| (s.amplitude_nm * s.steepness_s_rad).abs() / 4.0);
             acts.viscous.abs() + study.world.extra_viscous[i].abs() + bend
         };
-        let bits = study.sensor.encoder_bits.as_deref();
-        let reading = |i: usize| {
-            let quantum = bits.map_or(0.0, |bits| TorqueNoise::quantum(bits[i]));
-            0.5 * quantum + study.sensor.position_bias[i].abs()
-        };
         Ok(Self {
             n,
             period: study.control.period_ns as f64 * 1e-9,
             class,
             nominal: gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect(),
             slope: (0..n).map(slope).collect(),
-            reading: (0..n).map(reading).collect(),
+            reading: (0..n).map(|i| reading(study, i)).collect(),
             dry,
             fed,
             added: profile
@@ -219,6 +230,8 @@ impl<'a> ClassSetting<'a> {
                 .then(|| study.robot.plant_model().with_gravity(study.world.gravity)),
             late: if start.supervised { f64::from(delay) + 1.0 } else { 0.5 },
             start,
+            rows: lost_rows(study)?,
+            signals,
         })
     }
 
@@ -239,6 +252,9 @@ impl<'a> ClassSetting<'a> {
                 agrees(CLAIM, &format!("{what} of the study"), (*own, *right), SAME)?;
             }
         }
+        let own = claimed.signals.clone().filter(|own| !own.is_perfect());
+        let right = Some(&self.signals).filter(|own| !own.is_perfect());
+        Refutation::unless(CLAIM, "signals of the study", 1.0, 0.0, own.as_ref() == right)?;
         let same = claimed.is_supervised() == self.start.supervised;
         Refutation::unless(CLAIM, "a supervisor, as in the study", 1.0, 0.0, same)?;
         if self.start.supervised {

@@ -4,8 +4,8 @@ use super::bends::ClassBends;
 use super::maxima::Maxima;
 use super::setting::{CLAIM, ClassSetting, SAME};
 use super::sums::{
-    AGED, BEGUN, E, EDGE, FREE, IMPULSE, JUMP_BENT, KINDS, LASTING, PlayedSums, RAMP, READING,
-    SLOPE, SLOPE_AGED, SLOPE_BENT, STEP, SquareBlock, TORQUE, V,
+    AGED, BEGUN, E, EDGE, FREE, IMPULSE, JUMP_BENT, KINDS, LASTING, LOST, PlayedSums, RAMP,
+    READING, SLOPE, SLOPE_AGED, SLOPE_BENT, STEP, SquareBlock, TORQUE, V,
 };
 use crate::Refutation;
 use crate::extremes::{Extremes as _, larger};
@@ -18,7 +18,7 @@ const ROUNDS: usize = 2000;
 const STRICT: f64 = 1.001;
 
 /// Error beyond which the iteration is given up \[rad\].
-const LOST: f64 = 2.0;
+const GIVEN_UP: f64 = 2.0;
 
 /// The sums at a posture with its matrices.
 pub(super) struct PlayedPosture {
@@ -53,8 +53,21 @@ struct PostureMaps {
     fixed: [Vec<f64>; KINDS],
 }
 
-/// Bounds on error and velocity error.
-type ErrorPair<'a> = (&'a [f64], &'a [f64]);
+/// Bounds on error, velocity error, and the change of the command from one sample to the next.
+#[derive(Clone, Copy)]
+struct AtBounds<'a> {
+    error: &'a [f64],
+    velocity: &'a [f64],
+    step: &'a [f64],
+}
+
+/// Inputs of a joint that depend on them: force of any course, `|N_e| V`, error of a reading, change of the command.
+struct BoundInputs {
+    torque: f64,
+    shift: f64,
+    reading: f64,
+    step: f64,
+}
 
 /// `row i of m · x`.
 fn along(m: &[f64], i: usize, x: &[f64]) -> f64 {
@@ -85,24 +98,26 @@ impl BoundProblem<'_> {
     pub(super) fn solve(&self, all: &[PlayedPosture]) -> Result<Solution, Refutation> {
         let n = self.setting.n;
         let maps: Vec<PostureMaps> = all.iter().map(|own| self.maps(own)).collect();
-        let open = || refuse(CLAIM, "the class closes at postures derived again", LOST, 1.0);
-        let (mut error, mut velocity) = (vec![0.0; n], vec![0.0; n]);
+        let open = || refuse(CLAIM, "the class closes at postures derived again", GIVEN_UP, 1.0);
+        let mut own = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
         let mut still = false;
         for _ in 0..ROUNDS {
-            let scaled =
-                |list: Vec<f64>| list.into_iter().map(|x| STRICT * x).collect::<Vec<f64>>();
-            let next = scaled(self.most((all, &maps), E, (&error, &velocity)));
-            let speed = scaled(self.most((all, &maps), V, (&error, &velocity)));
+            let next = self
+                .next((all, &maps), &own)
+                .map(|list| list.into_iter().map(|x| STRICT * x).collect::<Vec<f64>>());
             let moved = |a: &[f64], b: &[f64]| {
                 a.iter()
                     .zip(b)
                     .map(|(a, b)| (a - b).abs() / larger(*a, f64::MIN_POSITIVE))
                     .largest()
             };
-            let change = larger(moved(&next, &error), moved(&speed, &velocity));
-            (error, velocity) = (next, speed);
-            let lost = error.iter().copied().largest();
-            if lost.is_nan() || lost > LOST {
+            // Without lost commands nothing depends on the changes.
+            let depends = if self.setting.rows.is_some() { 3 } else { 2 };
+            let pairs = next.iter().zip(&own).take(depends);
+            let change = pairs.map(|(a, b)| moved(a, b)).largest();
+            own = next;
+            let lost = own[0].iter().copied().largest();
+            if lost.is_nan() || lost > GIVEN_UP {
                 return Err(open());
             }
             if change < SAME {
@@ -110,19 +125,30 @@ impl BoundProblem<'_> {
                 break;
             }
         }
-        let below =
-            |own: Vec<f64>, most: &[f64]| own.iter().zip(most).all(|(own, most)| own < most);
-        let strict = still
-            && below(self.most((all, &maps), E, (&error, &velocity)), &error)
-            && below(self.most((all, &maps), V, (&error, &velocity)), &velocity);
-        if !strict {
+        let below = |own: &[f64], most: &[f64]| own.iter().zip(most).all(|(own, most)| own < most);
+        let last = self.next((all, &maps), &own);
+        let needed = if self.setting.rows.is_some() { 3 } else { 2 };
+        if !still || !last.iter().zip(&own).take(needed).all(|(next, own)| below(next, own)) {
             return Err(open());
         }
-        let fed = self.maxima.fed.iter().map(|rate| self.setting.period * rate);
-        let steps = self.most((all, &maps), STEP, (&error, &velocity));
-        let step = steps.into_iter().zip(fed).map(|(own, fed)| own + fed).collect();
-        let torque = self.torques((all, &maps), (&error, &velocity));
+        let [_, _, step] = last;
+        let torque = self.torques((all, &maps), bounds(&own));
+        let [error, velocity, _] = own;
         Ok(Solution { error, velocity, step, torque })
+    }
+
+    /// Bounds on error, velocity error and change of the command from such bounds.
+    fn next(
+        &self,
+        played: (&[PlayedPosture], &[PostureMaps]),
+        own: &[Vec<f64>; 3],
+    ) -> [Vec<f64>; 3] {
+        let at = bounds(own);
+        let [error, velocity, mut step] = [E, V, STEP].map(|o| self.most(played, o, at));
+        for (step, rate) in step.iter_mut().zip(&self.maxima.fed) {
+            *step += self.setting.period * rate;
+        }
+        [error, velocity, step]
     }
 
     /// Matrices and fixed answers of a posture.
@@ -169,14 +195,8 @@ impl BoundProblem<'_> {
             sum += if boxed < smooth { boxed } else { smooth };
             sum += ramp * setting.slope[j] * setting.class.acceleration[j];
             sum += torque * (setting.dry[j] + self.held(j) + self.added(j, &setting.class.speed));
-            sum += (sizes[READING][at] + sizes[BEGUN][at]) * setting.reading[j];
             let start = start.get(j).copied().unwrap_or(0.0);
             sum += (sizes[LASTING][at] + before * sizes[IMPULSE][at]) * start;
-            if o == E {
-                let moved = along(&self.bends.moved, j, &setting.reading);
-                let begun = along(&self.bends.started, j, &setting.reading);
-                sum += sizes[EDGE][at] * moved + sizes[IMPULSE][at] * begun;
-            }
         }
         sum
     }
@@ -191,17 +211,63 @@ impl BoundProblem<'_> {
         self.setting.period * along(&self.bends.added, j, velocity)
     }
 
-    /// Force of any course that errors are of second order in, and `|N_e| V`.
-    fn second(&self, j: usize, (error, velocity): ErrorPair<'_>) -> (f64, f64) {
-        let bends = self.bends;
-        let torque = self.setting.slope[j] * velocity[j]
+    /// Inputs of a joint that depend on bounds: forces that errors are of second order in, stiction, `|N_e| V`,
+    /// readings.
+    fn inputs(&self, j: usize, AtBounds { error, velocity, step }: AtBounds<'_>) -> BoundInputs {
+        let (bends, setting) = (self.bends, self.setting);
+        let signals = &setting.signals;
+        let speed = setting.class.speed[j] + velocity[j];
+        let slides = signals.stiction_nm_s_rad[j] * speed - signals.stiction_nm[j];
+        let torque = setting.slope[j] * velocity[j]
+            + larger(0.0, slides)
             + self.added(j, velocity)
             + 0.5 * bilinear(&bends.gravity, j, (error, error))
             + bilinear(&bends.turned, j, (error, velocity))
             + 0.5 * bilinear(&bends.coriolis, j, (velocity, velocity))
             + bilinear(&bends.masses, j, (velocity, velocity))
             + bilinear(&bends.bent, j, (error, velocity));
-        (torque, bilinear(&bends.masses, j, (error, velocity)))
+        BoundInputs {
+            torque,
+            shift: bilinear(&bends.masses, j, (error, velocity)),
+            reading: setting.reading[j] + signals.jitter_s * speed,
+            step: step[j],
+        }
+    }
+
+    fn all_inputs(&self, at: AtBounds<'_>) -> Vec<BoundInputs> {
+        (0..self.setting.n).map(|j| self.inputs(j, at)).collect()
+    }
+
+    /// An output at one posture, joint by joint.
+    fn output(
+        &self,
+        (own, maps): (&PlayedPosture, &PostureMaps),
+        o: usize,
+        (inputs, at): (&[BoundInputs], AtBounds<'_>),
+    ) -> Vec<f64> {
+        let n = self.setting.n;
+        let sizes = &own.sums.sizes[o];
+        let readings: Vec<f64> = inputs.iter().map(|input| input.reading).collect();
+        let joint = |i: usize| {
+            let mut sum = maps.fixed[o][i] + along(&maps.error[o], i, at.error);
+            sum += along(&maps.velocity[o], i, at.velocity);
+            for (j, input) in inputs.iter().enumerate() {
+                let at = i * n + j;
+                sum += sizes[TORQUE][at] * input.torque + sizes[SLOPE][at] * input.shift;
+                sum += (sizes[READING][at] + sizes[BEGUN][at]) * input.reading;
+                sum += sizes[LOST][at] * input.step;
+                if o == E {
+                    let moved = along(&self.bends.moved, j, &readings);
+                    let begun = along(&self.bends.started, j, &readings);
+                    sum += sizes[EDGE][at] * moved + sizes[IMPULSE][at] * begun;
+                }
+                if o == V {
+                    sum += own.inverse[at] * input.shift;
+                }
+            }
+            sum
+        };
+        (0..n).map(joint).collect()
     }
 
     /// The largest value of an output over the postures, joint by joint, from bounds on error and velocity error.
@@ -209,13 +275,13 @@ impl BoundProblem<'_> {
         &self,
         (all, maps): (&[PlayedPosture], &[PostureMaps]),
         o: usize,
-        at: ErrorPair<'_>,
+        at: AtBounds<'_>,
     ) -> Vec<f64> {
         let n = self.setting.n;
-        let inputs: Vec<(f64, f64)> = (0..n).map(|j| self.second(j, at)).collect();
+        let inputs = self.all_inputs(at);
         let mut most = vec![0.0; n];
         for pair in all.iter().zip(maps) {
-            let own = output(pair, o, (&inputs, at));
+            let own = self.output(pair, o, (&inputs, at));
             most.iter_mut().zip(own).for_each(|(most, own)| *most = larger(*most, own));
         }
         most
@@ -225,13 +291,13 @@ impl BoundProblem<'_> {
     fn torques(
         &self,
         (all, maps): (&[PlayedPosture], &[PostureMaps]),
-        at: ErrorPair<'_>,
+        at: AtBounds<'_>,
     ) -> Vec<f64> {
         let (setting, maxima, n) = (self.setting, self.maxima, self.setting.n);
-        let inputs: Vec<(f64, f64)> = (0..n).map(|j| self.second(j, at)).collect();
+        let inputs = self.all_inputs(at);
         let mut most = vec![0.0; n];
         for pair in all.iter().zip(maps) {
-            let free = output(pair, FREE, (&inputs, at));
+            let free = self.output(pair, FREE, (&inputs, at));
             for (i, most) in most.iter_mut().enumerate() {
                 *most = larger(*most, along(&pair.0.mass, i, &free));
             }
@@ -249,25 +315,7 @@ impl BoundProblem<'_> {
     }
 }
 
-/// An output at one posture, joint by joint.
-fn output(
-    (own, maps): (&PlayedPosture, &PostureMaps),
-    o: usize,
-    (inputs, (error, velocity)): (&[(f64, f64)], ErrorPair<'_>),
-) -> Vec<f64> {
-    let n = error.len();
-    let sizes = &own.sums.sizes[o];
-    let joint = |i: usize| {
-        let mut sum = maps.fixed[o][i] + along(&maps.error[o], i, error);
-        sum += along(&maps.velocity[o], i, velocity);
-        for (j, (torque, shift)) in inputs.iter().enumerate() {
-            let at = i * n + j;
-            sum += sizes[TORQUE][at] * torque + sizes[SLOPE][at] * shift;
-            if o == V {
-                sum += own.inverse[at] * shift;
-            }
-        }
-        sum
-    };
-    (0..n).map(joint).collect()
+/// The bounds by name.
+fn bounds([error, velocity, step]: &[Vec<f64>; 3]) -> AtBounds<'_> {
+    AtBounds { error, velocity, step }
 }

@@ -39,7 +39,9 @@ pub(super) const LASTING: usize = 9;
 pub(super) const IMPULSE: usize = 10;
 pub(super) const BEGUN: usize = 11;
 pub(super) const EDGE: usize = 12;
-const SIZES: usize = 13;
+/// Rows of lost commands, per change of the command from one sample to the next; 0 without any.
+pub(super) const LOST: usize = 13;
+const SIZES: usize = 14;
 
 /// A square matrix, row by row.
 pub(super) type SquareBlock = Vec<f64>;
@@ -109,18 +111,20 @@ fn straight(a: f64, b: f64) -> f64 {
     0.5 * (a * a + b * b) / (a - b).abs()
 }
 
-/// Answers of one sample: `[output]`, square: after a kick, a misreading, a displaced arm, a law that began off.
+/// Answers of one sample: `[output]`, square: after a kick, a misreading, a displaced arm, a law that began off, a
+/// command other than the law's.
 struct Answers {
     kick: [SquareBlock; KINDS],
     read: [SquareBlock; KINDS],
     arm: [SquareBlock; KINDS],
     law: [SquareBlock; KINDS],
+    lost: [SquareBlock; KINDS],
 }
 
 impl Answers {
     fn new(n: usize) -> Self {
         let each = || core::array::from_fn(|_| vec![0.0; n * n]);
-        Self { kick: each(), read: each(), arm: each(), law: each() }
+        Self { kick: each(), read: each(), arm: each(), law: each(), lost: each() }
     }
 }
 
@@ -157,16 +161,20 @@ impl PlayedSums {
     pub(super) fn at(
         loops: &[(&JointRecord, &LoopModel)],
         (dynamics, inverse): (&Dynamics, &Matrix),
-        period: f64,
+        (period, rows): (f64, Option<LostSpacing>),
     ) -> Result<Self, Refutation> {
         let n = loops.len();
         let decay = TailDecay::of(loops, inverse)?;
-        let mut played = PlayedRuns::new(loops, inverse, 4 * n);
+        let sets = if rows.is_some() { 5 } else { 4 };
+        let mut played = PlayedRuns::new(loops, inverse, sets * n);
         for j in 0..n {
             played.kick(j, j, 0.0);
             played.misread(n + j, j);
             played.displace(2 * n + j, j);
             played.begin(3 * n + j, j);
+            if rows.is_some() {
+                played.give_other(4 * n + j, j);
+            }
         }
         let blocks = WeightBlocks::of(dynamics, inverse);
         let mut own = Self {
@@ -176,8 +184,10 @@ impl PlayedSums {
             moving: core::array::from_fn(|_| vec![vec![0.0; n * n]; n]),
         };
         let (mut now, mut before) = (Answers::new(n), Before::new(n));
-        let mut commands = vec![vec![0.0; 4 * n]; n];
-        let mut recent = RecentSizes::new(4 * n, decay.block);
+        let mut commands = vec![vec![0.0; sets * n]; n];
+        let mut recent = RecentSizes::new(sets * n, decay.block);
+        // Sizes after another command, sample by sample.
+        let mut others: Vec<[SquareBlock; KINDS]> = Vec::new();
         let (mut most, mut rested) = (0.0, false);
         for sample in 0..LONGEST {
             if rested {
@@ -191,20 +201,25 @@ impl PlayedSums {
                     0 => &mut now.kick,
                     1 => &mut now.read,
                     2 => &mut now.arm,
-                    _ => &mut now.law,
+                    3 => &mut now.law,
+                    _ => &mut now.lost,
                 };
                 for (into, value) in into.iter_mut().zip(values) {
                     into[at] = value;
                 }
             });
             own.take(sample, (&now, &mut before), &blocks, period);
+            if rows.is_some() {
+                others.push(now.lost.clone());
+            }
             if (sample + 1) % decay.block == 0 {
                 if rested {
+                    own.lose((&others, rows), (&decay, &recent), sample + 1);
                     own.finish((&decay, &recent, sample + 1), (&before, &blocks), period)?;
                     return Ok(own);
                 }
                 // One more block, whose sizes bound what comes after it.
-                let size = (0..4 * n).map(|run| played.size(run)).largest();
+                let size = (0..sets * n).map(|run| played.size(run)).largest();
                 most = larger(most, size);
                 rested = size < RESTED * most;
             }
@@ -337,6 +352,27 @@ impl PlayedSums {
         }
     }
 
+    /// Answers to rows of lost commands, with what comes after the last sample: there each sample counts once, with a
+    /// weight of at most the length of a row.
+    fn lose(
+        &mut self,
+        (others, rows): (&[[SquareBlock; KINDS]], Option<LostSpacing>),
+        (decay, recent): (&TailDecay, &RecentSizes),
+        samples: usize,
+    ) {
+        let Some(spacing) = rows else { return };
+        let n = self.n;
+        for o in 0..KINDS {
+            let (output, twice) = [(0, 1.0), (1, 1.0), (3, 2.0), (2, 1.0)][o];
+            for at in 0..n * n {
+                let sizes: Vec<f64> = others.iter().map(|own| own[o][at].abs()).collect();
+                let rest = twice * decay.rest((at / n, output), samples)[0];
+                let later = rest * recent.sum(4 * n + at % n);
+                self.sizes[o][LOST][at] = spacing.worst(&sizes) + spacing.most as f64 * later;
+            }
+        }
+    }
+
     /// Adds what comes after the last sample, and what lies between the samples: there `e` is off its chord by at most
     /// `T²/8` times `ë`.
     fn finish(
@@ -451,9 +487,49 @@ impl PlayedSums {
     }
 }
 
+/// Rows of lost commands: most in a row, and samples from the start of one to the next, at least.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LostSpacing {
+    pub(super) most: usize,
+    pub(super) apart: usize,
+}
+
+impl LostSpacing {
+    /// `Σ_r max_{s ≥ r S} Σ_{l=1}^m l |c_{s+1−l}|`: the `l`-th lost command in a row is off by at most `l` changes, and
+    /// `s` samples have gone since the first of the `r`-th row, backwards in time.
+    fn worst(self, sizes: &[f64]) -> f64 {
+        let row = |s: usize| -> f64 {
+            let each = (1..=self.most).filter_map(|l| {
+                let size = sizes.get((s + 1).checked_sub(l)?)?;
+                Some(l as f64 * size)
+            });
+            each.sum()
+        };
+        let mut whole: Vec<f64> = (0..sizes.len() + self.most).map(row).collect();
+        let mut most = 0.0;
+        for own in whole.iter_mut().rev() {
+            most = larger(most, *own);
+            *own = most;
+        }
+        whole.iter().step_by(self.apart.max(1)).sum()
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::straight;
+    use super::{LostSpacing, straight};
+
+    #[test]
+    fn rows_of_losses_add_up_as_of_a_kernel_that_halves() {
+        // c_k = 2^{−k}: the worst row has its last command now, 3 + 2/2 + 1/4, and every 4 samples before a 16th of it.
+        let sizes: Vec<f64> = (0..60).map(|k| 0.5_f64.powi(k)).collect();
+        let worst = LostSpacing { most: 3, apart: 4 }.worst(&sizes);
+        // From the start of the row on: 1, 2 + 1/2, 3 + 1 + 1/4 at s = 2, then half of it with each sample.
+        let wanted = 4.25 + 4.25 / 4.0 * (16.0 / 15.0);
+        assert!((worst - wanted).abs() < 1e-12, "{worst} {wanted}");
+        let one = LostSpacing { most: 1, apart: 60 }.worst(&sizes);
+        assert!((one - 1.0).abs() < 1e-15, "{one}");
+    }
 
     #[test]
     fn a_line_s_size_is_its_area() {

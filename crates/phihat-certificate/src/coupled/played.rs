@@ -78,8 +78,9 @@ impl<'a> PlayedJoint<'a> {
         power(exponent) / root
     }
 
-    /// One sample of one run: torques are in units of the joint's inertia. Gives what acts, and what is commanded.
-    fn step(&self, x: &mut [f64], reading: f64) -> LoopTorques {
+    /// One sample of one run: torques are in units of the joint's inertia. The drive is given so much torque more than
+    /// was commanded. Gives what acts, and what is commanded.
+    fn step(&self, x: &mut [f64], reading: f64, other: f64) -> LoopTorques {
         let t = self.model.period_s;
         let (position, x_mean) = (x[Q] + reading, x[MEAN]);
         let raw = match self.model.velocity {
@@ -95,6 +96,7 @@ impl<'a> PlayedJoint<'a> {
             x.copy_within(line + 1..line + self.late, line);
             x[line + self.late - 1] = commanded;
         }
+        let demand = demand + other;
         let acting = if self.model.drive_bandwidth_hz.is_some() { x[END] } else { demand };
         let gap = acting - demand;
         let mean = demand + self.gap[0] * gap;
@@ -126,6 +128,8 @@ pub(crate) struct PlayedRuns<'a> {
     states: Vec<Vec<Vec<f64>>>,
     /// `[joint][run]`: reading errors of the next sample \[rad\].
     readings: Vec<Vec<f64>>,
+    /// `[joint][run]`: torques beyond the commanded ones over the next sample, per unit of inertia.
+    others: Vec<Vec<f64>>,
 }
 
 impl<'a> PlayedRuns<'a> {
@@ -139,7 +143,7 @@ impl<'a> PlayedRuns<'a> {
             loops.iter().map(|(r, m)| PlayedJoint::new(r, m)).collect();
         let states = laws.iter().map(|law| vec![vec![0.0; law.length()]; runs]).collect();
         let readings = vec![vec![0.0; runs]; laws.len()];
-        Self { laws, inverse, states, readings }
+        Self { laws, inverse, states, others: readings.clone(), readings }
     }
 
     /// Length of the whole arm's state.
@@ -191,6 +195,13 @@ impl<'a> PlayedRuns<'a> {
         self.readings[joint][run] = 1.0;
     }
 
+    /// Gives the drive of a joint of a run 1 N·m more than was commanded over the next sample; its law is fed the
+    /// torque
+    /// that acts.
+    pub(crate) fn give_other(&mut self, run: usize, joint: usize) {
+        self.others[joint][run] = 1.0 / self.laws[joint].inertia;
+    }
+
     /// Largest part of a run's state, in its units.
     pub(crate) fn size(&self, run: usize) -> f64 {
         let mut most = 0.0_f64;
@@ -224,7 +235,8 @@ impl<'a> PlayedRuns<'a> {
             for (joint, law) in self.laws.iter().enumerate() {
                 let x = &mut self.states[joint][run];
                 let reading = core::mem::take(&mut self.readings[joint][run]);
-                told.push(([x[Q], x[DQ]], law.step(x, reading)));
+                let other = core::mem::take(&mut self.others[joint][run]);
+                told.push(([x[Q], x[DQ]], law.step(x, reading, other)));
             }
             for i in 0..n {
                 let (mut acceleration, mut push, mut lever) = (0.0, 0.0, 0.0);

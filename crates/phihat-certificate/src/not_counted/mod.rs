@@ -54,7 +54,7 @@ impl NotCounted {
         list.springs(springs);
         let class = matches!(reference, ReferenceRequest::Any { .. });
         list.sensor(sensor, class);
-        list.world(world);
+        list.world(world, class);
         list.interface(interface, class);
         if let Some(request) = supervisor {
             list.supervisor(request, class);
@@ -139,16 +139,22 @@ impl List {
             torque: _,
             delay_samples: _,
             position_noise,
+            position_noise_max,
             position_bias,
             velocity_noise,
             torque_noise,
             // Forbids the loop model.
             jitter: _,
+            stamps: _,
             // Another side only where the transmission is elastic, which forbids the loop model.
             at_motor: _,
             wrap,
         } = sensor;
         self.values("sensor.position_noise_rad", position_noise, 0.0);
+        if !class {
+            // The bound for a class counts it as an error of readings.
+            self.values("sensor.position_noise_max_rad", position_noise_max, 0.0);
+        }
         if !class && position_bias.iter().any(|bias| bias.is_nan() || bias.abs() > 0.0) {
             // A tube counts it as a misreading, like the encoder's, and so does the bound for a class.
             self.add("sensor.position_bias_rad", text(position_bias), LeftOut::AllButTube);

@@ -5,7 +5,7 @@ use phihat_study::{Drive, Loss, Network, Payload, World};
 use super::list::{LeftOut, List};
 
 impl List {
-    pub(super) fn world(&mut self, world: &World) {
+    pub(super) fn world(&mut self, world: &World, class: bool) {
         let World {
             // In φ along the reference; how they change with the error is in a tube.
             gravity: _,
@@ -33,8 +33,10 @@ impl List {
             start,
         } = world;
         self.values("world.friction_cold_factor", &[warm_up.0], 1.0);
-        // A joint that sticks hangs on its bristles: another loop.
-        let breakaway = stiction.as_ref().map(|stiction| &stiction.breakaway_ratio);
+        // A joint that sticks hangs on its bristles: another loop. To the bound for a class it is a force of any
+        // course.
+        let breakaway = stiction.as_ref().filter(|_| !class);
+        let breakaway = breakaway.map(|stiction| &stiction.breakaway_ratio);
         self.acting("world.stiction.breakaway_ratio", breakaway);
         let stops = end_stops.as_ref().map(|stops| &stops.stiffness);
         self.acting("world.end_stops.stiffness_nm_rad", stops);
@@ -46,9 +48,9 @@ impl List {
             self.add("world.push.force_n", text, LeftOut::Bounds);
         }
         if let Some(drive) = drive {
-            self.drive(drive);
+            self.drive(drive, class);
         }
-        self.network(network);
+        self.network(network, class);
         if let Some(payload) = payload {
             self.payload(payload);
         }
@@ -74,7 +76,7 @@ impl List {
         }
     }
 
-    fn drive(&mut self, drive: &Drive) {
+    fn drive(&mut self, drive: &Drive, class: bool) {
         let Drive {
             gain,
             gain_error,
@@ -92,15 +94,17 @@ impl List {
         self.values("world.drive.gain_error", gain_error, 0.0);
         self.values("world.drive.gain_drift_per_s", gain_drift, 0.0);
         self.values("world.drive.ripple", ripple, 0.0);
-        self.values("world.drive.cogging_nm", cogging, 0.0);
+        if !class {
+            self.values("world.drive.cogging_nm", cogging, 0.0);
+        }
         // The law does not see these limits: while one acts, nothing is claimed.
         self.acting("world.drive.torque_max_nm", torque_max.as_ref());
         self.acting("world.drive.torque_rate_max_nm_s", torque_rate_max.as_ref());
         self.acting("world.drive.no_load_speed_rad_s", no_load_speed.as_ref());
     }
 
-    fn network(&mut self, network: &Network) {
-        let Network { command, sample } = network;
+    fn network(&mut self, network: &Network, class: bool) {
+        let Network { command, sample, rows } = network;
         let losses =
             [("world.network.command_loss", command), ("world.network.sample_loss", sample)];
         for (key, loss) in losses {
@@ -109,6 +113,10 @@ impl List {
             if *share > 0.0 {
                 self.add(key, share, LeftOut::BoundsAndStability);
             }
+        }
+        if let Some(rows) = rows.filter(|_| !class) {
+            let text = format!("{} every {} s", rows.most, rows.apart);
+            self.add("world.network.commands_lost_max", text, LeftOut::BoundsAndStability);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The bound for every motion of a class, and the same laws at other paces.
 
-use phihat_design::{ClassBound, Gains};
+use phihat_design::{ClassBound, ClassSignals, Gains};
 
 use super::{MILLI, align, figure, plain_table, unit_of};
 
@@ -51,6 +51,7 @@ pub(crate) fn class(gains: &Gains) -> Option<String> {
             class.source
         ),
     ];
+    lines.extend(class.signals.as_ref().map(signals));
     lines.extend(paces(class, gains));
     Some(lines.join("\n"))
 }
@@ -66,6 +67,27 @@ fn start(class: &ClassBound) -> String {
          N·m a joint for {} ms, every sample in time, no fault",
         1e3 * class.start_s
     )
+}
+
+/// Imperfect signals that the bound counts, beside noise and cogging, which are among errors of readings and forces.
+fn signals(own: &ClassSignals) -> String {
+    let most = |list: &[f64]| list.iter().copied().fold(0.0, f64::max);
+    let sticks = most(&own.stiction_nm);
+    let all = [
+        (sticks > 0.0).then(|| {
+            format!(
+                "stiction of any course up to {sticks:.2} N·m, or {:.2} N·m·s/rad of a joint's \
+                 speed where that is more",
+                most(&own.stiction_nm_s_rad)
+            )
+        }),
+        (own.jitter_s > 0.0)
+            .then(|| format!("samples taken up to {} µs early", 1e6 * own.jitter_s)),
+        (own.commands_lost > 0).then(|| {
+            format!("{} commands lost in a row every {} s", own.commands_lost, own.lost_every_s)
+        }),
+    ];
+    format!("signals counted: {}", all.into_iter().flatten().collect::<Vec<_>>().join("; "))
 }
 
 /// How fast one may go for an error.

@@ -3,6 +3,7 @@
 use phihat_certificate::extremes::{Extremes as _, larger};
 
 use super::extent::{Bent, ClassPaceLimits, Rates};
+use super::refusal::ClassRefusal;
 use super::scene::ClassScene;
 use super::sums::{E, FREE, KINDS, PostureSums, STEP, V};
 use crate::square::product;
@@ -19,13 +20,15 @@ const LOST: f64 = 2.0;
 /// Factor on the solution, which is then checked once.
 pub(super) const INFLATED: f64 = 1.01;
 
-/// Bounds for a class.
+/// ClosedBounds for a class.
 #[derive(Debug, Clone)]
 pub(super) struct Closed {
     pub(super) error: Vec<f64>,
     pub(super) velocity: Vec<f64>,
     /// Largest change of the commanded torque per sample \[N·m\].
     pub(super) step: Vec<f64>,
+    /// The same as it was assumed for lost commands.
+    change: Vec<f64>,
     /// Largest torque \[N·m\].
     pub(super) torque: Vec<f64>,
     /// Error under the same forces if inertia and Coriolis torque stayed those of the posture.
@@ -118,12 +121,55 @@ struct Maps {
     on_velocity: [Vec<f64>; KINDS],
 }
 
+/// Part that does not close: errors of a motion, or changes of the command after commands that are lost; the spectral
+/// radius.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Unclosed {
+    Motion(f64),
+    Losses(f64),
+}
+
+impl Unclosed {
+    pub(super) fn radius(self) -> f64 {
+        match self {
+            Self::Motion(radius) | Self::Losses(radius) => radius,
+        }
+    }
+}
+
+impl From<Unclosed> for ClassRefusal {
+    fn from(own: Unclosed) -> Self {
+        match own {
+            Unclosed::Motion(radius) => Self::Open { radius },
+            Unclosed::Losses(radius) => Self::Losses { radius },
+        }
+    }
+}
+
 /// Inputs at bounds on error and velocity.
 struct ClassInputs {
     torque: Vec<f64>,
     ramp: Vec<f64>,
     /// `|N| V`, `N` the change of inertia by the error.
     shift: Vec<f64>,
+    /// Error of a reading, with what jitter adds to it.
+    reading: Vec<f64>,
+    /// Change of the command from one sample to the next.
+    change: Vec<f64>,
+}
+
+/// ClosedBounds on error, velocity error, and the change of the command from one sample to the next.
+#[derive(Debug, Clone)]
+struct ClosedBounds {
+    error: Vec<f64>,
+    velocity: Vec<f64>,
+    change: Vec<f64>,
+}
+
+impl ClosedBounds {
+    fn lists(&mut self) -> [&mut Vec<f64>; 3] {
+        [&mut self.error, &mut self.velocity, &mut self.change]
+    }
 }
 
 impl<'a> Problem<'a> {
@@ -212,7 +258,8 @@ impl<'a> Problem<'a> {
         (0..n).map(costs).collect()
     }
 
-    fn inputs(&self, boxed: &[bool], error: &[f64], velocity: &[f64]) -> ClassInputs {
+    fn inputs(&self, boxed: &[bool], at: &ClosedBounds) -> ClassInputs {
+        let ClosedBounds { error, velocity, change } = at;
         let (scene, rates, bent, n) = (self.scene, self.rates, self.bent, self.scene.n);
         let row =
             |m: &[f64], i: usize, x: &[f64]| -> f64 { (0..n).map(|k| m[i * n + k] * x[k]).sum() };
@@ -229,6 +276,7 @@ impl<'a> Problem<'a> {
             let size = if boxed[i] { rates.size[i] } else { 0.0 };
             let added = scene.period * self.moved_gravity(i, velocity);
             scene.dry[i]
+                + self.sliding(i, velocity)
                 + added
                 + size
                 + self.held(i)
@@ -244,7 +292,26 @@ impl<'a> Problem<'a> {
             torque: (0..n).map(torque).collect(),
             ramp: (0..n).map(ramp).collect(),
             shift: (0..n).map(|i| bilinear(&bent.mass, i, error, velocity)).collect(),
+            reading: (0..n).map(|i| self.reading(i, velocity)).collect(),
+            change: change.clone(),
         }
+    }
+
+    /// Largest speed of a joint.
+    fn speed(&self, i: usize, velocity: &[f64]) -> f64 {
+        self.pace.v[i] + velocity[i]
+    }
+
+    /// Force that the damping of bristles may add to the level at which a joint comes loose.
+    fn sliding(&self, i: usize, velocity: &[f64]) -> f64 {
+        let signals = &self.scene.signals;
+        let damped = signals.stiction_nm_s_rad[i] * self.speed(i, velocity);
+        larger(0.0, damped - signals.stiction_nm[i])
+    }
+
+    /// Largest error of a reading: of a sample that was taken early too.
+    fn reading(&self, i: usize, velocity: &[f64]) -> f64 {
+        self.scene.reading[i] + self.scene.signals.jitter_s * self.speed(i, velocity)
     }
 
     /// An output's bound in a frozen arm.
@@ -253,8 +320,9 @@ impl<'a> Problem<'a> {
         let mut out = vec![0.0; n];
         add(&mut out, &sums.torque[o], &inputs.torque);
         add(&mut out, &sums.ramp[o], &inputs.ramp);
-        add(&mut out, &sums.reading[o], &self.scene.reading);
-        add(&mut out, &sums.start[o], &self.scene.reading);
+        add(&mut out, &sums.reading[o], &inputs.reading);
+        add(&mut out, &sums.start[o], &inputs.reading);
+        add(&mut out, &sums.lost[o], &inputs.change);
         add(&mut out, &sums.lasting[o], &self.scene.start);
         let impulse: Vec<f64> = self.scene.start.iter().map(|b| self.scene.before * b).collect();
         add(&mut out, &sums.impulse[o], &impulse);
@@ -265,7 +333,7 @@ impl<'a> Problem<'a> {
                 let mut all = vec![0.0; n];
                 for (m, v) in list.iter().zip(&self.pace.v) {
                     let mut own = vec![0.0; n];
-                    add(&mut own, m, &self.scene.reading);
+                    add(&mut own, m, &inputs.reading);
                     for (all, own) in all.iter_mut().zip(own) {
                         *all += v * own;
                     }
@@ -287,23 +355,23 @@ impl<'a> Problem<'a> {
         &self,
         (sums, maps): (&PostureSums, &Maps),
         o: usize,
-        (inputs, error, velocity): (&ClassInputs, &[f64], &[f64]),
+        (inputs, at): (&ClassInputs, &ClosedBounds),
     ) -> Vec<f64> {
         let mut out = self.forced(sums, o, inputs);
-        add(&mut out, &maps.on_error[o], error);
-        add(&mut out, &maps.on_velocity[o], velocity);
+        add(&mut out, &maps.on_error[o], &at.error);
+        add(&mut out, &maps.on_velocity[o], &at.velocity);
         out
     }
 
-    /// The spectral radius of the largest matrices on errors, posture by posture.
-    fn radius(maps: &[Maps], n: usize) -> f64 {
+    /// The spectral radius of the largest matrices, posture by posture.
+    fn radius(matrices: &[&Vec<f64>], n: usize) -> f64 {
         let mut x = vec![1.0; n];
         let mut radius = 0.0;
         for _ in 0..100 {
             let mut next = vec![0.0_f64; n];
-            for maps in maps {
+            for matrix in matrices {
                 let mut own = vec![0.0; n];
-                add(&mut own, &maps.on_error[E], &x);
+                add(&mut own, matrix, &x);
                 for (next, own) in next.iter_mut().zip(own) {
                     *next = larger(*next, own);
                 }
@@ -324,28 +392,61 @@ impl<'a> Problem<'a> {
         (all, maps): (&[PostureSums], &[Maps]),
         boxed: &[bool],
         factor: f64,
-    ) -> Option<[Vec<f64>; 2]> {
+    ) -> Option<ClosedBounds> {
         let n = self.scene.n;
-        let sizes = |list: Vec<(f64, usize)>| {
-            list.into_iter().map(|(x, _)| factor * x).collect::<Vec<f64>>()
-        };
         let moved = |a: &[f64], b: &[f64]| {
             a.iter().zip(b).map(|(a, b)| (a - b).abs() / b.max(f64::MIN_POSITIVE)).largest()
         };
-        let (mut error, mut velocity) = (vec![0.0; n], vec![0.0; n]);
+        let mut own =
+            ClosedBounds { error: vec![0.0; n], velocity: vec![0.0; n], change: vec![0.0; n] };
         for _ in 0..ROUNDS {
-            let next = [E, V].map(|o| sizes(self.most((all, maps), boxed, o, (&error, &velocity))));
-            let change = larger(moved(&error, &next[0]), moved(&velocity, &next[1]));
-            [error, velocity] = next;
-            let lost = error.iter().copied().largest();
+            let mut next = self.next((all, maps), boxed, &own).0;
+            for x in next.lists().into_iter().flatten() {
+                *x *= factor;
+            }
+            let change =
+                larger(moved(&own.error, &next.error), moved(&own.velocity, &next.velocity));
+            let change = larger(change, moved(&own.change, &next.change));
+            own = next;
+            let lost = own.error.iter().copied().largest();
             if lost.is_nan() || lost > LOST {
                 return None;
             }
             if change < STILL {
-                return Some([error, velocity]);
+                return Some(own);
             }
         }
         None
+    }
+
+    /// ClosedBounds from bounds, and the index of the posture that sets the error of each joint. Where no command is
+    /// lost
+    /// nothing depends on the commands' changes, which are then left at 0.
+    fn next(
+        &self,
+        summed: (&[PostureSums], &[Maps]),
+        boxed: &[bool],
+        at: &ClosedBounds,
+    ) -> (ClosedBounds, Vec<usize>) {
+        let of = |o: usize| self.most(summed, boxed, o, at);
+        let (error, places): (Vec<f64>, Vec<usize>) = of(E).into_iter().unzip();
+        let velocity = of(V).into_iter().map(|(x, _)| x).collect();
+        let change = match self.scene.rows {
+            Some(_) => self.steps(summed, boxed, at),
+            None => vec![0.0; self.scene.n],
+        };
+        (ClosedBounds { error, velocity, change }, places)
+    }
+
+    /// Largest change of the command from one sample to the next.
+    fn steps(
+        &self,
+        summed: (&[PostureSums], &[Maps]),
+        boxed: &[bool],
+        at: &ClosedBounds,
+    ) -> Vec<f64> {
+        let steps = self.most(summed, boxed, STEP, at);
+        steps.iter().enumerate().map(|(i, (x, _))| x + self.fed(i)).collect()
     }
 
     /// The largest value of an output over postures, joint by joint, and the posture's index.
@@ -354,57 +455,57 @@ impl<'a> Problem<'a> {
         (all, maps): (&[PostureSums], &[Maps]),
         boxed: &[bool],
         o: usize,
-        (error, velocity): (&[f64], &[f64]),
+        at: &ClosedBounds,
     ) -> Vec<(f64, usize)> {
-        let inputs = self.inputs(boxed, error, velocity);
+        let inputs = self.inputs(boxed, at);
         let mut most = vec![(0.0_f64, 0_usize); self.scene.n];
-        for (at, pair) in all.iter().zip(maps).enumerate() {
-            let out = self.output(pair, o, (&inputs, error, velocity));
+        for (place, pair) in all.iter().zip(maps).enumerate() {
+            let out = self.output(pair, o, (&inputs, at));
             for (most, out) in most.iter_mut().zip(out) {
                 if out.is_nan() || out > most.0 {
-                    *most = (out, at);
+                    *most = (out, place);
                 }
             }
         }
         most
     }
 
-    /// Solves (CM5) over some postures; the spectral radius where there is no solution.
-    pub(super) fn solve(&self, all: &[PostureSums]) -> Result<Closed, f64> {
+    /// Solves (CM5) over some postures; what does not close where there is no solution.
+    pub(super) fn solve(&self, all: &[PostureSums]) -> Result<Closed, Unclosed> {
         let n = self.scene.n;
         let maps: Vec<Maps> = all.iter().map(|sums| self.maps(sums)).collect();
-        let radius = Self::radius(&maps, n);
-        let Some(first) = all.first() else { return Err(radius) };
+        let radius = Self::radius(&maps.iter().map(|own| &own.on_error[E]).collect::<Vec<_>>(), n);
+        let lost = Self::radius(&all.iter().map(|own| &own.lost[STEP]).collect::<Vec<_>>(), n);
+        let open = if lost >= radius { Unclosed::Losses(lost) } else { Unclosed::Motion(radius) };
+        let Some(first) = all.first() else { return Err(open) };
         let boxed = self.boxed(first);
         let resting: Vec<Maps> = all.iter().map(|sums| self.resting(sums)).collect();
-        let [frozen, _] = self.least((all, &resting), &boxed, 1.0).ok_or(radius)?;
-        let [mut error, mut velocity] = self.least((all, &maps), &boxed, 1.0).ok_or(radius)?;
-        let most = |o: usize, error: &[f64], velocity: &[f64]| {
-            self.most((all, &maps), &boxed, o, (error, velocity))
+        let frozen = self.least((all, &resting), &boxed, 1.0).ok_or(open)?.error;
+        let summed = (all, &maps[..]);
+        let mut own = self.least(summed, &boxed, 1.0).ok_or(open)?;
+        own.lists().into_iter().flatten().for_each(|x| *x *= INFLATED);
+        let below = |own: &[f64], most: &[f64]| own.iter().zip(most).all(|(own, most)| own < most);
+        let strict = |own: &ClosedBounds| {
+            let (next, places) = self.next(summed, &boxed, own);
+            let holds = below(&next.error, &own.error)
+                && below(&next.velocity, &own.velocity)
+                && (self.scene.rows.is_none() || below(&next.change, &own.change));
+            holds.then_some(places)
         };
-        error.iter_mut().chain(&mut velocity).for_each(|x| *x *= INFLATED);
-        let below = |list: &[(f64, usize)], x: &[f64]| list.iter().zip(x).all(|((a, _), x)| a < x);
-        let strict = |error: &[f64], velocity: &[f64]| {
-            let errors = most(E, error, velocity);
-            let holds = below(&errors, error) && below(&most(V, error, velocity), velocity);
-            holds.then_some(errors)
-        };
-        let mut errors = strict(&error, &velocity);
-        if errors.is_none() {
+        let mut places = strict(&own);
+        if places.is_none() {
             // Where what is of second order in them is most of a bound, another 1 % of it is more than 1 %.
-            [error, velocity] = self.least((all, &maps), &boxed, INFLATED).ok_or(radius)?;
-            errors = strict(&error, &velocity);
+            own = self.least(summed, &boxed, INFLATED).ok_or(open)?;
+            places = strict(&own);
         }
-        let errors = errors.ok_or(radius)?;
-        let steps = most(STEP, &error, &velocity);
-        let inputs = self.inputs(&boxed, &error, &velocity);
-        let torque = self.torques((all, &maps), (&inputs, &error, &velocity));
+        let inputs = self.inputs(&boxed, &own);
         Ok(Closed {
-            step: steps.iter().enumerate().map(|(i, (x, _))| x + self.fed(i)).collect(),
-            torque,
-            at: errors.iter().map(|(_, at)| *at).collect(),
-            error,
-            velocity,
+            step: self.steps(summed, &boxed, &own),
+            torque: self.torques(summed, (&inputs, &own)),
+            at: places.ok_or(open)?,
+            error: own.error,
+            velocity: own.velocity,
+            change: own.change,
             frozen,
             radius,
         })
@@ -414,9 +515,9 @@ impl<'a> Problem<'a> {
     fn torques(
         &self,
         (all, maps): (&[PostureSums], &[Maps]),
-        at: (&ClassInputs, &[f64], &[f64]),
+        at: (&ClassInputs, &ClosedBounds),
     ) -> Vec<f64> {
-        let (scene, n, velocity) = (self.scene, self.scene.n, at.2);
+        let (scene, n, velocity) = (self.scene, self.scene.n, &at.1.velocity);
         let mut most = vec![0.0_f64; n];
         for (sums, maps) in all.iter().zip(maps) {
             let free = self.output((sums, maps), FREE, at);
@@ -428,7 +529,8 @@ impl<'a> Problem<'a> {
             }
         }
         for (i, most) in most.iter_mut().enumerate() {
-            let friction = scene.dry[i] + scene.slope[i] * self.pace.v[i];
+            let friction =
+                scene.dry[i] + self.sliding(i, velocity) + scene.slope[i] * self.pace.v[i];
             let added = scene.period * self.moved_gravity(i, velocity);
             *most += self.rates.torque[i] + friction + 2.0 * self.held(i) + scene.start[i] + added;
             // Where the part in the acceleration is a force, the law's answer to it stands in its place.
@@ -445,8 +547,13 @@ impl<'a> Problem<'a> {
         sums: &PostureSums,
     ) -> Vec<f64> {
         let maps = self.maps(sums);
-        let inputs = self.inputs(&self.boxed(first), &closed.error, &closed.velocity);
-        let own = self.output((sums, &maps), E, (&inputs, &closed.error, &closed.velocity));
+        let at = ClosedBounds {
+            error: closed.error.clone(),
+            velocity: closed.velocity.clone(),
+            change: closed.change.clone(),
+        };
+        let inputs = self.inputs(&self.boxed(first), &at);
+        let own = self.output((sums, &maps), E, (&inputs, &at));
         own.iter().zip(&closed.error).map(|(own, e)| own / e).collect()
     }
 }

@@ -28,7 +28,7 @@ pub(super) fn paces(
             factor,
             error_bound_rad: closed.as_ref().ok().map(|c| largest(&c.error)),
             torque_step_nm: closed.as_ref().ok().map(|c| largest(&c.step)),
-            spectral_radius: closed.as_ref().map_or_else(|radius| *radius, |c| c.radius),
+            spectral_radius: closed.as_ref().map_or_else(|open| open.radius(), |c| c.radius),
         }
     })
 }

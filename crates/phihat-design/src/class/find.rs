@@ -71,8 +71,7 @@ fn bound(study: &Study, gains: &Gains, effort: &Effort) -> Result<ClassBound, Cl
     );
     let mut all = all?;
     let problem = Problem::new(&scene, (&pace, &rates), &bent);
-    let open = |radius: f64| ClassRefusal::Open { radius };
-    let mut closed = problem.solve(&all).map_err(open)?;
+    let mut closed = problem.solve(&all)?;
     for share in effort.moves {
         let more = moved(&scene, &all, &closed, *share)?;
         let raised = |own: &PostureSums| {
@@ -83,7 +82,7 @@ fn bound(study: &Study, gains: &Gains, effort: &Effort) -> Result<ClassBound, Cl
         let taken: Vec<PostureSums> = more.into_iter().filter(raised).collect();
         if !taken.is_empty() {
             all.extend(taken);
-            closed = problem.solve(&all).map_err(open)?;
+            closed = problem.solve(&all)?;
         }
     }
     let faster = if effort.paces { paces(&scene, &pace, (&bent, &all)) } else { Vec::new() };
@@ -195,6 +194,7 @@ fn document(
         start_nm: if scene.before > 0.0 { scene.start.clone() } else { Vec::new() },
         start_s: scene.before,
         reading_rad: scene.reading.clone(),
+        signals: Some(scene.signals.clone()).filter(|own| !own.is_perfect()),
         error_bound_rad: written(&closed.error),
         velocity_error_bound_rad_s: written(&closed.velocity),
         torque_step_nm: written(&closed.step),

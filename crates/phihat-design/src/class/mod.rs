@@ -3,6 +3,7 @@
 //! docs/theory/class.md has the theorem; labels (CM1) … (CM7) are its equations. [`class_bound`] is the way in:
 //!
 //! 1. `scene`: the class, the arm with each payload, friction, encoder, feed-forward, read from a study.
+//!    `imperfect`: stiction, cogging, noise, jitter, lost commands.
 //! 2. `slopes`: `M`, `∂M` and the gradient of gravity at a posture.
 //! 3. `extent`: maxima over box and payloads (torque rates, second derivatives), searched.
 //! 4. `sums`: sums over the impulse responses of the loop frozen at a posture.
@@ -15,6 +16,7 @@ mod demand;
 mod extent;
 mod faster;
 mod find;
+mod imperfect;
 mod refusal;
 mod scene;
 mod slopes;

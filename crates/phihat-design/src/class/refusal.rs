@@ -38,4 +38,13 @@ pub enum ClassRefusal {
         /// Spectral radius of `max Θ` over the postures.
         radius: f64,
     },
+    /// The same for lost commands: what a row of losses does to the commands is lost again with the next one.
+    #[error(
+        "lost commands do not close: a change of the command adds {radius:.3} of itself to others, not below 1; softer \
+         gains, or fewer commands lost in a row (world.network.commands_lost_max)"
+    )]
+    Losses {
+        /// Spectral radius of `Γ^L` for the change of the command.
+        radius: f64,
+    },
 }

@@ -2,10 +2,11 @@
 
 use phihat::Form;
 use phihat_certificate::extremes::larger;
-use phihat_certificate::{FrozenPayload, Gains, JointRecord, LoopModel};
+use phihat_certificate::{ClassSignals, FrozenPayload, Gains, JointRecord, LoopModel};
 use phihat_model::{Body, Model, Rotor, Workspace};
 use phihat_study::{Held, Known, MotionClass, ReferenceRequest, Study, SupervisorRequest};
 
+use super::imperfect::{LossSpan, imperfections, loosening, offset, refused_signals, signals};
 use super::refusal::ClassRefusal;
 use super::slopes::Posed;
 use crate::tube::{TubeRefusal, modelled};
@@ -40,7 +41,8 @@ pub(super) struct ClassScene<'a> {
     pub(super) cases: Vec<PayloadCase>,
     /// `M̄` \[kg·m²\] per joint.
     pub(super) nominal: Vec<f64>,
-    /// Level of forces that may do anything in time \[N·m\]: dry friction, pushes, dry friction fed forward.
+    /// Level of forces that may do anything in time \[N·m\]: dry friction or breakaway level, cogging, pushes, dry
+    /// friction fed forward.
     pub(super) dry: Vec<f64>,
     /// Largest slope of smooth friction \[N·m·s/rad\].
     pub(super) slope: Vec<f64>,
@@ -56,6 +58,9 @@ pub(super) struct ClassScene<'a> {
     /// Largest age of the acceleration that is fed forward, against the middle of the time in which it acts, in
     /// samples.
     pub(super) late: f64,
+    /// Stiction, jitter, lost commands; and their rows in samples.
+    pub(super) signals: ClassSignals,
+    pub(super) rows: Option<LossSpan>,
 }
 
 impl<'a> ClassScene<'a> {
@@ -71,7 +76,8 @@ impl<'a> ClassScene<'a> {
         let models: Vec<LoopModel> =
             (0..n).map(|i| LoopModel::from_study(study, i).with_choices_of(gains, study)).collect();
         covered(study, &models)?;
-        let mut dry = study.design.coulomb.1.clone();
+        let signals = signals(study);
+        let mut dry: Vec<f64> = (0..n).map(|i| loosening(study, &signals, i)).collect();
         for push in &study.world.pushes {
             dry[push.joint] += push.torque.abs();
         }
@@ -87,7 +93,7 @@ impl<'a> ClassScene<'a> {
         let bits = study.sensor.encoder_bits.as_deref();
         let quantum =
             |i: usize| bits.map_or(0.0, |bits| crate::sampled::TorqueNoise::quantum(bits[i]));
-        let reading = |i: usize| 0.5 * quantum(i) + study.sensor.position_bias[i].abs();
+        let reading = |i: usize| 0.5 * quantum(i) + offset(study, i);
         let period = study.control.period_ns as f64 * 1e-9;
         let cases = cases(study)?;
         let bare = || study.robot.plant_model().with_gravity(study.world.gravity);
@@ -117,6 +123,8 @@ impl<'a> ClassScene<'a> {
             models,
             dry,
             fed,
+            rows: LossSpan::of(study)?,
+            signals,
         })
     }
 
@@ -203,7 +211,10 @@ pub(super) struct Room {
 /// Refuses studies that docs/theory/class.md does not cover.
 fn covered(study: &Study, models: &[LoopModel]) -> Result<(), ClassRefusal> {
     let unsupported = |key: &str| ClassRefusal::Unsupported(key.to_owned());
-    let mut alone = study.clone();
+    if let Some(why) = refused_signals(study) {
+        return Err(unsupported(why));
+    }
+    let mut alone = imperfections(study);
     alone.supervisor = None;
     modelled(&alone).map_err(|why| match why {
         TubeRefusal::Unsupported(key) => unsupported(&format!("`{key}`")),

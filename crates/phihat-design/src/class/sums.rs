@@ -3,6 +3,7 @@
 use phihat_certificate::Refutation;
 use phihat_certificate::extremes::larger;
 
+use super::imperfect::LossSpan;
 use super::refusal::ClassRefusal;
 use super::scene::ClassScene;
 use super::slopes::Slopes;
@@ -45,6 +46,8 @@ pub(super) struct PostureSums {
     pub(super) start: AnswerMatrices,
     /// Largest `(age + T) |g'|`, and `|g|`, of `e`: the start's part in what moves.
     pub(super) start_moves: [Vec<f64>; 2],
+    /// Rows of lost commands, per change of the command from sample to sample.
+    pub(super) lost: AnswerMatrices,
     /// `T Σ|g'|`.
     pub(super) slope: AnswerMatrices,
     /// `Σ age ∫|g|`.
@@ -129,6 +132,7 @@ impl PostureSums {
             lasting: each(),
             impulse: each(),
             start: each(),
+            lost: each(),
             start_moves: [Vec::new(), Vec::new()],
             slope: each(),
             aged: each(),
@@ -139,7 +143,10 @@ impl PostureSums {
             once: core::array::from_fn(|_| per_joint()),
         };
         for i in 0..n {
-            let row = JointSums::of((&linear, &horizon), (i, scene.period), &moving)?;
+            let mut row = JointSums::of((&linear, &horizon), (i, scene.period), &moving)?;
+            if let Some(rows) = scene.rows {
+                row.lost = lost((&linear, horizon.samples), i, rows);
+            }
             own.push(i, row, &slopes);
         }
         Ok(own)
@@ -160,6 +167,7 @@ impl PostureSums {
         into(&mut self.lasting, row.lasting);
         into(&mut self.impulse, row.impulse);
         into(&mut self.start, row.start);
+        into(&mut self.lost, row.lost);
         into(&mut self.slope, row.slope);
         into(&mut self.aged, row.aged);
         into(&mut self.bent, row.bent);
@@ -237,6 +245,7 @@ struct JointSums {
     lasting: AnswerMatrices,
     impulse: AnswerMatrices,
     start: AnswerMatrices,
+    lost: AnswerMatrices,
     begun: AnswerSizes,
     start_moves: [Vec<f64>; 2],
     slope: AnswerMatrices,
@@ -300,6 +309,7 @@ impl JointSums {
             lasting: each(),
             impulse: each(),
             start: each(),
+            lost: each(),
             begun: AnswerSizes::default(),
             start_moves: [vec![0.0; n], vec![0.0; n]],
             slope: each(),
@@ -540,6 +550,7 @@ impl JointSums {
             self.lasting[E][j] += eighth * self.lasting[FREE][j];
             self.impulse[E][j] += eighth * self.impulse[FREE][j];
             self.start[E][j] += eighth * self.start[FREE][j];
+            self.lost[E][j] += eighth * self.lost[FREE][j];
             self.aged[E][j] += eighth * self.aged[FREE][j];
             self.slope[E][j] += eighth * self.slope[FREE][j];
             self.turned[j] += eighth * (self.late_age[FREE][j] + t * self.slope[FREE][j]);
@@ -550,6 +561,24 @@ impl JointSums {
             self.gravity[E][j] += eighth * self.gravity[FREE][j];
         }
     }
+}
+
+/// Largest answers of joint `i` to rows of lost commands. Beyond twice the horizon of `N` samples the rows of each
+/// block
+/// of `N` answer with at most [`LEFT`] of the largest answer, and less from block to block.
+fn lost((linear, horizon): (&Linear, usize), i: usize, rows: LossSpan) -> AnswerMatrices {
+    let samples = 2 * horizon;
+    let mut answers: Vec<Vec<[f64; KINDS]>> = vec![Vec::with_capacity(samples); linear.joints()];
+    linear.given_other(i, samples, |j, outputs| {
+        answers[j].push(PLACE.map(|place| outputs[place].abs()));
+    });
+    let of = |o: usize, j: usize| {
+        let largest = answers[j].iter().map(|own| own[o]).fold(0.0, larger);
+        let row = 0.5 * (rows.most * (rows.most + 1)) as f64;
+        let later = 2.0 * LEFT * largest * row * (horizon as f64 / rows.apart as f64 + 1.0);
+        rows.sum(|k| answers[j][k][o], samples) + later
+    };
+    core::array::from_fn(|o| (0..linear.joints()).map(|j| of(o, j)).collect())
 }
 
 /// The refutation of a posture.

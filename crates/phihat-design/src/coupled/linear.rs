@@ -26,6 +26,30 @@ pub(crate) const LEFT: f64 = 1e-4;
 /// Longest horizon is `2^DOUBLINGS` samples.
 const DOUBLINGS: u32 = 20;
 
+impl GivenOther {
+    /// On joint `j`, whose law is fed the torque that acted at a place of its state, in units of its inertia, if any.
+    fn of(
+        (period, j): (f64, usize),
+        inverse: &DMatrix<f64>,
+        (starts, scales): (&[usize], &[DVector<f64>]),
+        place: Option<(usize, f64)>,
+    ) -> Self {
+        let n = starts.len();
+        let length: usize = scales.iter().map(DVector::len).sum();
+        let mut other = vec![0.0; length];
+        let mut meanwhile = vec![[0.0; OUTPUTS]; n];
+        for i in 0..n {
+            other[starts[i]] = 0.5 * period * period * inverse[(i, j)] / scales[i][0];
+            other[starts[i] + 1] = period * inverse[(i, j)] / scales[i][1];
+            meanwhile[i][2] = inverse[(i, j)];
+        }
+        if let Some((place, inertia)) = place {
+            other[starts[j] + place] = 1.0 / (inertia * scales[j][place]);
+        }
+        Self { after: sparse(other), meanwhile }
+    }
+}
+
 /// After how many samples the loop has forgotten, and what is left then: `A^samples`, `‖A^samples‖_∞ < 1`.
 #[derive(Debug, Clone)]
 pub(crate) struct SumHorizon {
@@ -48,7 +72,16 @@ pub(crate) struct Linear {
     direct: Vec<Vec<[f64; OUTPUTS]>>,
     /// State at the sample after a start with a reading 1 rad off, of laws from positions, sparse.
     starts: Vec<Vec<(usize, f64)>>,
+    given: Vec<GivenOther>,
     period: f64,
+}
+
+/// An interval in which the drive of a joint is given 1 N·m more than was commanded.
+struct GivenOther {
+    /// State after it, sparse.
+    after: Vec<(usize, f64)>,
+    /// Outputs of each joint in it.
+    meanwhile: Vec<[f64; OUTPUTS]>,
 }
 
 impl Linear {
@@ -75,6 +108,7 @@ impl Linear {
             readings: Vec::new(),
             direct: Vec::new(),
             starts: Vec::new(),
+            given: Vec::new(),
             period,
         };
         // The law, delay and drive are the joint's own; what acts moves every joint.
@@ -122,6 +156,8 @@ impl Linear {
                 sparse(x)
             };
             own.kicks.push([kick(period), kick(0.0)]);
+            let place = samples[j].acted().map(|place| (place, nominal[j]));
+            own.given.push(GivenOther::of((period, j), inverse, (&starts, &scales), place));
             own.starts.push(match started(loops[j].0, period) {
                 Some([e, phi]) => {
                     let (at, scale) = (starts[j] + 2, &scales[j]);
@@ -158,19 +194,51 @@ impl Linear {
         None
     }
 
+    /// Number of joints.
+    pub(crate) fn joints(&self) -> usize {
+        self.given.len()
+    }
+
     /// Shows joint `i`'s outputs at each sample after a start of each joint's law with a reading 1 rad off.
     pub(crate) fn start(
         &self,
         i: usize,
         samples: usize,
+        visit: impl FnMut(usize, &[f64; OUTPUTS]),
+    ) {
+        let inputs: Vec<_> = self.starts.iter().map(|start| &start[..]).collect();
+        self.after(i, samples, &inputs, visit);
+    }
+
+    /// Shows joint `i`'s outputs from the sample on at which the drive of each joint is given 1 N·m more than was
+    /// commanded, for one interval; where no drive lags.
+    pub(crate) fn given_other(
+        &self,
+        i: usize,
+        samples: usize,
+        mut visit: impl FnMut(usize, &[f64; OUTPUTS]),
+    ) {
+        for (j, given) in self.given.iter().enumerate() {
+            visit(j, &given.meanwhile[i]);
+        }
+        let inputs: Vec<_> = self.given.iter().map(|given| &given.after[..]).collect();
+        self.after(i, samples.saturating_sub(1), &inputs, visit);
+    }
+
+    /// Shows joint `i`'s outputs at each sample from a state for each joint on.
+    fn after(
+        &self,
+        i: usize,
+        samples: usize,
+        inputs: &[&[(usize, f64)]],
         mut visit: impl FnMut(usize, &[f64; OUTPUTS]),
     ) {
         let mut now: Vec<Outputs> = self.rows[i].iter().map(abreast).collect();
         let mut next = now.clone();
-        let mut before = vec![Outputs::ZERO; self.starts.len()];
+        let mut before = vec![Outputs::ZERO; inputs.len()];
         for _ in 0..samples {
-            for (j, (start, before)) in self.starts.iter().zip(&mut before).enumerate() {
-                let own = along(&now, start);
+            for (j, (input, before)) in inputs.iter().zip(&mut before).enumerate() {
+                let own = along(&now, input);
                 let mut outputs: [f64; OUTPUTS] = core::array::from_fn(|o| own[o]);
                 for o in CHANGES {
                     outputs[o] -= before[o];

@@ -117,6 +117,14 @@ impl ControlSide {
         self.law.feed_forward().is_some()
     }
 
+    /// Place among its states of the torque that acted.
+    pub(crate) fn acted(&self) -> Option<usize> {
+        let before = self.law.length()
+            + usize::from(self.remembers_position())
+            + usize::from(self.remembers_velocity());
+        self.law.uses_torque().then_some(before)
+    }
+
     /// True if its law uses a measured velocity.
     pub(crate) fn measures_velocity(&self) -> bool {
         self.law.uses_velocity() && !self.differences

@@ -75,6 +75,11 @@ impl SampledLoop {
         self.control(x).acting(&self.side, &Lane([u]))[0]
     }
 
+    /// Place in the state of the torque that the law is fed as that of the interval before; `None`: it is fed none.
+    pub(crate) fn acted(&self) -> Option<usize> {
+        self.side.acted().map(|place| 2 + place)
+    }
+
     /// The control side at a state.
     fn control(&self, x: &[f64]) -> ControlState<1> {
         let mut control = ControlState::new(&self.side);

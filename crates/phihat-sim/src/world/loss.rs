@@ -1,6 +1,6 @@
 //! Messages that get lost.
 
-use phihat_study::{Fault, FaultKind, Loss as Share};
+use phihat_study::{Fault, FaultKind, Loss as Share, LostRows, Study};
 
 use super::noise::{Noise, NoiseEffect};
 
@@ -60,9 +60,78 @@ impl MessageLoss {
     }
 }
 
+/// Rows of commands that are lost: at most so many in a row, starts of rows at least so far apart.
+#[derive(Debug)]
+pub(super) struct LossRows {
+    most: f64,
+    /// Samples from the start of a row to the next, at least.
+    apart: f64,
+    noise: Noise,
+    /// First sample of the row that is to come, or going on, and the first after it.
+    row: (u64, u64),
+    number: u64,
+}
+
+impl LossRows {
+    pub(super) fn new(rows: LostRows, study: &Study) -> Self {
+        let samples = rows.apart * 1e9 / study.control.period_ns as f64;
+        let noise = Noise::new(study.seed, NoiseEffect::CommandRows, 0);
+        let mut own = Self {
+            most: f64::from(rows.most),
+            apart: samples.ceil(),
+            noise,
+            row: (0, 0),
+            number: 0,
+        };
+        own.draw();
+        own
+    }
+
+    /// The next row: half of them as soon as they may come, half of them of the largest length.
+    fn draw(&mut self) {
+        let uniform = |k: u64| self.noise.uniform(4 * self.number + k);
+        let later = if uniform(0) < 0.5 { 0.0 } else { uniform(1) };
+        let length = if uniform(2) < 0.5 { 1.0 } else { uniform(3) };
+        let start = self.row.0.saturating_add(whole(self.apart * (1.0 + later)));
+        self.row = (start, start.saturating_add(whole(self.most * length).max(1)));
+        self.number += 1;
+    }
+
+    /// Returns true if command `k` is lost; asked of every command once, in their order.
+    pub(super) fn lost(&mut self, k: u64) -> bool {
+        if k >= self.row.1 {
+            self.draw();
+        }
+        k >= self.row.0 && k < self.row.1
+    }
+}
+
+/// A number of samples, rounded up.
+fn whole(samples: f64) -> u64 {
+    std::time::Duration::try_from_secs_f64(samples.ceil()).map_or(u64::MAX, |own| own.as_secs())
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{FaultKind, MessageLoss, NoiseEffect, Share};
+    use super::{FaultKind, LossRows, LostRows, MessageLoss, NoiseEffect, Share};
+    use phihat_study::Study;
+
+    /// Wrong if a row were longer than stated, or two of them closer, or if the limits were never reached.
+    #[test]
+    fn rows_are_no_longer_and_no_closer_than_stated() {
+        let text = "duration_s = 1.0\n[robot]\nname = \"planar3r\"\n[spec]\n\
+                    [reference]\nkind = \"hold\"\npose = \"ready\"\n";
+        let study = Study::from_text(text, "rows.toml", "".as_ref()).unwrap();
+        let mut rows = LossRows::new(LostRows { most: 3, apart: 0.02 }, &study);
+        let lost: Vec<bool> = (0..100_000).map(|k| rows.lost(k)).collect();
+        let starts: Vec<usize> =
+            (0..lost.len()).filter(|k| lost[*k] && (*k == 0 || !lost[*k - 1])).collect();
+        let gaps = starts.windows(2).map(|pair| pair[1] - pair[0]);
+        assert_eq!((starts[0] >= 20, gaps.clone().min()), (true, Some(20)));
+        assert!(gaps.max().unwrap() > 35);
+        let lengths = starts.iter().map(|k| lost[*k..].iter().take_while(|lost| **lost).count());
+        assert_eq!((lengths.clone().min(), lengths.max()), (Some(1), Some(3)));
+    }
 
     /// Wrong if the share of losses or the length of their runs were not what was asked for.
     #[test]

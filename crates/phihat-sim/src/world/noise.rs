@@ -40,6 +40,8 @@ pub(super) enum NoiseEffect {
     FaultCommandLoss,
     FaultSampleLoss,
     Reference,
+    BoundedPosition,
+    CommandRows,
 }
 
 impl Noise {

@@ -4,7 +4,7 @@ use phihat::{DELAY_MAX, Delay};
 use phihat_study::{Fault, FaultKind, Study};
 
 use super::firmware::{Abort, Firmware};
-use super::loss::MessageLoss;
+use super::loss::{LossRows, MessageLoss};
 use super::noise::NoiseEffect;
 use crate::error::SimError;
 
@@ -14,6 +14,7 @@ pub(crate) struct CommandPath {
     delays: Vec<Delay<f64>>,
     late: usize,
     loss: Option<MessageLoss>,
+    rows: Option<LossRows>,
     stops: Vec<Fault>,
     /// Last sample whose loss was drawn, and true if its command gets through.
     drawn: Option<(u64, bool)>,
@@ -42,6 +43,7 @@ impl CommandPath {
             delays: vec![delay; zero.len()],
             late: study.control.delay_samples as usize,
             loss: MessageLoss::new(study.world.network.command, &study.faults, kinds, study.seed),
+            rows: study.world.network.rows.map(|rows| LossRows::new(rows, study)),
             stops: study.faults.iter().filter(stop).cloned().collect(),
             drawn: None,
             firmware: Firmware::new(study),
@@ -78,7 +80,10 @@ impl CommandPath {
     /// Returns true if commands are late at most: neither lost, nor stopped, nor checked by a robot's
     /// interface.
     pub(super) fn uneventful(&self) -> bool {
-        self.loss.is_none() && self.stops.is_empty() && self.firmware.is_none()
+        self.loss.is_none()
+            && self.rows.is_none()
+            && self.stops.is_empty()
+            && self.firmware.is_none()
     }
 
     /// Samples by which a command is late.
@@ -98,7 +103,8 @@ impl CommandPath {
             return arrives;
         }
         let lost = self.loss.as_mut().is_some_and(|loss| loss.lost(k, t)) && k > 0;
-        let arrives = !lost && self.controller_runs(t);
+        let row = self.rows.as_mut().is_some_and(|rows| rows.lost(k));
+        let arrives = !lost && !row && self.controller_runs(t);
         self.drawn = Some((k, arrives));
         arrives
     }

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use phihat::{Measurement, TorqueSource, VelocitySource};
 use phihat_model::JointKind;
-use phihat_study::{Fault, FaultKind, Study};
+use phihat_study::{Fault, FaultKind, SampleStamps, Study};
 
 use super::fault::{Acts, MessageFault, ReadingFault};
 use super::loss::MessageLoss;
@@ -22,6 +22,7 @@ pub(super) struct Sensing {
     errors: Option<Errors>,
     faults: Vec<Fault>,
     torque: TorqueSource,
+    stamps: SampleStamps,
     /// Index in the plant's state at which the measured coordinates begin: those of its links, or of its
     /// rotors.
     side: usize,
@@ -45,6 +46,8 @@ struct Errors {
 struct JointErrors {
     bias: f64,
     position: (f64, Noise),
+    /// Noise of any size up to this.
+    bounded: (f64, Noise),
     velocity: (f64, Noise),
     torque: (f64, Noise),
     fault: Noise,
@@ -71,6 +74,7 @@ impl Sensing {
             errors: Errors::new(study),
             faults: study.faults.iter().filter(|f| of_sensor(f.kind)).cloned().collect(),
             torque: asked.torque,
+            stamps: asked.stamps,
             side: if asked.at_motor && study.world.flexibility.is_some() { n } else { 0 },
             wrapped: (0..n).filter(|i| asked.wrap && turns(i)).collect(),
             way: (asked.delay_samples > 0)
@@ -114,7 +118,7 @@ impl Sensing {
         self.fresh.t_ns = t_ns;
         self.fresh.accepted.copy_from_slice(&path.sent);
         let age = self.errors.as_ref().map_or(0.0, |errors| errors.age(k));
-        if age > 0.0 {
+        if age > 0.0 && self.stamps == SampleStamps::Taken {
             self.fresh.t_ns = t_ns.saturating_sub(nanoseconds(age));
         }
         for i in 0..self.sensors.len() {
@@ -161,6 +165,7 @@ impl Sensing {
             }
             let own = &errors.joints[i];
             q += own.bias + own.position.0 * own.position.1.normal(k);
+            q += own.bounded.0 * (2.0 * own.bounded.1.uniform(k) - 1.0);
             dq += own.velocity.0 * own.velocity.1.normal(k);
             tau_applied += own.torque.0 * own.torque.1.normal(k);
             for fault in self.faults.iter().filter(|f| f.concerns(i) && f.active(t)) {
@@ -270,6 +275,7 @@ impl Errors {
         let asked = &study.sensor;
         let lists = [
             &asked.position_noise,
+            &asked.position_noise_max,
             &asked.position_bias,
             &asked.velocity_noise,
             &asked.torque_noise,
@@ -285,6 +291,7 @@ impl Errors {
             JointErrors {
                 bias: asked.position_bias[i],
                 position: (asked.position_noise[i], noise(NoiseEffect::Position)),
+                bounded: (asked.position_noise_max[i], noise(NoiseEffect::BoundedPosition)),
                 velocity: (
                     if measured { asked.velocity_noise[i] } else { 0.0 },
                     noise(NoiseEffect::Velocity),

@@ -1,0 +1,152 @@
+//! Imperfect signals of a study, as the class bound counts them.
+
+use phihat::TorqueSource;
+use phihat_certificate::ClassSignals;
+use phihat_certificate::extremes::larger;
+use phihat_study::{SampleStamps, Study};
+
+use super::refusal::ClassRefusal;
+
+/// Rows of lost commands.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LossSpan {
+    /// Most commands in a row.
+    pub(super) most: usize,
+    /// Samples from the start of a row to the start of the next, at least.
+    pub(super) apart: usize,
+}
+
+impl LossSpan {
+    /// `None` where no command is lost.
+    pub(super) fn of(study: &Study) -> Result<Option<Self>, ClassRefusal> {
+        let Some(rows) = study.world.network.rows else { return Ok(None) };
+        let samples = (rows.apart * 1e9 / study.control.period_ns as f64).floor();
+        let most = rows.most as usize;
+        if samples <= f64::from(rows.most) {
+            let why = "rows of lost commands that touch (world.network.commands_lost_every_s)";
+            return Err(ClassRefusal::Unsupported(why.to_owned()));
+        }
+        let whole =
+            std::time::Duration::try_from_secs_f64(samples).map_or(u64::MAX, |own| own.as_secs());
+        let apart = usize::try_from(whole).unwrap_or(usize::MAX);
+        Ok(Some(Self { most, apart }))
+    }
+
+    /// The largest sum that rows of losses make of a response, per change of the command from sample to sample: of each
+    /// row `Σ l |c|`, `l` the number of the command in its row, at its worst age or a later one.
+    pub(super) fn sum(self, response: impl Fn(usize) -> f64, samples: usize) -> f64 {
+        let first = |age: usize| -> f64 {
+            let all = (0..self.most.min(age + 1)).filter(|before| age - before < samples);
+            all.map(|before| (before + 1) as f64 * response(age - before)).sum()
+        };
+        let (mut total, mut most) = (0.0, 0.0);
+        for age in (0..samples + self.most).rev() {
+            most = larger(most, first(age));
+            if age % self.apart == 0 {
+                total += most;
+            }
+        }
+        total
+    }
+}
+
+/// Stiction, jitter and lost commands of a study.
+pub(super) fn signals(study: &Study) -> ClassSignals {
+    let n = study.robot.joints.len();
+    let bristles = study.world.stiction.as_ref();
+    let of = |value: &dyn Fn(&phihat_study::Stiction, usize) -> f64| -> Vec<f64> {
+        (0..n).map(|i| bristles.map_or(0.0, |own| value(own, i))).collect()
+    };
+    let rows = study.world.network.rows;
+    ClassSignals {
+        stiction_nm: of(&|own, i| own.breakaway_ratio[i] * study.design.coulomb.1[i]),
+        stiction_nm_s_rad: of(&|own, i| own.damping[i] * (1.0 + own.breakaway_ratio[i])),
+        jitter_s: study.sensor.jitter,
+        commands_lost: rows.map_or(0, |rows| rows.most),
+        lost_every_s: rows.map_or(0.0, |rows| rows.apart),
+    }
+}
+
+/// Level of a joint's dry friction, which sticks, with its cogging \[N·m\].
+pub(super) fn loosening(study: &Study, signals: &ClassSignals, joint: usize) -> f64 {
+    let cogging = study.world.drive.as_ref().map_or(0.0, |drive| drive.cogging[joint]);
+    larger(study.design.coulomb.1[joint], signals.stiction_nm[joint]) + cogging
+}
+
+/// Largest error of a reading before it is rounded \[rad\].
+pub(super) fn offset(study: &Study, joint: usize) -> f64 {
+    study.sensor.position_bias[joint].abs() + study.sensor.position_noise_max[joint]
+}
+
+/// Imperfection that the theorem does not cover, with the reason.
+pub(super) fn refused_signals(study: &Study) -> Option<&'static str> {
+    let cogs = study.world.drive.as_ref().is_some_and(|own| own.cogging.iter().any(|x| *x > 0.0));
+    let profile = &study.interface.profile;
+    let rows = study.world.network.rows;
+    let too_many = |most: u32| profile.losses_max.is_some_and(|losses| losses <= most);
+    let listed = [
+        (
+            cogs && study.sensor.torque == TorqueSource::Applied,
+            "`world.drive.cogging_nm` with sensor.torque = \"applied\" (the law is fed the cogging too; \
+             sensor.torque = \"demanded\" is covered)",
+        ),
+        (
+            study.sensor.jitter > 0.0
+                && study.supervisor.is_some()
+                && study.sensor.stamps == SampleStamps::Taken,
+            "`sensor.sample_jitter_s` with a [supervisor] and stamps that tell it (the law then takes other intervals; \
+             sensor.sample_stamps = \"nominal\" is covered)",
+        ),
+        (
+            rows.is_some() && profile.torque_rate_max.is_some(),
+            "`world.network.commands_lost_max` with a robot that stops on a torque step (after a row of losses the \
+             step is that of all of them)",
+        ),
+        (
+            rows.is_some_and(|rows| too_many(rows.most)),
+            "`world.network.commands_lost_max` with a robot that stops on as many losses",
+        ),
+    ];
+    listed.into_iter().find(|(is, _)| *is).map(|(_, why)| why)
+}
+
+/// The study without what is counted here.
+pub(super) fn imperfections(study: &Study) -> Study {
+    let mut own = study.clone();
+    (own.sensor.jitter, own.world.stiction, own.world.network.rows) = (0.0, None, None);
+    let perfect = own.world.drive.as_deref().is_some_and(|drive| {
+        let zero = |list: &[f64]| list.iter().all(|x| x.abs() <= 0.0);
+        let limits = [&drive.torque_max, &drive.torque_rate_max, &drive.no_load_speed];
+        drive.gain.iter().all(|gain| (gain - 1.0).abs() <= 0.0)
+            && [&drive.gain_error, &drive.gain_drift, &drive.ripple].into_iter().all(|l| zero(l))
+            && limits.into_iter().all(Option::is_none)
+    });
+    if perfect {
+        own.world.drive = None;
+    }
+    own
+}
+
+#[cfg(test)]
+mod tests {
+    use super::LossSpan;
+
+    #[test]
+    fn rows_at_their_worst_are_those_of_a_search_over_all_of_them() {
+        // A response that swings, and every pair of rows of two commands at least three samples apart.
+        let response = [0.2_f64, 1.0, -0.8, 0.3, 0.5, -0.1, 0.0, 0.05];
+        let at = |k: usize| response.get(k).copied().unwrap_or(0.0).abs();
+        let rows = LossSpan { most: 2, apart: 3 };
+        let row = |start: usize| at(start) + start.checked_sub(1).map_or(0.0, |k| 2.0 * at(k));
+        let mut most = 0.0_f64;
+        for a in 0..10 {
+            for b in a + 3..13 {
+                for c in b + 3..16 {
+                    most = most.max(row(a) + row(b) + row(c));
+                }
+            }
+        }
+        let bound = rows.sum(at, response.len());
+        assert!(bound >= most && bound < 1.6 * most, "{bound} {most}");
+    }
+}
