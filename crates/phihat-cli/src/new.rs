@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use phihat_certificate::extremes::Extremes as _;
-use phihat_model::{Part, Robot};
+use phihat_model::{NamedTexts, Part, Robot};
 use phihat_report::kit::{MILLI, unit_of};
 use phihat_session::{ArmOptions, BeginOptions, Begun, begin};
 use serde_json::json;
@@ -125,6 +125,7 @@ impl New {
                 part: Part { base: self.base.clone(), tip: self.tip.clone(), ..Part::default() },
                 xacro: self.xacro.options()?,
                 torque_max_nm: self.torque_max.clone(),
+                files: NamedTexts::DISK,
             },
             out,
             payload_kg: self.payload.unwrap_or(0.0),

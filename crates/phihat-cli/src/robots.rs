@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use phihat_model::xacro::{expand, is_xacro};
-use phihat_model::{Chain, InertiaRange, Part, Robot, RobotError};
+use phihat_model::{Chain, InertiaRange, NamedTexts, Part, Robot, RobotError};
 use phihat_session::{ArmOptions, files, write_arm};
 use serde_json::json;
 
@@ -102,6 +102,7 @@ impl Robots {
             part: Part { base: self.base.clone(), tip: self.tip.clone(), ..Part::default() },
             xacro: self.xacro.options()?,
             torque_max_nm: self.torque_max.clone(),
+            files: NamedTexts::DISK,
         };
         let notes = write_arm(&options, out, self.force)?;
         if self.json {

@@ -51,10 +51,12 @@ mod words;
 
 pub use arm::arm as drawn_arm;
 pub use audit::{Assumption, Audit, AuditRow, Standing, audit, audited};
-pub use begin::{ArmOptions, BeginOptions, Begun, begin, described, write_arm};
+pub use begin::{ArmOptions, BeginOptions, Begun, begin, begun, described, write_arm};
 pub use budget::{BudgetFiles, write_budget};
 pub use check::{Mistake, StudyCheck, check, check_rewritten, check_text};
-pub use design::{arm, beside_limits, budget, designed, designed_for, read};
+pub use design::{
+    arm, beside_limits, budget, designed, designed_for, designed_in_steps, read, study_of_texts,
+};
 pub use dice::Dice;
 pub use drawn_worlds::{DrawnRuns, WORLDS};
 pub use driven::{DrivenSession, Leave, Take};

@@ -20,7 +20,6 @@ mod forget;
 mod maxima;
 mod places;
 mod setting;
-mod shared;
 mod solve;
 mod sums;
 mod words;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use phihat_model::xacro::XacroOptions;
-use phihat_model::{Joint, Part};
+use phihat_model::{Joint, NamedTexts, Part};
 
 use crate::error::SessionError;
 
@@ -18,6 +18,8 @@ pub struct ArmOptions {
     pub xacro: XacroOptions,
     /// Torque limits \[N·m\]: one for all joints or one each, in place of those of the description; empty: those.
     pub torque_max_nm: Vec<f64>,
+    /// Source of the file and of those that it names.
+    pub files: NamedTexts,
 }
 
 impl ArmOptions {
