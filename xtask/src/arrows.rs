@@ -11,7 +11,7 @@ use serde_json::Value;
 /// A crate: its name, the crates of ours that it may use, and why it is one.
 type CrateRow = (&'static str, &'static [&'static str], &'static str);
 
-const CRATES: [CrateRow; 24] = [
+const CRATES: [CrateRow; 25] = [
     (
         "phihat",
         &[],
@@ -220,6 +220,21 @@ const CRATES: [CrateRow; 24] = [
             "phihat-synthesis",
         ],
         "the Python package: a sibling of the command line, on the same options",
+    ),
+    (
+        "phihat-web",
+        &[
+            "phihat-certificate",
+            "phihat-design",
+            "phihat-model",
+            "phihat-report",
+            "phihat-session",
+            "phihat-sim",
+            "phihat-study",
+            "phihat-synthesis",
+        ],
+        "phihat in a browser: tasks and answers as documents, without disk and threads; `page/` the page. Its part for \
+         browsers is compiled for `wasm32` alone: `cargo xtask web`",
     ),
     (
         "phihat-attack",

@@ -37,6 +37,7 @@ mod tools;
 mod twice;
 mod venv;
 mod verbs;
+mod web;
 mod zoo;
 
 use std::process::ExitCode;
@@ -88,6 +89,8 @@ const USAGE: &str = "usage:
                                other people's descriptions of arms: which load, whether Pinocchio finds the same \
                                torque, what
                                `phihat new` and `phihat run` make of them; kept in docs/zoo.md (hours; resumes)
+  cargo xtask web [--only-build]
+                               phihat as a page for a browser, target/web/page, tried in Chromium (minutes)
   cargo xtask screenshots [OUT [PAGE …]]
                                pictures of every page, of further ones and of the studio, to be looked at: 1300 and \
                                390 px wide, light,
@@ -126,6 +129,7 @@ fn main() -> ExitCode {
             Some("book") => book::bless(&shell::root()),
             Some(_) => Err(USAGE.to_owned()),
         },
+        Some((verb, rest)) if verb == "web" => web::run(&shell::root(), rest),
         Some((verb, _)) if verb == "table1" => bless::comparison(&shell::root()),
         Some((verb, _)) if verb == "fronts" => bless::fronts(&shell::root()),
         Some((verb, rest)) if verb == "screenshots" => {

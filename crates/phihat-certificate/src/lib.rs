@@ -44,6 +44,7 @@ mod norm;
 mod not_counted;
 mod optimality;
 mod paper;
+pub mod parallel;
 mod peak_gain;
 mod peaks;
 mod performance;

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use phihat_certificate::extremes::Extremes as _;
-use phihat_model::{Part, Profile, Robot};
+use phihat_model::{NamedTexts, Part, Profile, Robot};
 use phihat_report::kit::{MILLI, unit_of};
 use phihat_session::{ArmOptions, BeginOptions, Begun, begin};
 use serde_json::json;
@@ -134,6 +134,7 @@ impl New {
                 torque_max_nm: self.torque_max.clone(),
                 known: self.known.clone(),
                 profile: self.profile.clone(),
+                files: NamedTexts::DISK,
             },
             out,
             payload_kg: self.payload.unwrap_or(0.0),

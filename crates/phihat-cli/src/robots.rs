@@ -6,7 +6,9 @@ use std::process::ExitCode;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use phihat_model::xacro::{Expanded, expand, is_xacro};
-use phihat_model::{Chain, InertiaRange, KnownArm, Part, Profile, Recognition, Robot, RobotError};
+use phihat_model::{
+    Chain, InertiaRange, KnownArm, NamedTexts, Part, Profile, Recognition, Robot, RobotError,
+};
 use phihat_session::{ArmOptions, ambiguity_text, files, recognition_text, write_arm};
 use serde_json::json;
 
@@ -111,6 +113,7 @@ impl Robots {
             torque_max_nm: self.torque_max.clone(),
             known: self.known.clone(),
             profile: self.profile.clone(),
+            files: NamedTexts::DISK,
         };
         let notes = write_arm(&options, out, self.force)?;
         if self.json {

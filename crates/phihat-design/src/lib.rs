@@ -89,7 +89,6 @@ mod enclosed;
 pub mod export;
 mod lanes;
 mod limit;
-mod parallel;
 mod positions;
 pub mod prelude;
 mod quick;

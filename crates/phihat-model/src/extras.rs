@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use crate::error::RobotError;
 use crate::joint::{Friction, JointSpring, Sigmoid};
+use crate::named_texts::NamedTexts;
 use crate::part::Part;
 use crate::profile::Profile;
 use crate::robot::Robot;
@@ -139,11 +140,11 @@ pub(crate) fn part(text: &str, origin: &str) -> Result<Part> {
 
 /// The text of a robot file beside a URDF, if there is one that is about this URDF; another file of that name, such
 /// as a study, is left alone.
-pub(crate) fn about_urdf(path: &Path, urdf: &Path) -> Result<Option<String>> {
-    if !path.is_file() {
+pub(crate) fn about_urdf(files: &NamedTexts, path: &Path, urdf: &Path) -> Result<Option<String>> {
+    if !files.is_file(path) {
         return Ok(None);
     }
-    let text = read_text(path)?;
+    let text = read_text(files, path)?;
     let about = match toml::from_str::<toml::Table>(&text) {
         Ok(table) => {
             let named = table.get("urdf").or_else(|| table.get("mjcf"));

@@ -27,8 +27,13 @@ pub fn open(path: &Path) -> Result<File> {
 ///
 /// As for [`open`]; a larger file; bytes that are not UTF-8.
 pub fn text(path: &Path, most: u64) -> Result<String> {
+    limited(open(path)?, most)
+}
+
+/// The text that a reader gives, of at most so many bytes.
+pub(crate) fn limited(from: impl std::io::Read, most: u64) -> Result<String> {
     let mut bytes = Vec::new();
-    open(path)?.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+    from.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
         let why = format!("it is larger than the {most} bytes that are read");
         return Err(Error::new(ErrorKind::FileTooLarge, why));

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::Model;
 use crate::error::RobotError;
 use crate::joint::{Joint, JointKind, Rotor};
+use crate::named_texts::NamedTexts;
 
 /// A robot as its files describe it.
 ///
@@ -66,6 +67,8 @@ pub struct Robot {
     /// Files that it was read from, the one that was named first, those that are included last; none of
     /// an arm that comes with the crate.
     pub files: Vec<PathBuf>,
+    /// Source of these files.
+    pub(crate) source: NamedTexts,
 }
 
 impl Robot {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::RobotError;
 use crate::input::plain;
+use crate::named_texts::{NamedFile, NamedTexts};
 use crate::robot_text::read_text;
 use crate::source::{described, is_mjcf};
 use crate::{Chain, KnownArm, Model, MotionOnly, Part, Robot, extras, mjcf};
@@ -41,27 +42,37 @@ impl Robot {
     ///
     /// [`RobotError`]
     pub fn read_part(path: &Path, part: &Part) -> Result<Self, RobotError> {
-        let text = read_text(path)?;
+        Self::read_from(&NamedTexts::DISK, path, part)
+    }
+
+    /// As [`read_part`](Self::read_part), with files that are texts in place of those of the disk.
+    ///
+    /// # Errors
+    ///
+    /// [`RobotError`]
+    pub fn read_from(files: &NamedTexts, path: &Path, part: &Part) -> Result<Self, RobotError> {
+        let text = read_text(files, path)?;
         let origin = path.display().to_string();
         if path.extension().is_none_or(|extension| extension != "toml") {
             let beside = path.with_extension("toml");
-            let Some(more) = extras::about_urdf(&beside, path)? else {
-                let robot = Self::assemble((&text, Some(path)), part, &origin, None)?;
-                return Ok(robot.of([path.to_owned()]));
+            let Some(more) = extras::about_urdf(files, &beside, path)? else {
+                let robot = Self::assemble((&text, Some((files, path))), part, &origin, None)?;
+                return Ok(robot.of(files, [path.to_owned()]));
             };
             let more = Some((&*more, &*beside.display().to_string()));
-            let robot = Self::assemble((&text, Some(path)), part, &origin, more)?;
-            return Ok(robot.of([path.to_owned(), beside]));
+            let robot = Self::assemble((&text, Some((files, path))), part, &origin, more)?;
+            return Ok(robot.of(files, [path.to_owned(), beside]));
         }
         let urdf = extras::urdf_beside(path, &text, &origin)?;
-        let (urdf_text, urdf_origin) = (read_text(&urdf)?, urdf.display().to_string());
-        let whole = (&*urdf_text, Some(&*urdf));
+        let (urdf_text, urdf_origin) = (read_text(files, &urdf)?, urdf.display().to_string());
+        let whole = (&*urdf_text, Some((files, &*urdf)));
         let robot = Self::assemble(whole, part, &urdf_origin, Some((&text, &origin)))?;
-        Ok(robot.of([path.to_owned(), urdf]))
+        Ok(robot.of(files, [path.to_owned(), urdf]))
     }
 
     /// The robot of these files, and of those that they include.
-    fn of(mut self, files: impl Into<Vec<PathBuf>>) -> Self {
+    fn of(mut self, source: &NamedTexts, files: impl Into<Vec<PathBuf>>) -> Self {
+        self.source = source.clone();
         self.files = [files.into(), self.files].concat();
         self
     }
@@ -92,12 +103,21 @@ impl Robot {
     /// [`RobotError`]: the file is no URDF. A chain of which no arm can be made is refused by
     /// [`read_part`](Self::read_part).
     pub fn chains(path: &Path) -> Result<Vec<Chain>, RobotError> {
-        let (text, origin) = (read_text(path)?, path.display().to_string());
+        Self::chains_from(&NamedTexts::DISK, path)
+    }
+
+    /// As [`chains`](Self::chains), with files that are texts in place of those of the disk.
+    ///
+    /// # Errors
+    ///
+    /// As for [`chains`](Self::chains).
+    pub fn chains_from(files: &NamedTexts, path: &Path) -> Result<Vec<Chain>, RobotError> {
+        let (text, origin) = (read_text(files, path)?, path.display().to_string());
         if path.extension().is_none_or(|extension| extension != "toml") {
-            return chains_of((&text, Some(path)), &origin);
+            return chains_of((&text, Some((files, path))), &origin);
         }
         let urdf = extras::urdf_beside(path, &text, &origin)?;
-        chains_of((&read_text(&urdf)?, Some(&urdf)), &urdf.display().to_string())
+        chains_of((&read_text(files, &urdf)?, Some((files, &urdf))), &urdf.display().to_string())
     }
 
     /// The chains of joints in the text of a URDF that could be arms, the longest first.
@@ -113,10 +133,14 @@ impl Robot {
     ///
     /// # Errors
     ///
-    /// [`RobotError`], as for [`read_part`](Self::read_part).
-    pub fn joints_of(path: &Path, part: &Part) -> Result<MotionOnly, RobotError> {
-        let (text, origin) = (read_text(path)?, path.display().to_string());
-        let read = described(&text, Some(path), &origin);
+    /// [`RobotError`], as for [`read_from`](Self::read_from).
+    pub fn joints_of(
+        files: &NamedTexts,
+        path: &Path,
+        part: &Part,
+    ) -> Result<MotionOnly, RobotError> {
+        let (text, origin) = (read_text(files, path)?, path.display().to_string());
+        let read = described(&text, Some((files, path)), &origin);
         read.and_then(|file| file.motion(part)).map_err(RobotError::plain)
     }
 
@@ -152,7 +176,7 @@ impl Robot {
         let is_description =
             |path: &&PathBuf| path.extension().is_none_or(|extension| extension != "toml");
         if let Some(path) = self.files.iter().find(is_description) {
-            let text = read_text(path)?;
+            let text = read_text(&self.source, path)?;
             return Ok(if is_mjcf(&text) { self.as_urdf() } else { text });
         }
         let kept = ARMS.iter().find(|(name, ..)| *name == self.name);
@@ -170,12 +194,15 @@ impl Robot {
     /// # Errors
     ///
     /// [`RobotError`]: a file cannot be read, or is no XML.
-    pub fn description_text(path: &Path) -> Result<(String, &'static str), RobotError> {
-        let text = read_text(path)?;
+    pub fn description_text(
+        files: &NamedTexts,
+        path: &Path,
+    ) -> Result<(String, &'static str), RobotError> {
+        let text = read_text(files, path)?;
         if !is_mjcf(&text) {
             return Ok((text, "urdf"));
         }
-        let flat = mjcf::flat(&text, path).map_err(RobotError::plain)?;
+        let flat = mjcf::flat(&text, (files, path)).map_err(RobotError::plain)?;
         Ok((flat.unwrap_or(text), "xml"))
     }
 
@@ -185,7 +212,7 @@ impl Robot {
     }
 
     fn assemble(
-        (text, path): (&str, Option<&Path>),
+        (text, path): (&str, Option<NamedFile<'_>>),
         part: &Part,
         origin: &str,
         toml: Option<(&str, &str)>,
@@ -216,6 +243,7 @@ impl Robot {
             held: read.held,
             warnings: read.warnings.iter().map(|warning| plain(warning)).collect(),
             files: read.included,
+            source: NamedTexts::DISK,
         };
         match toml {
             None => Ok(robot),
@@ -240,7 +268,10 @@ impl Robot {
     }
 }
 
-fn chains_of((text, path): (&str, Option<&Path>), origin: &str) -> Result<Vec<Chain>, RobotError> {
+fn chains_of(
+    (text, path): (&str, Option<NamedFile<'_>>),
+    origin: &str,
+) -> Result<Vec<Chain>, RobotError> {
     described(text, path, origin).and_then(|file| file.chains()).map_err(RobotError::plain)
 }
 

@@ -4,19 +4,19 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use crate::error::RobotError;
-use crate::input::text;
+use crate::named_texts::NamedTexts;
 use crate::urdf::BYTES_MAX;
 
 /// The text of a robot's file.
-pub(crate) fn read_text(path: &Path) -> Result<String, RobotError> {
+pub(crate) fn read_text(files: &NamedTexts, path: &Path) -> Result<String, RobotError> {
     let (origin, limit) = (path.display().to_string(), BYTES_MAX);
-    let read = text(path, limit as u64);
+    let read = files.text(path, limit as u64);
     // Binary and packed USD are no text.
     let is_usd = match &read {
         Ok(text) => text.starts_with("#usda"),
         Err(_) => usd_extension(path),
     };
-    if is_usd && path.is_file() {
+    if is_usd && files.is_file(path) {
         let why = "this is USD, which is not read: phihat reads URDF and MJCF; Isaac Sim's URDF exporter \
                    (isaacsim.asset.exporter.urdf) writes one, or take the URDF that the stage was imported from";
         return Err(RobotError::Xml { origin, line: 1, why: why.to_owned() });

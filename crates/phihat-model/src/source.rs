@@ -1,16 +1,19 @@
 //! A description by its root element: URDF or MJCF.
 
-use std::path::Path;
-
 use roxmltree::Document;
 
 use crate::error::RobotError;
+use crate::named_texts::NamedFile;
 use crate::whole::{DescribedFile, Result};
 use crate::{mjcf, urdf};
 
 /// Links and joints of a description; `origin` stands for the file in errors. Files that an MJCF includes
 /// are found from `path`, where there is one.
-pub(crate) fn described(text: &str, path: Option<&Path>, origin: &str) -> Result<DescribedFile> {
+pub(crate) fn described(
+    text: &str,
+    path: Option<NamedFile<'_>>,
+    origin: &str,
+) -> Result<DescribedFile> {
     let text = &urdf::readable(text, origin)?;
     let document = Document::parse(text).map_err(|error| RobotError::Xml {
         origin: origin.to_owned(),

@@ -6,6 +6,7 @@ use crate::Model;
 use crate::body::LumpedBody;
 use crate::description::{DescribedLink, Description, JointMotion, JointOf};
 use crate::joint::{Joint, JointKind};
+use crate::named_texts::NamedTexts;
 use crate::placement::Placement;
 use crate::robot::Robot;
 
@@ -72,6 +73,7 @@ impl Robot {
             held: BTreeMap::new(),
             warnings: Vec::new(),
             files: Vec::new(),
+            source: NamedTexts::DISK,
         }
     }
 }

@@ -312,7 +312,8 @@ fn files_are_included_from_the_main_folder_or_their_own() {
     assert_eq!(arm.files, [&[file.clone()][..], &parts].concat());
     assert_eq!(arm.bare_file(), Some(&*file));
     // Put in its place, it is the same arm.
-    let (flat, extension) = Robot::description_text(&file).unwrap();
+    let (flat, extension) =
+        Robot::description_text(&phihat_model::NamedTexts::DISK, &file).unwrap();
     assert_eq!((extension, flat.contains("include")), ("xml", false));
     let again = read(&flat);
     assert_eq!(again.model.dynamic_parameters(), arm.model.dynamic_parameters());

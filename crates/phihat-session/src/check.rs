@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use phihat_design::{DesignError, Gains, requested_gains};
+use phihat_model::NamedTexts;
 use phihat_sim::Demand;
 use phihat_study::{DesignMethod, RenamedKey, Study, StudyError};
 use serde::Serialize;
@@ -110,10 +111,10 @@ pub fn check(path: &Path, gains: Option<&Path>) -> StudyCheck {
     }
 }
 
-/// As [`check`], of a text that would stand at this path.
-pub fn check_text(text: &str, path: &Path) -> StudyCheck {
+/// As [`check`], of a text that would stand at this path, with its files from wherever they are.
+pub fn check_text(text: &str, path: &Path, files: &NamedTexts) -> StudyCheck {
     let base = path.parent().unwrap_or(Path::new(""));
-    match Study::check_text(text, &path.display().to_string(), base) {
+    match Study::check_texts(text, &path.display().to_string(), (base, files)) {
         Ok(study) => looked(Box::new(study), path, None, Vec::new()),
         Err(found) => {
             let errors = found.iter().map(Mistake::from).collect();

@@ -4,10 +4,12 @@ use std::path::Path;
 
 use phihat_design::budget::Budget;
 use phihat_design::{Arm, Gains, Outcome};
+use phihat_model::NamedTexts;
 use phihat_sim::Trace;
 use phihat_study::{InertiaSource, PhiSource, Study};
 use phihat_synthesis::{
-    Advice, BudgetSearch, Recording, Recordings, SynthesisError, SynthesisOptions, synthesize,
+    Advice, BudgetSearch, Recording, Recordings, Steps, SynthesisError, SynthesisOptions,
+    synthesize, synthesize_in_steps,
 };
 
 use crate::error::SessionError;
@@ -22,6 +24,23 @@ use crate::watch::Watch;
 /// [`SessionError::Study`]
 pub fn read(path: &Path) -> Result<Box<Study>, SessionError> {
     let mut study = Study::read(path).map(Box::new)?;
+    phihat_sim::derive_substeps(&mut study);
+    Ok(study)
+}
+
+/// A study from its text, and from those of the files that it names; `path` is where it would stand.
+///
+/// # Errors
+///
+/// [`SessionError::Study`]
+pub fn study_of_texts(
+    text: &str,
+    path: &Path,
+    files: &NamedTexts,
+) -> Result<Box<Study>, SessionError> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut study =
+        Study::from_texts(text, &path.display().to_string(), (folder, files)).map(Box::new)?;
     phihat_sim::derive_substeps(&mut study);
     Ok(study)
 }
@@ -56,8 +75,23 @@ pub fn designed_for(
     path: &Path,
     advice: Advice,
 ) -> Result<Outcome, SessionError> {
+    designed_in_steps(study, arm, path, (advice, Steps::UNHEARD))
+}
+
+/// As [`designed_for`], with a listener to the steps of the synthesis, which can end it.
+///
+/// # Errors
+///
+/// As [`designed_for`]; that it was cancelled.
+pub fn designed_in_steps(
+    study: &Study,
+    arm: &Arm,
+    path: &Path,
+    (advice, steps): (Advice, Steps<'_>),
+) -> Result<Outcome, SessionError> {
     let options = SynthesisOptions { advice, beyond_drives: false };
-    synthesize(study, arm, &recordings(study)?, options).map_err(|why| at(path, why))
+    let recordings = recordings(study)?;
+    synthesize_in_steps(study, (arm, &recordings), options, steps).map_err(|why| at(path, why))
 }
 
 /// As [`designed_for`], of a motion that the drives are known to bear or that shall go beyond them.

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::Dice;
 use phihat_certificate::extremes::{Extremes as _, larger};
+use phihat_certificate::parallel::shared;
 use phihat_certificate::{JointRun, Left, Refutation, Tube};
 use phihat_design::Gains;
 use phihat_report::kit::unit_of;
@@ -47,27 +48,16 @@ pub(crate) fn runs(
         .map_err(SessionError::other)?;
     let mut draw = WorldDraw { dice: Dice::at(seed), corner: false };
     let worlds: Vec<Study> = (0..WORLDS).map(|at| draw.world(&study, at)).collect();
-    let (done, next) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let work = || {
-        let mut own = Vec::new();
-        loop {
-            let chunk = next.fetch_add(1, Ordering::Relaxed);
-            let Some(part) = worlds.chunks(LANES).nth(chunk) else { return own };
-            own.push((chunk, in_lanes(part, &law, tube)));
-            progress(done.fetch_add(part.len(), Ordering::Relaxed) + part.len());
-        }
-    };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let mut chunks: Vec<_> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        let joined = threads
-            .into_iter()
-            .flat_map(|thread| thread.join().unwrap_or_else(|why| std::panic::resume_unwind(why)));
-        joined.collect()
+    let done = AtomicUsize::new(0);
+    let parts: Vec<&[Study]> = worlds.chunks(LANES).collect();
+    let chunks = shared(parts.len(), |chunk| {
+        let runs = in_lanes(parts[chunk], &law, tube);
+        let own = parts[chunk].len();
+        progress(done.fetch_add(own, Ordering::Relaxed) + own);
+        runs
     });
-    chunks.sort_by_key(|(chunk, _)| *chunk);
     let mut used = vec![0.0; tube.joints.len()];
-    for (chunk, runs) in chunks {
+    for (chunk, runs) in chunks.into_iter().enumerate() {
         for (k, (left, shares)) in runs.map_err(SessionError::other)?.into_iter().enumerate() {
             let at = chunk * LANES + k;
             if let Some(left) = left {

@@ -52,11 +52,14 @@ mod words;
 pub use arm::arm as drawn_arm;
 pub use audit::{Assumption, Audit, AuditRow, Standing, audit, audited};
 pub use begin::{
-    ArmOptions, BeginOptions, Begun, ambiguity_text, begin, described, recognition_text, write_arm,
+    ArmOptions, BeginOptions, Begun, ambiguity_text, begin, begun, described, recognition_text,
+    write_arm,
 };
 pub use budget::{BudgetFiles, write_budget};
 pub use check::{Mistake, StudyCheck, check, check_rewritten, check_text};
-pub use design::{arm, beside_limits, budget, designed, designed_for, read};
+pub use design::{
+    arm, beside_limits, budget, designed, designed_for, designed_in_steps, read, study_of_texts,
+};
 pub use dice::Dice;
 pub use drawn_worlds::{DrawnRuns, WORLDS};
 pub use driven::{DrivenSession, Leave, Take};

@@ -32,6 +32,15 @@ pub enum Checked<'a> {
         /// Seed of the reader for the drawn worlds, beside the file's own hash.
         seed: u64,
     },
+    /// The same of documents at hand.
+    Documents {
+        /// The gains.
+        gains: &'a Gains,
+        /// The study.
+        study: Option<&'a Study>,
+        /// Seed of the reader.
+        seed: u64,
+    },
     /// The record of a run: its files, its figures, and its gains against its study.
     Record(&'a Path),
 }
@@ -40,7 +49,7 @@ impl Checked<'_> {
     /// Seed of the reader.
     fn seed(self) -> u64 {
         match self {
-            Self::Gains { seed, .. } => seed,
+            Self::Gains { seed, .. } | Self::Documents { seed, .. } => seed,
             Self::Record(_) => 0,
         }
     }
@@ -81,14 +90,8 @@ pub fn verify(
     stage: &(dyn Fn(VerifyStage) + Sync),
 ) -> Result<Verification, SessionError> {
     let (gains, study, record, path) = match checked {
-        Checked::Gains { gains, study, .. } => {
-            let mut study = study.map(design::read).transpose()?;
-            let given = read_gains(gains)?;
-            if let Some(study) = &mut study {
-                given.complete(study).map_err(|e| SessionError::at(gains, e))?;
-            }
-            (given, study, None, gains.to_owned())
-        }
+        Checked::Gains { gains, study, .. } => from_files(gains, study)?,
+        Checked::Documents { gains, study, .. } => from_documents(gains, study)?,
         Checked::Record(folder) => {
             let (kept, path) = whole(folder)?;
             let (record, sum) = (Some(kept.seen.metrics), &kept.study.sha256);
@@ -137,6 +140,34 @@ pub fn verify(
     });
     let rigid_joints = study.as_ref().and_then(|study| rigid_joints(study, &gains));
     Ok(Verification { record, claims: Some(claims), runs, sliding: gains.sliding, rigid_joints })
+}
+
+/// Gains and their study, completed by them, without a record.
+type Documents = (Gains, Option<Box<Study>>, Option<Metrics>, PathBuf);
+
+#[inline(never)]
+fn from_files(gains: &Path, study: Option<&Path>) -> Result<Documents, SessionError> {
+    let study = study.map(design::read).transpose()?;
+    completed(read_gains(gains)?, study, gains)
+}
+
+#[inline(never)]
+fn from_documents(gains: &Gains, study: Option<&Study>) -> Result<Documents, SessionError> {
+    let study = study.map(|study| Box::new(study.clone()));
+    completed(gains.clone(), study, Path::new("gains.json"))
+}
+
+/// Gains of a path with the study that they complete.
+#[inline(never)]
+fn completed(
+    gains: Gains,
+    mut study: Option<Box<Study>>,
+    path: &Path,
+) -> Result<Documents, SessionError> {
+    if let Some(study) = &mut study {
+        gains.complete(study).map_err(|e| SessionError::at(path, e))?;
+    }
+    Ok((gains, study, None, path.to_owned()))
 }
 
 /// Says what is said of joints that slide in metres and newtons.

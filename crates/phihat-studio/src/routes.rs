@@ -16,6 +16,7 @@ use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use hyper::body::{Body as _, Bytes, Frame};
+use phihat_model::NamedTexts;
 use phihat_report::parts;
 use phihat_session::{Session, check_text, drawn_arm};
 use serde::Deserialize;
@@ -335,7 +336,7 @@ async fn check(State(shared): Of, request: Request) -> Response {
         return answered(Err(why));
     }
     let path = shared.opened().path;
-    let looked = aside(&shared, move || check_text(&text, &path)).await;
+    let looked = aside(&shared, move || check_text(&text, &path, &NamedTexts::DISK)).await;
     match looked {
         Ok(looked) => answer(&json!({ "errors": looked.errors, "warnings": looked.warnings })),
         Err(no) => no,

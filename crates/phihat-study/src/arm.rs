@@ -3,7 +3,7 @@
 use phihat_model::{Part, Robot};
 use toml::de::DeValue;
 
-use crate::base::{Base, beside};
+use crate::base::Base;
 use crate::entries::{clip, in_file_order};
 use crate::error::{StudyError, StudyErrorKind as Kind};
 use crate::joint::{self, Stated};
@@ -78,8 +78,8 @@ impl StudyArm {
         } else {
             let path = base.join(node.word("file")?);
             let refuse = |error| node.error(Kind::Robot, "file", format!("{error}"));
-            let read = Robot::read_part(&path, &part);
-            read.map_err(|error| refuse(error).with_help(beside(&path)))?
+            let read = Robot::read_from(base.files, &path, &part);
+            read.map_err(|error| refuse(error).with_help(base.beside(&path)))?
         };
         let names = |robot: &Robot| robot.joint_names();
         let all = Joints { names: names(&robot), locked: Vec::new() };

@@ -3,7 +3,7 @@
 use std::io::{ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 
-use phihat_model::input;
+use phihat_model::{NamedTexts, input};
 use sha2::{Digest, Sha256};
 use toml::de::DeTable;
 
@@ -60,9 +60,22 @@ impl Study {
     ///
     /// As [`check`](Self::check).
     pub fn check_text(text: &str, origin: &str, base: &Path) -> Result<Self, Vec<StudyError>> {
+        Self::check_texts(text, origin, (base, &NamedTexts::DISK))
+    }
+
+    /// As [`check`](Self::check), from text, as [`from_texts`](Self::from_texts) takes it.
+    ///
+    /// # Errors
+    ///
+    /// As [`check`](Self::check).
+    pub fn check_texts(
+        text: &str,
+        origin: &str,
+        (folder, files): (&Path, &NamedTexts),
+    ) -> Result<Self, Vec<StudyError>> {
         let found = StudyErrors::all();
         let source = Source { text, origin, found: &found };
-        let read = read_text(source, Base { folder: base, flat: false });
+        let read = read_text(source, Base { folder, files, flat: false });
         match (read, found) {
             (Ok(study), found) if found.is_clean("") => Ok(study),
             (read, found) => Err(found.into_errors(read.err(), origin)),
@@ -78,7 +91,20 @@ impl Study {
     ///
     /// The first thing that is wrong, with its place.
     pub fn from_text(text: &str, origin: &str, base: &Path) -> Result<Self, StudyError> {
-        first_error(text, origin, Base { folder: base, flat: false })
+        Self::from_texts(text, origin, (base, &NamedTexts::DISK))
+    }
+
+    /// As [`from_text`](Self::from_text), with the files that the study names from wherever they are.
+    ///
+    /// # Errors
+    ///
+    /// The first thing that is wrong, with its place.
+    pub fn from_texts(
+        text: &str,
+        origin: &str,
+        (folder, files): (&Path, &NamedTexts),
+    ) -> Result<Self, StudyError> {
+        first_error(text, origin, Base { folder, files, flat: false })
     }
 
     /// Reads the study of a record, whose [`inputs`](Self::inputs) are in a folder under the names that they
@@ -88,7 +114,8 @@ impl Study {
     ///
     /// The first thing that is wrong, with its place.
     pub fn from_record(text: &str, origin: &str, inputs: &Path) -> Result<Self, StudyError> {
-        first_error(text, origin, Base { folder: inputs, flat: true })
+        let files = &NamedTexts::DISK;
+        first_error(text, origin, Base { folder: inputs, files, flat: true })
     }
 }
 

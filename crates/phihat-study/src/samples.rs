@@ -4,10 +4,9 @@ use core::f64::consts::TAU;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-use phihat_model::input;
+use phihat_model::NamedTexts;
 
 use crate::arm::StudyArm;
-use crate::base::beside;
 use crate::entries::clip;
 use crate::error::{StudyError, StudyErrorKind as Kind, TextPlace};
 use crate::node::Node;
@@ -45,12 +44,12 @@ pub(crate) fn rows(
     let path = run.base.join(name);
     let shown = path.display().to_string();
     let joints = JointColumns { names: &arm.joints.names, locked: &arm.joints.locked };
-    match opened(&path) {
+    match opened(run.base.files, &path) {
         Ok(file) => SamplesTable::new(&shown, file, joints).read(Some(arm), between),
         Err(Unopened::TooLarge(message)) => Err(node.error(Kind::TooLarge, "file", message)),
         Err(Unopened::Unreadable(why)) => {
             let message = format!("`{}`: {why}", clip(name));
-            Err(node.error(Kind::Unreadable, "file", message).with_help(beside(&path)))
+            Err(node.error(Kind::Unreadable, "file", message).with_help(run.base.beside(&path)))
         }
     }
 }
@@ -67,7 +66,7 @@ pub type Samples = (Vec<f64>, Vec<Vec<f64>>);
 /// number, or the times do not begin at 0 and grow.
 pub fn motion_samples(path: &Path, joints: &[String]) -> Result<Samples, StudyError> {
     let shown = path.display().to_string();
-    match opened(path) {
+    match opened(&NamedTexts::DISK, path) {
         Ok(file) => {
             let joints = JointColumns { names: joints, locked: &[] };
             let read = SamplesTable::new(&shown, file, joints).read(None, Between::Moves)?;
@@ -85,10 +84,9 @@ enum Unopened {
     Unreadable(String),
 }
 
-fn opened(path: &Path) -> Result<impl BufRead, Unopened> {
+fn opened(files: &NamedTexts, path: &Path) -> Result<impl BufRead + use<>, Unopened> {
     let unreadable = |error: std::io::Error| Unopened::Unreadable(error.to_string());
-    let file = input::open(path).map_err(unreadable)?;
-    let size = file.metadata().map_err(unreadable)?.len();
+    let (file, size) = files.open(path).map_err(unreadable)?;
     if size > BYTES_MAX {
         return Err(Unopened::TooLarge(format!("{size} bytes, at most {BYTES_MAX}")));
     }

@@ -10,6 +10,7 @@ use phihat_study::{ReferenceRequest, Study};
 
 use crate::error::SynthesisError;
 use crate::judged::ERROR_KEY;
+use crate::steps::Steps;
 
 /// Rounds of the search, at most.
 const ROUNDS: u32 = 7;
@@ -109,7 +110,11 @@ struct BestOfClass {
 /// # Errors
 ///
 /// [`SynthesisError`] of the search.
-pub(crate) fn for_class(study: &Study, arm: &Arm) -> Result<Outcome, SynthesisError> {
+pub(crate) fn for_class(
+    study: &Study,
+    arm: &Arm,
+    steps: Steps<'_>,
+) -> Result<Outcome, SynthesisError> {
     let mut own = Box::new(study.clone());
     if own.control.form_designed {
         own.control.form_designed = false;
@@ -131,6 +136,7 @@ pub(crate) fn for_class(study: &Study, arm: &Arm) -> Result<Outcome, SynthesisEr
     let mut best: Option<BestOfClass> = None;
     let mut radius = None;
     for _ in 0..ROUNDS {
+        steps.begin("laws for the class, and their bound")?;
         let Some((gains, _)) = search.laws(&shares) else { break };
         let next: Vec<f64> = match quick_class_bound(study, &gains) {
             Ok(class) => {

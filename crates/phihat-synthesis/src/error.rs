@@ -57,6 +57,9 @@ pub enum SynthesisError {
         /// Name of the joint.
         joint: String,
     },
+    /// The listener to the steps ended it.
+    #[error("cancelled")]
+    Cancelled,
     /// Simulation and design do not agree on φ.
     #[error(
         "two rounds of simulation and design do not agree on φ: raise design.phi_margin, or use design.phi_from = \

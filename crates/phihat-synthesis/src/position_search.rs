@@ -11,6 +11,7 @@ use crate::commanded::Commanded;
 use crate::error::SynthesisError;
 use crate::judged::{Judged, judge, judge_by, promised, without_rate_limits};
 use crate::rank::{ROOM, Rank, SHARES, TubeFigures, next};
+use crate::steps::Steps;
 use crate::tube_parts::tube_parts;
 
 /// Rounds of a search for laws, at most.
@@ -51,6 +52,7 @@ const FINER_ROOM: f64 = 1.12;
 pub(crate) fn by_positions(
     study: &Study,
     (arm, demand): (&Arm, &Demand),
+    steps: Steps<'_>,
 ) -> Result<Outcome, SynthesisError> {
     let motion = Commanded::of(study)?;
     // For the search alone: the certificate of an arm with a description says nothing of φ.
@@ -71,6 +73,7 @@ pub(crate) fn by_positions(
         least: Some(&least),
         thorough: false,
         beside: None,
+        steps,
     };
     let joints = study.robot.joints.len();
     let mut best = rounds.best(&vec![FIRST; joints])?;
@@ -131,6 +134,7 @@ struct Rounds<'a> {
     thorough: bool,
     /// By how much the tube over all payloads is wider than that of the heaviest.
     beside: Option<TubeFigures>,
+    steps: Steps<'a>,
 }
 
 impl Rounds<'_> {
@@ -190,6 +194,7 @@ impl Rounds<'_> {
         if best.whole {
             return Ok(best);
         }
+        self.steps.begin("tube over all payloads of these laws")?;
         let (study, gains, parts) = (self.study, &mut best.gains, best.parts);
         self.certify(gains)?;
         let desired = self.desired(gains)?;
@@ -224,6 +229,7 @@ impl Rounds<'_> {
         shares: &[f64],
         parts: u32,
     ) -> Result<Option<(BestGains, bool)>, SynthesisError> {
+        self.steps.begin("laws from positions, and the tube of the heaviest payload")?;
         let Some((gains, _)) = self.search.laws(shares) else { return Ok(None) };
         let mut gains = Box::new(gains);
         if self.thorough {

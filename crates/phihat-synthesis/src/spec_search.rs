@@ -69,6 +69,7 @@ pub(crate) fn within_spec(
                 found.judged(gains, judged)
             }
             Ok(_) => found.refused(),
+            Err(SynthesisError::Cancelled) => return Err(SynthesisError::Cancelled),
             // Gains are at hand: a search that cannot begin is no reason to have none.
             Err(_) if found.kept.is_some() => None,
             Err(why) => return Err(why),

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use phihat::Form;
 use phihat_certificate::extremes::Extremes as _;
+use phihat_certificate::parallel::{both, threads};
 use phihat_design::{Arm, Clause, Gains, Infeasible, Outcome, PhiOf, alternatives, find_moving};
 use phihat_sim::{Demand, SimError, error_for_tip, overload};
 use phihat_study::{DesignMethod, InertiaSource, PhiSource, Study};
@@ -20,6 +21,7 @@ use crate::rotor::smallest_rotor;
 use crate::spec_search::within_spec;
 use crate::springs::with_springs;
 use crate::stated::certified;
+use crate::steps::Steps;
 
 /// Extent of the answer where no gains satisfy the specification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -72,7 +74,22 @@ pub fn synthesize(
     recordings: &Recordings,
     options: SynthesisOptions,
 ) -> Result<Outcome, SynthesisError> {
+    synthesize_in_steps(study, (arm, recordings), options, Steps::UNHEARD)
+}
+
+/// As [`synthesize`], with a listener to its steps.
+///
+/// # Errors
+///
+/// As of [`synthesize`]; [`SynthesisError::Cancelled`].
+pub fn synthesize_in_steps(
+    study: &Study,
+    (arm, recordings): (&Arm, &Recordings),
+    options: SynthesisOptions,
+    steps: Steps<'_>,
+) -> Result<Outcome, SynthesisError> {
     // Specification: a motion that the drives can follow, and an error bound for each joint.
+    steps.begin("specification along the motion")?;
     if !options.beyond_drives
         && let Some(more) = overload(study)?
     {
@@ -82,9 +99,9 @@ pub fn synthesize(
 
     // A class of motions: candidates from the largest rates of the class, judged by the class bound.
     if is_class(study) {
-        let mut outcome = for_class(&specified, arm)?;
+        let mut outcome = for_class(&specified, arm, steps)?;
         if let Outcome::Designed(gains) = &mut outcome {
-            complete_certificate(&specified, arm, gains)?;
+            complete_certificate(&specified, arm, gains, steps)?;
         }
         return Ok(outcome);
     }
@@ -92,23 +109,23 @@ pub fn synthesize(
     // Gains that the study states: no search, their certificate.
     if let Some(mut outcome) = certified(&specified, (arm, recordings))? {
         if let Outcome::Designed(gains) = &mut outcome {
-            complete_certificate(&specified, arm, gains)?;
+            complete_certificate(&specified, arm, gains, steps)?;
         }
         return Ok(outcome);
     }
 
     // Candidates, tube, shares: repeated in the form of the law that is stated, or in both forms.
     let (formed, outcome) = if specified.control.form_designed {
-        search_both_forms(&specified, (arm, recordings), options.advice)?
+        search_both_forms(&specified, (arm, recordings), options.advice, steps)?
     } else {
-        (None, search_form(&specified, (arm, recordings), options.advice)?)
+        (None, search_form(&specified, (arm, recordings), options.advice, steps)?)
     };
     let study = formed.as_deref().unwrap_or(&specified);
 
     // Certificate: the claims that no search needs.
     match outcome {
         Outcome::Designed(mut gains) => {
-            complete_certificate(study, arm, &mut gains)?;
+            complete_certificate(study, arm, &mut gains, steps)?;
             Ok(Outcome::Designed(gains))
         }
         infeasible @ Outcome::Infeasible(_) => Ok(infeasible),
@@ -132,13 +149,17 @@ fn search_form(
     study: &Study,
     (arm, recordings): (&Arm, &Recordings),
     advice: Advice,
+    steps: Steps<'_>,
 ) -> Result<Outcome, SynthesisError> {
     let demand = Demand::along(study)?;
     // Arms that are known by intervals have no tube: the search by bounds serves them, whatever the law.
     if study.control.form == Form::Positions && study.design.inertia == InertiaSource::Robot {
-        return by_positions(study, (arm, &demand));
+        return by_positions(study, (arm, &demand), steps);
     }
-    let within_shares = |own: &Study| candidates(own, arm, &demand, recordings);
+    let within_shares = |own: &Study| {
+        steps.begin("laws with a velocity, and their tube")?;
+        candidates(own, arm, &demand, recordings)
+    };
     match within_spec(study, &within_shares)? {
         Outcome::Infeasible(no)
             if advice == Advice::Changes && study.control.form != Form::Positions =>
@@ -178,6 +199,7 @@ fn search_both_forms(
     study: &Study,
     (arm, recordings): (&Arm, &Recordings),
     advice: Advice,
+    steps: Steps<'_>,
 ) -> Result<(Option<Box<Study>>, Outcome), SynthesisError> {
     let formed = |form: Form| {
         let mut own = Box::new(study.clone());
@@ -186,7 +208,7 @@ fn search_both_forms(
         own
     };
     let observer = formed(Form::Observer);
-    let search = |own: &Study, advice| search_form(own, (arm, recordings), advice);
+    let search = |own: &Study, advice| search_form(own, (arm, recordings), advice, steps);
     if positions_serve(study) {
         let positions = formed(Form::Positions);
         if let Outcome::Designed(from_positions) = search(&positions, Advice::Clauses)? {
@@ -240,22 +262,29 @@ fn nearest_of(clauses: &mut Vec<Clause>, others: Vec<Clause>) {
 /// Adds to the certificate of the chosen gains what no search needs: the clause of elastic joints, coupled gains,
 /// stability while the arm moves,
 /// and the tubes behind coarser encoders.
-fn complete_certificate(study: &Study, arm: &Arm, gains: &mut Gains) -> Result<(), SynthesisError> {
+fn complete_certificate(
+    study: &Study,
+    arm: &Arm,
+    gains: &mut Gains,
+    steps: Steps<'_>,
+) -> Result<(), SynthesisError> {
+    steps.begin("certificate: coupled gains, stability while moving, coarser encoders")?;
     with_springs(study, arm, gains)?;
     let mut moving = Box::new(gains.clone());
-    let found = std::thread::scope(|side| {
-        // A search on one thread, beside work that is shared among all.
-        let side = side.spawn(|| find_moving(&mut moving, arm));
-        let found = coupled_along(study, gains).map_err(SynthesisError::from).and_then(|one| {
-            // A search by tubes has computed these tubes with its own.
-            if !gains.coarser.is_empty() {
-                return Ok((one, gains.coarser.clone()));
-            }
-            Ok((one, coarser(study, gains)?))
-        });
-        side.join().unwrap_or_else(|why| std::panic::resume_unwind(why));
-        found
-    });
+    // A search on one thread, beside work that is shared among all.
+    let ((), found) = both(
+        threads(),
+        || find_moving(&mut moving, arm),
+        || {
+            coupled_along(study, gains).map_err(SynthesisError::from).and_then(|one| {
+                // A search by tubes has computed these tubes with its own.
+                if !gains.coarser.is_empty() {
+                    return Ok((one, gains.coarser.clone()));
+                }
+                Ok((one, coarser(study, gains)?))
+            })
+        },
+    );
     let (coupled, coarser) = found?;
     if let Some(certificate) = &mut moving.certificate {
         certificate.coupled = coupled;

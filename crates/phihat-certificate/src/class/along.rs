@@ -8,9 +8,9 @@ use super::bends::MARGIN;
 use super::derive::PlacedModel;
 use super::maxima::Maxima;
 use super::setting::{CLAIM, ClassSetting, models};
-use super::shared::shared;
 use super::solve::{BoundProblem, PlayedPosture};
 use crate::check::plausible::at_most;
+use crate::parallel::shared;
 use crate::refutation::refuse;
 use crate::{Certificate, Gains, JointRecord, LoopModel, Refutation};
 

@@ -1,7 +1,5 @@
 //! The bound for a class, derived a second time: kicks played at the witnesses and at postures that nobody knew before.
 
-use std::thread;
-
 use phihat_model::{Body, Model};
 use phihat_study::{ReferenceRequest, Study};
 use serde::Serialize;
@@ -12,12 +10,12 @@ use super::dynamics::Dynamics;
 use super::maxima::Maxima;
 use super::places::PostureDice;
 use super::setting::{CLAIM, ClassSetting, bodies, models, rotors};
-use super::shared::shared;
 use super::solve::{BoundProblem, PlayedPosture, Solution};
 use super::sums::PlayedSums;
 use crate::check::plausible::at_most;
 use crate::extremes::{Extremes as _, larger};
 use crate::loaded::loaded;
+use crate::parallel::{both, shared, threads};
 use crate::refutation::refuse;
 use crate::{Certificate, Gains, JointRecord, LoopModel, Refutation};
 
@@ -160,11 +158,10 @@ impl Certificate {
         let bent = drawn(&models, BENT, || dice.place(class));
         let loops: Vec<(&JointRecord, &LoopModel)> =
             gains.joints.iter().zip(&loop_models).collect();
-        let (maxima, all, bends) = thread::scope(|scope| {
-            let maxima = scope.spawn(|| Maxima::of(&setting.torques(), &models, &mut dice));
+        let maxima = || Maxima::of(&setting.torques(), &models, &mut dice);
+        let (maxima, (all, bends)) = both(threads(), maxima, || {
             let all = shared(placed.len(), |at| setting.played(&loops, &placed[at]));
-            let bends = setting.bends(&placed, &bent);
-            (maxima.join().unwrap_or_else(|why| std::panic::resume_unwind(why)), all, bends)
+            (all, setting.bends(&placed, &bent))
         });
         let all: Vec<PlayedPosture> = all.into_iter().collect::<Result<_, Refutation>>()?;
         let start = setting.start.imbalance((&maxima, claimed), (study, MARGIN))?;

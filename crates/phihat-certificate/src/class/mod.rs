@@ -20,7 +20,6 @@ mod forget;
 mod maxima;
 mod places;
 mod setting;
-mod shared;
 mod signals;
 mod solve;
 mod sums;

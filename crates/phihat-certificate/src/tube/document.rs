@@ -14,6 +14,7 @@ use super::sweep::{CheckedSweep, Swept};
 use crate::JointRecord;
 use crate::check::plausible;
 use crate::extremes::{Extremes as _, hull};
+use crate::parallel::shared;
 use crate::{Tube, TubeJoint, TubePayloadSet};
 
 /// Most joints of an arm whose tube is derived.
@@ -89,7 +90,7 @@ pub fn derive(
 type One<'a> =
     dyn Fn(Option<&PayloadSlice>, &dyn Fn(f64)) -> Result<Half, ScopeRefusal> + Sync + 'a;
 
-/// All slices at once, one thread each; the first refusal of them in their order.
+/// All slices, shared among threads; the first refusal of them in their order.
 fn together(
     slices: &[PayloadSlice],
     one: &One<'_>,
@@ -101,18 +102,7 @@ fn together(
         done[i] = share;
         progress(done.iter().sum::<f64>() / done.len() as f64);
     };
-    let told = &told;
-    std::thread::scope(|scope| {
-        let threads: Vec<_> = slices
-            .iter()
-            .enumerate()
-            .map(|(i, slice)| scope.spawn(move || one(Some(slice), &|share| told(i, share))))
-            .collect();
-        threads
-            .into_iter()
-            .map(|thread| thread.join().unwrap_or_else(|why| std::panic::resume_unwind(why)))
-            .collect()
-    })
+    shared(slices.len(), |i| one(Some(&slices[i]), &|share| told(i, share))).into_iter().collect()
 }
 
 fn fits(inputs: &TubeInputs<'_>) -> Result<(), ScopeRefusal> {

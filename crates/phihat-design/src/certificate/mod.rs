@@ -18,12 +18,12 @@ pub use moving::find_moving;
 pub(crate) use scope::{as_modelled, missing};
 
 use crate::claims::Refutation;
-use crate::parallel::{parallel, threads};
 use crate::sampled::{LoopModel, TorqueNoise};
 use crate::{
     ArmBasis, ArmInertia, Certificate, Gains, JointCertificate, JointRecord, NotCounted, Phi,
     Settle,
 };
+use phihat_certificate::parallel::{parallel, threads};
 
 pub(crate) use phihat_certificate::RATIOS;
 

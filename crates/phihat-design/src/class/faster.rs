@@ -18,7 +18,7 @@ pub(super) fn paces(
     (bent, all): (&Bent, &[PostureSums]),
 ) -> Vec<ClassPace> {
     let list: Vec<usize> = (0..FACTORS.len()).collect();
-    crate::parallel::parallel(&list, crate::parallel::threads(), |k| {
+    phihat_certificate::parallel::parallel(&list, phihat_certificate::parallel::threads(), |k| {
         let factor = FACTORS[k];
         let pace = pace.times(factor);
         let rates = Rates::of(scene, &pace);

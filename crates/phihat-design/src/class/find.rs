@@ -11,7 +11,7 @@ use super::faster::paces;
 use super::refusal::ClassRefusal;
 use super::scene::ClassScene;
 use super::sums::PostureSums;
-use crate::parallel::{both, parallel, threads};
+use phihat_certificate::parallel::{both, parallel, threads};
 
 /// Postures of the first round, corners and inner points, payloads in turn.
 const FIRST: u32 = 48;

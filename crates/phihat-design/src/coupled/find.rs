@@ -5,7 +5,7 @@ use phihat_certificate::{CoupledGains, FrozenPosture, JointRecord, LoopModel, Ma
 
 use super::at_posture::{PostureLoops, inverse, sums};
 use super::linear::{OUTPUTS, ResponseSums};
-use crate::parallel::{parallel, threads};
+use phihat_certificate::parallel::{parallel, threads};
 
 /// Number of matrices: from torque to `e, ė, ë, Δτ`, from the encoder to `e, ė, Δτ`.
 const KINDS: usize = 7;

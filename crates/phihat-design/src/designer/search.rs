@@ -14,13 +14,13 @@ use crate::TradeOff;
 use crate::budget::loop_in_words;
 use crate::certificate::{BoundsEvidence, alone, as_modelled};
 use crate::claims::times::{from_rise_time, from_settling_time};
-use crate::parallel::{parallel, threads};
 use crate::prelude::*;
 use crate::quick::Quick;
 use crate::sampled::{LoopModel, TorqueNoise};
 use crate::trade_off::{front, worth_measuring};
 use crate::{Arm, ArmInertia, Phi};
 use crate::{Gains, JointRecord};
+use phihat_certificate::parallel::{parallel, threads};
 
 /// Weight of a rate of φ against a jump \[s\] when the nominal inertia is shared out.
 const RAMP: f64 = 0.02;

@@ -12,10 +12,10 @@ use crate::designer::infeasible::{Clause, Infeasible};
 use crate::designer::known::PhiOf;
 use crate::designer::nominal::shared_out;
 use crate::designer::outcome::Outcome;
-use crate::parallel::{parallel, threads};
 use crate::prelude::*;
 use crate::sampled::{LoopModel, TorqueNoise};
 use crate::{Arm, ArmInertia, Certificate, Gains, JointRecord, Phi};
+use phihat_certificate::parallel::{parallel, threads};
 
 /// Weight of a rate of φ against a jump \[s\] when the nominal inertia is shared out.
 const RAMP: f64 = 0.02;

@@ -6,7 +6,7 @@ use super::linear::{Differences, StepInterval};
 use super::nominal::NominalRun;
 use super::refusal::TubeRefusal;
 use super::scene::Scene;
-use crate::parallel::parallel;
+use phihat_certificate::parallel::parallel;
 
 /// Intervals that one thread takes at a time.
 const TOGETHER: usize = 256;

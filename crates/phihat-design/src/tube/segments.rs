@@ -3,7 +3,7 @@
 use phihat_certificate::extremes::larger;
 
 use super::kernel::InputCourse;
-use crate::parallel::parallel;
+use phihat_certificate::parallel::parallel;
 
 /// Bins of a segment whose rows are bounded together.
 const BLOCK: usize = 4;

@@ -15,7 +15,7 @@ use super::segments::segments;
 use super::shapes::shapes;
 use super::sweep::{Bin, TubeSweep};
 use super::twist::jacobians;
-use crate::parallel::{both, parallel};
+use phihat_certificate::parallel::{both, parallel};
 
 /// Length of a bin \[s\].
 const BIN: f64 = 0.005;

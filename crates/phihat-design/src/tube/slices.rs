@@ -9,7 +9,7 @@ use super::envelope::Envelope;
 use super::refusal::TubeRefusal;
 use super::scene::{Scene, misread};
 use super::sliced::sliced;
-use crate::parallel::{parallel, threads};
+use phihat_certificate::parallel::{parallel, threads};
 
 /// The narrowest slice of the payload's mass that is tried, as a share of the interval.
 const NARROWEST: f64 = 1.0 / 8.0;

@@ -62,7 +62,7 @@ impl Robot {
             |path: &&PathBuf| path.extension().is_none_or(|extension| extension != "toml");
         let Some(path) = self.files.iter().find(is_urdf) else { return Look::default() };
         // It was read before: what is wrong with it was told then.
-        let Ok(text) = read_text(path) else { return Look::default() };
+        let Ok(text) = read_text(&self.source, path) else { return Look::default() };
         let Ok(text) = urdf::readable(&text, "") else { return Look::default() };
         let Ok(document) = Document::parse(&text) else { return Look::default() };
         let known = self.model.frame_names();

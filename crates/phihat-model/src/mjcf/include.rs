@@ -8,6 +8,7 @@ use roxmltree::Document;
 use super::attributes::wrong;
 use crate::error::RobotError;
 use crate::markup::{MarkupElement, MarkupPart};
+use crate::named_texts::{NamedFile, NamedTexts};
 use crate::robot_text::read_text;
 use crate::urdf::readable;
 use crate::whole::Result;
@@ -26,11 +27,12 @@ const LEVELS_MAX: usize = 100;
 /// The root element, with what it includes in its place, and the files that it includes.
 pub(super) fn included(
     document: &Document<'_>,
-    path: Option<&Path>,
+    path: Option<NamedFile<'_>>,
     origin: &str,
 ) -> Result<(MarkupElement, Vec<PathBuf>)> {
-    let main = path.map(|path| path.parent().unwrap_or(Path::new("")));
-    let mut own = Included { main, files: Vec::new(), bytes: 0, elements: 0 };
+    let source = path.map_or(&NamedTexts::DISK, |(source, _)| source);
+    let main = path.map(|(_, path)| path.parent().unwrap_or(Path::new("")));
+    let mut own = Included { source, main, files: Vec::new(), bytes: 0, elements: 0 };
     let root = own.spliced(MarkupElement::of(document, &Rc::from(origin)), main, 0)?;
     let mut files = own.files;
     files.sort();
@@ -39,7 +41,7 @@ pub(super) fn included(
 }
 
 /// The text of an MJCF file with what it includes in its place; `None`: it includes nothing, or is no MJCF.
-pub(crate) fn flat(text: &str, path: &Path) -> Result<Option<String>> {
+pub(crate) fn flat(text: &str, (files, path): NamedFile<'_>) -> Result<Option<String>> {
     let origin = path.display().to_string();
     let text = readable(text, &origin)?;
     let Ok(document) = Document::parse(&text) else { return Ok(None) };
@@ -50,11 +52,12 @@ pub(crate) fn flat(text: &str, path: &Path) -> Result<Option<String>> {
         return Ok(None);
     }
     let mut out = String::new();
-    included(&document, Some(path), &origin)?.0.write(0, &mut out);
+    included(&document, Some((files, path)), &origin)?.0.write(0, &mut out);
     Ok(Some(out))
 }
 
 struct Included<'p> {
+    source: &'p NamedTexts,
     /// Folder of the file that includes the others.
     main: Option<&'p Path>,
     files: Vec<PathBuf>,
@@ -127,13 +130,14 @@ impl Included<'_> {
             let why = format!("\"{name}\" must be beside the file that is read, or below it");
             return Err(wrong(include, &why));
         }
-        let path = [main.join(name), folder.join(name)].into_iter().find(|path| path.is_file());
+        let path =
+            [main.join(name), folder.join(name)].into_iter().find(|path| self.source.is_file(path));
         let Some(path) = path else {
             let why = format!("\"{name}\" is not there, in {}", main.display());
             return Err(wrong(include, &why));
         };
         let origin = path.display().to_string();
-        let text = read_text(&path)?;
+        let text = read_text(self.source, &path)?;
         self.bytes += text.len();
         let many = |what, limit| {
             let origin = include.place.file.to_string();

@@ -1,7 +1,6 @@
 //! From an MJCF document to the links and joints of a description.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use roxmltree::Document;
 
@@ -15,6 +14,7 @@ use super::include::included;
 use super::inertia::StatedMatter;
 use crate::markup::MarkupElement;
 use crate::model::GRAVITY;
+use crate::named_texts::NamedFile;
 use crate::placement::Placement;
 use crate::whole::{DescribedFile, LinkElement, Result, checked_matter};
 
@@ -24,7 +24,7 @@ const POSES_MAX: usize = 100;
 /// Links and joints of an MJCF document.
 pub(crate) fn described(
     document: &Document<'_>,
-    path: Option<&Path>,
+    path: Option<NamedFile<'_>>,
     origin: &str,
 ) -> Result<DescribedFile> {
     let (root, included) = included(document, path, origin)?;

@@ -16,6 +16,7 @@ use super::value::{TEXT_MAX, XacroValue};
 use super::{packages, yaml};
 use crate::error::RobotError;
 use crate::markup::{MarkupElement, MarkupPart, MarkupPlace, PREFIX};
+use crate::named_texts::NamedTexts;
 use crate::robot_text::read_text;
 use crate::urdf::{XACRO_ATTRIBUTES_MAX, declared, scanned};
 
@@ -95,7 +96,8 @@ pub fn expand(path: &Path, options: &XacroOptions) -> Result<Expanded, RobotErro
 /// Returns true if a file is one of xacro: by its name, or by an element of xacro in it.
 pub fn is_xacro(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "xacro")
-        || (path.is_file() && read_text(path).is_ok_and(|text| text.contains("<xacro:")))
+        || (path.is_file()
+            && read_text(&NamedTexts::DISK, path).is_ok_and(|text| text.contains("<xacro:")))
 }
 
 /// Refusal with its place.
@@ -159,7 +161,7 @@ impl<'o> Expander<'o> {
             let (origin, limit) = (origin.to_string(), FILES_MAX);
             return Err(RobotError::TooMuch { origin, what: "files", found: limit + 1, limit });
         }
-        let text = read_text(path)?;
+        let text = read_text(&NamedTexts::DISK, path)?;
         scanned(&text, &origin, XACRO_ATTRIBUTES_MAX)?;
         self.files.push(path.to_owned());
         let text = declared(Cow::Owned(text));
@@ -619,7 +621,7 @@ impl XacroNames for ScopeNames<'_, '_> {
         let folder =
             Path::new(&*self.expander.here.file).parent().unwrap_or(Path::new("")).to_owned();
         let path = folder.join(file);
-        let text = read_text(&path).map_err(|why| why.to_string())?;
+        let text = read_text(&NamedTexts::DISK, &path).map_err(|why| why.to_string())?;
         self.expander.files.push(path.clone());
         yaml::read(&text).map_err(|why| reason!("{}: {why}", path.display()))
     }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-use phihat_model::{Chain, Part, Robot};
+use phihat_model::{Chain, NamedTexts, Part, Robot};
 
 use super::known::completed;
 use super::options::{ArmOptions, BeginOptions};
@@ -11,7 +11,6 @@ use super::posture::{Easy, easy_posture};
 use super::torque::assume;
 use crate::disk::folder_of;
 use crate::error::SessionError;
-use crate::files;
 
 /// The posture that a study moves about.
 pub(super) const READY: &str = "ready";
@@ -57,7 +56,7 @@ impl ChosenArm {
         if Robot::names().contains(&options.arm.arm.as_str()) && chosen.robot.files.is_empty() {
             chosen.lines.push(format!("name = {:?}", options.arm.arm));
         } else if let Some(bare) = chosen.robot.bare_file().map(Path::to_owned) {
-            notes.extend(chosen.complete(&bare, folder, name)?);
+            notes.extend(chosen.complete((&options.arm.files, &bare), folder, name)?);
         } else {
             let file = Path::new(&options.arm.arm);
             chosen.lines.push(format!("file = {}", quoted(&relative(folder, file))));
@@ -79,13 +78,15 @@ impl ChosenArm {
     /// Estimates what a bare description leaves out.
     fn complete(
         &mut self,
-        urdf: &Path,
+        (files, urdf): (&NamedTexts, &Path),
         folder: &Path,
         name: &str,
     ) -> Result<Vec<String>, SessionError> {
-        let (text, extension) = Robot::description_text(urdf).map_err(SessionError::other)?;
+        let (text, extension) =
+            Robot::description_text(files, urdf).map_err(SessionError::other)?;
         self.robot = self.robot.clone().estimated();
-        let beside = fs::canonicalize(folder_of(urdf)).ok() == fs::canonicalize(folder).ok();
+        let beside = !files.has_text(urdf)
+            && fs::canonicalize(folder_of(urdf)).ok() == fs::canonicalize(folder).ok();
         let own = urdf.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
         let copied = format!("{name}_arm.{extension}");
         let urdf = if beside { own } else { copied };
@@ -106,22 +107,13 @@ impl ChosenArm {
         self.robot.arm_file(urdf, &self.part)
     }
 
-    /// Puts the arm's files into a folder, and tells how a study there names the arm.
-    pub(super) fn put(&self, folder: &Path) -> Result<Vec<String>, SessionError> {
-        let Some(file) = &self.written else {
-            let absolute = |line: &String| match (&self.robot.files[..], line.starts_with("file")) {
-                ([first, ..], true) => {
-                    let path = fs::canonicalize(first).unwrap_or_else(|_| first.clone());
-                    format!("file = {}", quoted(&path.display().to_string()))
-                }
-                _ => line.clone(),
-            };
-            return Ok(self.lines.iter().map(absolute).collect());
-        };
-        let put = |name: &str, text: &str| files::write(&folder.join(name), text);
-        put(&file.urdf, &file.text)?;
-        put(&file.name, &self.arm_text())?;
-        Ok(self.lines.clone())
+    /// Files of the arm as a study in a folder names them: its own ones, where they are still to be written.
+    pub(super) fn files(&self, options: &ArmOptions, folder: &Path) -> NamedTexts {
+        let Some(file) = &self.written else { return options.files.clone() };
+        options.files.with([
+            (folder.join(&file.urdf), file.text.clone()),
+            (folder.join(&file.name), self.arm_text()),
+        ])
     }
 }
 
@@ -158,7 +150,8 @@ fn read(options: &ArmOptions) -> Result<(Robot, Part, Vec<String>), SessionError
     let path = Path::new(&options.arm);
     let mut part = options.part.clone();
     let refuse = |why: phihat_model::RobotError| SessionError::other(why);
-    if path.extension().is_none() && !path.is_file() {
+    let files = &options.files;
+    if path.extension().is_none() && !files.is_file(path) {
         if part.is_stated() {
             let why = "--base and --tip cut an arm out of a file; built-in robots are arms already";
             return Err(SessionError::other(why));
@@ -166,8 +159,8 @@ fn read(options: &ArmOptions) -> Result<(Robot, Part, Vec<String>), SessionError
         return Ok((Robot::named(&options.arm).map_err(refuse)?, part, Vec::new()));
     }
     let mut notes = Vec::new();
-    let chains = Robot::chains(path).map_err(refuse)?;
-    let whole = if part.is_stated() { None } else { Some(Robot::read_part(path, &part)) };
+    let chains = Robot::chains_from(files, path).map_err(refuse)?;
+    let whole = if part.is_stated() { None } else { Some(Robot::read_from(files, path, &part)) };
     let alone = |robot: &Robot| match &chains[..] {
         [first, ..] if robot.bare_file().is_some() => {
             first.joints == robot.model.joint_names() && first.tip == robot.tip
@@ -195,7 +188,7 @@ fn read(options: &ArmOptions) -> Result<(Robot, Part, Vec<String>), SessionError
             }
         }
     }
-    let robot = Robot::read_part(path, &part).map_err(refuse)?;
+    let robot = Robot::read_from(files, path, &part).map_err(refuse)?;
     notes.extend(fixed_joints_note(&robot));
     Ok((robot, part, notes))
 }
@@ -263,9 +256,15 @@ fn quoted(word: &str) -> String {
 fn relative(folder: &Path, file: &Path) -> String {
     let whole = |path: &Path| fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let (from, to) = (whole(folder), whole(file));
-    let shared = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
+    // Texts have no folder that the disk could name in full.
+    let parts = |path: &Path| -> Vec<PathBuf> {
+        let own = path.components().filter(|part| *part != Component::CurDir);
+        own.map(|part| PathBuf::from(part.as_os_str())).collect()
+    };
+    let (from, to) = (parts(&from), parts(&to));
+    let shared = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
     let mut named = PathBuf::new();
-    from.components().skip(shared).for_each(|_| named.push(".."));
-    to.components().skip(shared).for_each(|part| named.push(part));
+    from.iter().skip(shared).for_each(|_| named.push(".."));
+    to.iter().skip(shared).for_each(|part| named.push(part));
     named.to_string_lossy().replace('\\', "/")
 }

@@ -28,7 +28,6 @@ use std::path::{Path, PathBuf};
 use phihat_model::xacro::{expand, is_xacro};
 use phihat_model::{JointKind, MotionOnly, Robot, RobotError};
 use phihat_study::Study;
-use tempfile::TempDir;
 
 pub use arm::described;
 pub use known::{ambiguity_text, recognition_text};
@@ -36,7 +35,6 @@ pub use options::{ArmOptions, BeginOptions};
 
 use crate::disk::{DiskError, Whole, folder_of, make_folder};
 use crate::error::SessionError;
-use crate::files;
 use crate::watch::Watch;
 use arm::ChosenArm;
 use search::{BeginResult, BeginStudy};
@@ -70,17 +68,32 @@ pub struct Begun {
 /// [`SessionError`]: the arm cannot be used, or a file is there already. That no gains exist is an answer, as it is
 /// that a description has no masses: then the study asks for each joint's inertia.
 pub fn begin(given: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, SessionError> {
+    let (begun, files) = begun(given, &mut |step| watch.step(step))?;
+    watch.ended();
+    write(&files, given.replace)?;
+    // What was written is what was looked at.
+    Study::read(&given.out)?;
+    Ok(begun)
+}
+
+/// As [`begin`], but nothing is written: with the texts of the files, the study last. `step` receives each step.
+///
+/// # Errors
+///
+/// As [`begin`].
+pub fn begun(
+    given: &BeginOptions,
+    step: &mut dyn FnMut(&str),
+) -> Result<(Begun, Vec<(PathBuf, String)>), SessionError> {
     let folder = folder_of(&given.out);
     let name = given.study_name()?;
-    let (_expanded, options) = &expanded(given)?;
+    let options = &expanded(given)?;
     if let Some(joints) = motion_only::joints_of(options) {
         return motion_only((options, &given.arm.arm), joints);
     }
     let mut chosen = ChosenArm::of(options, folder, &name)?;
-    let scratch = tempfile::tempdir().map_err(SessionError::other)?;
-    let mut looked = BeginStudy::new(options, &mut chosen, scratch.path())?;
-    let found = looked.search((&mut chosen, &options.out), watch)?;
-    watch.ended();
+    let mut looked = BeginStudy::new(options, &mut chosen)?;
+    let found = looked.search((&mut chosen, &options.out), step)?;
     let text = looked.study_text(&found, &chosen);
     let mut files = Vec::new();
     let mut put = |name: &str, text: &str| files.push((folder.join(name), text.to_owned()));
@@ -95,23 +108,22 @@ pub fn begin(given: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, Sessi
     let joints = chosen.robot.joints.iter();
     let (joints, slides) =
         joints.map(|joint| (joint.name.clone(), joint.kind == JointKind::Prismatic)).unzip();
-    write(&files, options.replace)?;
-    let files = files.into_iter().map(|(path, _)| path).collect();
-    // What was written is what was looked at.
-    Study::read(&options.out)?;
     let BeginResult { error_bound, simulated, infeasible, .. } = found;
-    let study = options.out.clone();
-    Ok(Begun { study, files, joints, slides, notes, error_bound, simulated, infeasible })
+    let (study, paths) =
+        (options.out.clone(), files.iter().map(|(path, _)| path.clone()).collect());
+    let begun =
+        Begun { study, files: paths, joints, slides, notes, error_bound, simulated, infeasible };
+    Ok((begun, files))
 }
 
-/// Writes the study of an arm whose description, the file `named`, has no masses.
+/// The study of an arm whose description, the file `named`, has no masses.
 fn motion_only(
     (options, named): (&BeginOptions, &str),
     joints: MotionOnly,
-) -> Result<Begun, SessionError> {
+) -> Result<(Begun, Vec<(PathBuf, String)>), SessionError> {
     let own = motion_only::study_of((options, named), joints)?;
-    write(&[(options.out.clone(), own.text)], options.replace)?;
-    Ok(Begun {
+    let files = vec![(options.out.clone(), own.text)];
+    let begun = Begun {
         study: options.out.clone(),
         files: vec![options.out.clone()],
         joints: own.joints.iter().map(|joint| joint.name.clone()).collect(),
@@ -120,15 +132,16 @@ fn motion_only(
         error_bound: vec![own.error_bound; own.joints.len()],
         simulated: None,
         infeasible: Some(own.lacks),
-    })
+    };
+    Ok((begun, files))
 }
 
-/// The options with a URDF in a folder of its own in place of a file of xacro.
-fn expanded(options: &BeginOptions) -> Result<(Option<TempDir>, BeginOptions), SessionError> {
+/// The options with the text of a URDF in place of a file of xacro.
+fn expanded(options: &BeginOptions) -> Result<BeginOptions, SessionError> {
     let path = Path::new(&options.arm.arm);
     if !is_xacro(path) {
         return match options.arm.xacro.arguments.keys().next() {
-            None => Ok((None, options.clone())),
+            None => Ok(options.clone()),
             Some(name) => {
                 let why = format!("{name}:= is an argument of xacro, and this is no file of xacro");
                 Err(SessionError::at(path, why))
@@ -142,14 +155,14 @@ fn expanded(options: &BeginOptions) -> Result<(Option<TempDir>, BeginOptions), S
         Ok(_) | Err(RobotError::NoInertia { .. } | RobotError::SeveralArms { .. }) => {}
         Err(why) => return Err(SessionError::other(why)),
     }
-    let folder = tempfile::tempdir().map_err(SessionError::other)?;
     let stem =
         path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let urdf = folder.path().join(format!("{}.urdf", stem.trim_end_matches(".urdf")));
-    files::write(&urdf, &text)?;
+    // No file can be there, nor another beside it.
+    let urdf = path.join(format!("{}.urdf", stem.trim_end_matches(".urdf")));
     let mut own = options.clone();
+    own.arm.files = own.arm.files.with([(urdf.clone(), text)]);
     own.arm.arm = urdf.display().to_string();
-    Ok((Some(folder), own))
+    Ok(own)
 }
 
 fn write(files: &[(PathBuf, String)], replace: bool) -> Result<(), SessionError> {

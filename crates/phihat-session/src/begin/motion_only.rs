@@ -35,20 +35,20 @@ const OPEN: [(&str, &str); 4] = [
 
 /// Joints of the file that describes motion only; `None`: it has masses, or cannot be read at all.
 pub(super) fn joints_of(options: &BeginOptions) -> Option<MotionOnly> {
-    let path = Path::new(&options.arm.arm);
+    let (path, files) = (Path::new(&options.arm.arm), &options.arm.files);
     let without_mass = |part: &Part| {
-        let read = Robot::read_part(path, part);
+        let read = Robot::read_from(files, path, part);
         matches!(read, Err(RobotError::NoInertia { .. }))
-            .then(|| Robot::joints_of(path, part).ok())
+            .then(|| Robot::joints_of(files, path, part).ok())
             .flatten()
     };
-    if !path.is_file() || path.extension().is_some_and(|extension| extension == "toml") {
+    if !files.is_file(path) || path.extension().is_some_and(|extension| extension == "toml") {
         return None;
     }
     if options.arm.part.is_stated() {
         return without_mass(&options.arm.part);
     }
-    let chain = Robot::chains(path).ok()?.into_iter().next()?;
+    let chain = Robot::chains_from(files, path).ok()?.into_iter().next()?;
     without_mass(&Part { base: Some(chain.base), tip: Some(chain.tip), ..Part::default() })
 }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use phihat_model::xacro::XacroOptions;
-use phihat_model::{Joint, Part};
+use phihat_model::{Joint, NamedTexts, Part};
 
 use crate::error::SessionError;
 
@@ -22,6 +22,8 @@ pub struct ArmOptions {
     pub known: Option<String>,
     /// Torque interface, in place of the arm's: one of [`phihat_model::Profile::NAMES`].
     pub profile: Option<String>,
+    /// Source of the file and of those that it names.
+    pub files: NamedTexts,
 }
 
 impl ArmOptions {

@@ -21,7 +21,6 @@ use super::text::{Centre, Words};
 use crate::design::{at, designed_for};
 use crate::error::SessionError;
 use crate::session::Session;
-use crate::watch::Watch;
 
 /// An error that no gains keep \[rad\], to hear which one they can.
 const IN_VAIN: f64 = 1e-7;
@@ -112,13 +111,12 @@ enum Least {
 }
 
 impl<'a> BeginStudy<'a> {
-    /// Puts a study for the arm into a folder, with a motion that its drives can follow and rotors that gains can bear.
+    /// A study for the arm, with a motion that its drives can follow and rotors that gains can bear.
     pub(super) fn new(
         options: &'a BeginOptions,
         chosen: &mut ChosenArm,
-        folder: &Path,
     ) -> Result<Self, SessionError> {
-        let path = folder.join(format!("{}.toml", options.study_name()?));
+        let path = options.out.clone();
         let Followed { study, motion, notes, weak } = followed(options, chosen, &path)?;
         let arm = arm_of(&study, &path)?;
         let mut looked = Self { options, study, path, motion, notes, weak, arm, stable: true };
@@ -179,16 +177,16 @@ impl<'a> BeginStudy<'a> {
     pub(super) fn search(
         &mut self,
         (chosen, out): (&mut ChosenArm, &Path),
-        watch: &mut dyn Watch,
+        step: &mut dyn FnMut(&str),
     ) -> Result<BeginResult, SessionError> {
         if let Some(why) = self.weak.take() {
             return Ok(self.infeasible(self.options.error_bound.unwrap_or(UNASKED), why));
         }
-        let found = self.search_once(out, watch)?;
+        let found = self.search_once(out, step)?;
         if found.infeasible.is_none() || !self.stable || chosen.written.is_none() {
             return Ok(found);
         }
-        watch.step("the whole interval of dry friction is too wide: looking at a narrower one");
+        step("the whole interval of dry friction is too wide: looking at a narrower one");
         for (joint, own) in self.study.robot.joints.iter_mut().zip(&mut chosen.robot.joints) {
             let value = own.friction.coulomb;
             let toward = |end: f64| digits::places(value * (end / value).powf(NARROW_FRICTION), 6);
@@ -204,7 +202,7 @@ impl<'a> BeginStudy<'a> {
             (low + extra, high + extra)
         });
         self.study.design.coulomb = ends.unzip();
-        let narrower = self.search_once(out, watch)?;
+        let narrower = self.search_once(out, step)?;
         if narrower.infeasible.is_some() {
             return Ok(narrower);
         }
@@ -220,13 +218,13 @@ impl<'a> BeginStudy<'a> {
     fn search_once(
         &mut self,
         out: &Path,
-        watch: &mut dyn Watch,
+        step: &mut dyn FnMut(&str),
     ) -> Result<BeginResult, SessionError> {
-        watch.step("looking for the least error that gains can keep");
+        step("looking for the least error that gains can keep");
         let fixed = self.options.error_bound;
         let mut error = match fixed {
             Some(error) => error,
-            None => match self.least(watch)? {
+            None => match self.least(step)? {
                 Least::Error(least) => two_digits(MARGIN * least).min(self.stands_still()),
                 Least::None(why) => {
                     self.stable = false;
@@ -236,13 +234,10 @@ impl<'a> BeginStudy<'a> {
         };
         let mut last = None;
         for round in 1..=ROUNDS {
-            watch.step(&format!(
-                "try {round}: gains for an error of {:.3} mrad, and runs",
-                1e3 * error
-            ));
+            step(&format!("try {round}: gains for an error of {:.3} mrad, and runs", 1e3 * error));
             let (why, by) = match self.in_either_form(error, out)? {
                 ErrorOutcome::Kept(simulated) if fixed.is_none() => {
-                    return Ok(self.with_form_chosen((error, simulated), out, watch));
+                    return Ok(self.with_form_chosen((error, simulated), out, step));
                 }
                 ErrorOutcome::Kept(simulated) => {
                     return Ok(self.found(error, Some(simulated), None));
@@ -297,12 +292,12 @@ impl<'a> BeginStudy<'a> {
         &mut self,
         (mut error, mut simulated): (f64, Vec<f64>),
         out: &Path,
-        watch: &mut dyn Watch,
+        step: &mut dyn FnMut(&str),
     ) -> BeginResult {
         for _ in 0..LESS_ROUNDS {
             let less = two_digits(FORM_CHOSEN * error);
             let milli = 1e3 * less;
-            watch.step(&format!("laws from positions for an error of {milli:.3} mrad, and runs"));
+            step(&format!("laws from positions for an error of {milli:.3} mrad, and runs"));
             let form_designed = core::mem::replace(&mut self.study.control.form_designed, true);
             // A search that cannot begin is no reason to have nothing.
             let Ok(ErrorOutcome::Kept(runs)) = self.asked(less, out) else {
@@ -315,7 +310,7 @@ impl<'a> BeginStudy<'a> {
     }
 
     /// The least error \[rad\] that some gains keep, by the search's own reckoning; else why there are none.
-    fn least(&self, watch: &mut dyn Watch) -> Result<Least, SessionError> {
+    fn least(&self, step: &mut dyn FnMut(&str)) -> Result<Least, SessionError> {
         let mut study = self.study.clone();
         ask(&mut study, IN_VAIN);
         let here = |why| at(&self.path, why);
@@ -327,7 +322,9 @@ impl<'a> BeginStudy<'a> {
         if let Some(least) = possible {
             return Ok(Least::Error(least));
         }
-        watch.step("no gains keep the arm inside the stability window: looking for the rotors that make it possible");
+        step(
+            "no gains keep the arm inside the stability window: looking for the rotors that make it possible",
+        );
         let found = smallest_rotor(&self.study).map_err(here)?;
         let told = found.map(|found| lacking(&self.study, found.value));
         Ok(Least::None(told.unwrap_or_else(|| no.to_string())))
@@ -467,14 +464,15 @@ pub(super) fn followed(
     path: &Path,
 ) -> Result<Followed, SessionError> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let lines = chosen.put(folder)?;
+    let files = chosen.files(&options.arm, folder);
     let centre = chosen.robot.poses.get(READY).cloned().unwrap_or_default();
     let mut round = 0;
     loop {
         let motion = Sines::about(&chosen.robot, &centre, pace(round));
         let error = vec![1e-3; chosen.robot.joints.len()];
-        let text = words(options, chosen, (&lines, &error, false), &motion);
-        let mut study = Box::new(Study::from_text(&text, &path.display().to_string(), folder)?);
+        let text = words(options, chosen, (&chosen.lines, &error, false), &motion);
+        let mut study =
+            Box::new(Study::from_texts(&text, &path.display().to_string(), (folder, &files))?);
         derive_substeps(&mut study);
         let demand = Demand::along(&study).map_err(|why| SessionError::at(path, why))?;
         let shares = study.robot.joints.iter().enumerate().map(|(i, joint)| {

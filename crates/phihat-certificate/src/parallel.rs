@@ -1,15 +1,37 @@
-//! Work shared among threads, its results in order.
+//! Work done side by side: the one place where a computation takes threads, its results in order.
+//!
+//! Where there is one thread, as in a browser, the same work is done in turn: results have the same bits.
 
+use std::cell::Cell;
+use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread::ScopedJoinHandle;
+use std::thread::{ScopedJoinHandle, available_parallelism, scope};
 
-/// Number of threads that run in parallel.
-pub(crate) fn threads() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
+thread_local! {
+    /// True while this thread works by itself.
+    static ALONE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Number of threads that run in parallel; one where the platform has none, and within [`alone`].
+pub fn threads() -> usize {
+    if ALONE.get() { 1 } else { available_parallelism().map_or(1, usize::from) }
+}
+
+/// Result of some work that takes no thread but this one.
+pub fn alone<T>(work: impl FnOnce() -> T) -> T {
+    let before = ALONE.replace(true);
+    let made = work();
+    ALONE.set(before);
+    made
+}
+
+/// Results of `make` for each index below `count`, in order, on as many threads as there are.
+pub fn shared<T: Send>(count: usize, make: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    parallel(&(0..count).collect::<Vec<_>>(), threads(), make)
 }
 
 /// Results of `make` for each entry of a list, in its order; a thread that is done takes the next one.
-pub(crate) fn parallel<T: Send>(
+pub fn parallel<T: Send>(
     list: &[usize],
     threads: usize,
     make: impl Fn(usize) -> T + Sync,
@@ -27,7 +49,7 @@ pub(crate) fn parallel<T: Send>(
             own.push((at, make(*i)));
         }
     };
-    let mut all: Vec<(usize, T)> = std::thread::scope(|scope| {
+    let mut all: Vec<(usize, T)> = scope(|scope| {
         let parts: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
         parts.into_iter().flat_map(joined).collect()
     });
@@ -36,7 +58,7 @@ pub(crate) fn parallel<T: Send>(
 }
 
 /// Results of two functions, run in parallel where there is more than one thread.
-pub(crate) fn both<A: Send, B>(
+pub fn both<A: Send, B>(
     threads: usize,
     one: impl FnOnce() -> A + Send,
     other: impl FnOnce() -> B,
@@ -45,7 +67,7 @@ pub(crate) fn both<A: Send, B>(
         let other = other();
         return (one(), other);
     }
-    std::thread::scope(|scope| {
+    scope(|scope| {
         let one = scope.spawn(one);
         let other = other();
         (joined(one), other)
@@ -53,7 +75,7 @@ pub(crate) fn both<A: Send, B>(
 }
 
 fn joined<T>(part: ScopedJoinHandle<'_, T>) -> T {
-    part.join().unwrap_or_else(|why| std::panic::resume_unwind(why))
+    part.join().unwrap_or_else(|why| resume_unwind(why))
 }
 
 #[cfg(test)]

@@ -1,0 +1,86 @@
+//! The part of a run that a page draws: bounded in size, however long the run was.
+
+use phihat_report::DrawnArm;
+use phihat_session::{Done, drawn_arm};
+use phihat_sim::{JointTrace, Trace};
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+
+/// Most points of a curve.
+const POINTS: usize = 1000;
+
+/// Verdict, bound beside the measurement, curves and arm of a run.
+pub(crate) fn drawn(done: &Done, trace: &Trace) -> Value {
+    let each = trace.len().div_ceil(POINTS).max(1);
+    let first = |all: &[f64]| -> Vec<f64> { all.iter().step_by(each).copied().collect() };
+    let t: Vec<f64> = trace.t_ns.iter().step_by(each).map(|t| *t as f64 * 1e-9).collect();
+    let tube = done.gains.as_ref().and_then(|own| own.certificate.as_ref()?.tube.as_ref());
+    let joints: Vec<Value> = trace
+        .joints
+        .iter()
+        .zip(&done.metrics.joints)
+        .enumerate()
+        .map(|(j, (joint, figures))| {
+            let tube = tube.and_then(|tube| Some((tube.bin_s, tube.joints.get(j)?)));
+            json!({
+                "name": joint.name,
+                "slides": figures.slides,
+                "accepted_rad": figures.error_bound_rad,
+                "bound_rad": tube.map(|(_, own)| own.error_bound_rad),
+                "measured_rad": figures.error_steady_max_rad,
+                "torque_max_nm": figures.tau_max_nm,
+                "torque_limit_nm": figures.tau_limit_nm,
+                "q": first(&joint.q),
+                "q_d": first(&joint.q_desired),
+                "e": largest(&joint.e, each),
+                "torque": largest(&joint.tau_applied, each),
+                "tube": tube.map(|(bin_s, own)| json!({
+                    "bin_s": bin_s, "low": own.error_low_rad, "high": own.error_high_rad,
+                })),
+            })
+        })
+        .collect();
+    let arm: DrawnArm = drawn_arm(&done.study, None);
+    json!({
+        "title": done.study.title,
+        "robot": done.study.robot.name,
+        "verdict": done.verdict(),
+        "good": done.good(),
+        "beside_tube": done.tube.as_ref().map(phihat_report::TubeRun::sentence),
+        "promise": done.tube.as_ref().is_some_and(|run| run.no_promise.is_none()),
+        "settle_s": done.metrics.settle_s,
+        "duration_s": done.metrics.duration_s,
+        "samples": done.metrics.samples,
+        "warnings": done.run.warnings,
+        "t": t,
+        "joints": joints,
+        "arm": arm,
+        "trace_sha256": trace_sha256(trace),
+    })
+}
+
+/// The value of largest size in each stretch of so many samples; a value that is no number is the largest.
+fn largest(all: &[f64], each: usize) -> Vec<Option<f64>> {
+    let most = |part: &[f64]| {
+        let beyond = part.iter().find(|value| !value.is_finite());
+        let largest = part.iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        beyond.or(largest).copied().filter(|value| value.is_finite())
+    };
+    all.chunks(each).map(most).collect()
+}
+
+/// SHA-256 of the bits of every signal of every joint, hexadecimal: equal for equal traces.
+fn trace_sha256(trace: &Trace) -> String {
+    let mut hash = Sha256::new();
+    let signals = |joint: &JointTrace| -> [Vec<f64>; 6] {
+        [&joint.q, &joint.dq, &joint.e, &joint.tau_command, &joint.tau_applied, &joint.phi_hat]
+            .map(Clone::clone)
+    };
+    for signal in trace.joints.iter().flat_map(signals) {
+        for value in signal {
+            hash.update(value.to_bits().to_le_bytes());
+        }
+    }
+    let digits = |byte: u8| [byte >> 4, byte & 15].map(|half| char::from_digit(half.into(), 16));
+    hash.finalize().into_iter().flat_map(digits).flatten().collect()
+}

@@ -1,0 +1,114 @@
+//! A study and its arm from texts to gains, run and page.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use phihat_design::Outcome;
+use phihat_session::{
+    ArmOptions, BeginOptions, Done, Session, begun, check_text, described, designed_in_steps,
+};
+use phihat_sim::Trace;
+use phihat_synthesis::{Advice, Steps};
+use serde_json::{Value, json};
+
+use crate::drawn::drawn;
+use crate::error::AnswerError;
+use crate::form::{FORM, values};
+use crate::task::{StudyTexts, named};
+
+/// Samples between two events of a run.
+const EACH: u64 = 500;
+
+/// Joints and notes of a description.
+pub(crate) fn arm(file: &str, files: &BTreeMap<String, String>) -> Result<Value, AnswerError> {
+    let (robot, _, notes) = described(&arm_options(file, files))?;
+    let notes: Vec<&String> = notes.iter().chain(&robot.warnings).collect();
+    Ok(json!({ "name": robot.name, "joints": robot.joint_names(), "notes": notes }))
+}
+
+/// A study made of an arm, with the files that it names.
+pub(crate) fn begun_from(
+    (file, files): (&str, &BTreeMap<String, String>),
+    (payload_kg, error_bound): (f64, Option<f64>),
+    event: &dyn Fn(Value),
+) -> Result<Value, AnswerError> {
+    if !(payload_kg.is_finite() && payload_kg >= 0.0) {
+        return Err(AnswerError::Payload(payload_kg));
+    }
+    let out = PathBuf::from("study.toml");
+    let arm = arm_options(file, files);
+    let options = BeginOptions { arm, out, payload_kg, error_bound, ..BeginOptions::default() };
+    let mut step = |step: &str| event(json!({ "step": step }));
+    let (begun, texts) = begun(&options, &mut step)?;
+    let name = |path: &Path| path.file_name().unwrap_or_default().display().to_string();
+    let mut texts: BTreeMap<String, String> =
+        texts.iter().map(|(path, text)| (name(path), text.clone())).collect();
+    let study = texts.remove("study.toml").unwrap_or_default();
+    Ok(json!({
+        "study": study, "files": texts, "notes": begun.notes, "error_bound_rad": begun.error_bound,
+        "infeasible": begun.infeasible,
+    }))
+}
+
+/// Mistakes of a study, its warnings, and the values of the form.
+pub(crate) fn checked(texts: &StudyTexts) -> Value {
+    let check = check_text(&texts.study, &texts.path(), &named(&texts.files));
+    let errors: Vec<Value> = check
+        .errors
+        .iter()
+        .map(|own| json!({ "line": own.line, "column": own.column, "text": own.to_string() }))
+        .collect();
+    json!({ "errors": errors, "warnings": check.warnings, "form": FORM, "values": values(&texts.study) })
+}
+
+/// Gains for a study, or why there are none.
+pub(crate) fn designed_from(
+    texts: &StudyTexts,
+    event: &dyn Fn(Value),
+) -> Result<Value, AnswerError> {
+    let (study, path) = (texts.read()?, texts.path());
+    let arm = phihat_session::arm(&study, &path)?;
+    let begins = |step: &str| {
+        event(json!({ "step": step }));
+        ControlFlow::Continue(())
+    };
+    let steps = (Advice::Clauses, Steps::to(&begins));
+    let outcome = designed_in_steps(&study, &arm, &path, steps)?;
+    match outcome {
+        Outcome::Designed(gains) => {
+            let text = gains.to_json()?;
+            Ok(json!({ "gains": text, "infeasible": null }))
+        }
+        Outcome::Infeasible(no) => Ok(json!({ "gains": null, "infeasible": no.to_string() })),
+    }
+}
+
+/// A run, and what a page draws of it.
+pub(crate) fn run(texts: &StudyTexts, event: &dyn Fn(Value)) -> Result<Value, AnswerError> {
+    let (done, trace) = finished(texts, event)?;
+    Ok(drawn(&done, &trace))
+}
+
+/// The page of a run, as the command line writes it.
+pub(crate) fn page(texts: &StudyTexts, event: &dyn Fn(Value)) -> Result<Value, AnswerError> {
+    let (done, _) = finished(texts, event)?;
+    Ok(json!({ "page": phihat_report::page(&done.record()) }))
+}
+
+fn finished(texts: &StudyTexts, event: &dyn Fn(Value)) -> Result<(Done, Trace), AnswerError> {
+    let given = texts.gains()?;
+    let given = given.map(|gains| (gains, Path::new("gains.json")));
+    let study = texts.read()?;
+    let of = phihat_sim::samples(study.duration, study.control.period_ns);
+    let session = Session::new(study, &texts.path(), given, false)?;
+    Ok(session.run(|samples| {
+        if samples.is_multiple_of(EACH) {
+            event(json!({ "samples": samples, "of": of }));
+        }
+    }))
+}
+
+fn arm_options(file: &str, files: &BTreeMap<String, String>) -> ArmOptions {
+    ArmOptions { arm: file.to_owned(), files: named(files), ..ArmOptions::default() }
+}

@@ -1,0 +1,110 @@
+//! Tasks, as a page states them.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use phihat_design::Gains;
+use phihat_model::NamedTexts;
+use phihat_session::study_of_texts;
+use phihat_study::Study;
+use serde::Deserialize;
+
+use crate::error::AnswerError;
+
+/// A task with its texts.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "task", rename_all = "snake_case", deny_unknown_fields)]
+pub(crate) enum BrowserTask {
+    /// Joints and notes of a description.
+    Arm {
+        /// Name of the description among the files, or of a built-in arm.
+        file: String,
+        /// Texts by the names of their files.
+        #[serde(default)]
+        files: BTreeMap<String, String>,
+    },
+    /// A study made of an arm.
+    Begin {
+        /// Name of the description among the files, or of a built-in arm.
+        file: String,
+        /// Texts by the names of their files.
+        #[serde(default)]
+        files: BTreeMap<String, String>,
+        /// Heaviest payload \[kg\].
+        #[serde(default)]
+        payload_kg: f64,
+        /// Largest error \[rad, m\]; `None`: the smallest that can be promised, with a margin.
+        #[serde(default)]
+        error_rad: Option<f64>,
+    },
+    /// Mistakes of a study, and the values of the form.
+    Check(StudyTexts),
+    /// One key of a study changed.
+    Set {
+        /// Text of the study.
+        study: String,
+        /// Key of the form, dotted.
+        key: String,
+        /// Its value as TOML; empty: the key is left out.
+        value: String,
+    },
+    /// Gains for a study.
+    Design(StudyTexts),
+    /// A run of a study.
+    Run(StudyTexts),
+    /// The page of a run.
+    Page(StudyTexts),
+    /// Claims of gains, checked again.
+    Verify(StudyTexts),
+    /// Gains in another format.
+    Export {
+        /// The gains document (JSON).
+        gains: String,
+        /// `c-header`, `ros2` or `csv`.
+        format: String,
+    },
+}
+
+/// A study, the files that it names, and gains for it.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct StudyTexts {
+    /// Name of the study: a-z, 0-9, `_` and `-`.
+    #[serde(default = "study_name")]
+    pub(crate) name: String,
+    /// Text of the study (TOML).
+    #[serde(default)]
+    pub(crate) study: String,
+    /// Texts by the names of their files.
+    #[serde(default)]
+    pub(crate) files: BTreeMap<String, String>,
+    /// The gains document (JSON), where gains are at hand.
+    #[serde(default)]
+    pub(crate) gains: Option<String>,
+}
+
+impl StudyTexts {
+    /// Path that stands for the study in messages.
+    pub(crate) fn path(&self) -> PathBuf {
+        PathBuf::from(format!("{}.toml", self.name))
+    }
+
+    /// The study.
+    pub(crate) fn read(&self) -> Result<Box<Study>, AnswerError> {
+        Ok(study_of_texts(&self.study, &self.path(), &named(&self.files))?)
+    }
+
+    /// The gains; `None`: none were given.
+    pub(crate) fn gains(&self) -> Result<Option<Gains>, AnswerError> {
+        Ok(self.gains.as_deref().map(Gains::from_json).transpose()?)
+    }
+}
+
+/// Texts in place of files of these names.
+pub(crate) fn named(files: &BTreeMap<String, String>) -> NamedTexts {
+    NamedTexts::alone(files.iter().map(|(name, text)| (PathBuf::from(name), text.clone())))
+}
+
+fn study_name() -> String {
+    "study".to_owned()
+}
