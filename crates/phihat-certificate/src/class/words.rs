@@ -5,8 +5,8 @@ use crate::extremes::Extremes as _;
 
 impl ClassBound {
     /// Half the joint box, and the largest speed, acceleration and jerk, in words: `±0.3 rad, 0.2 rad/s, 0.2 rad/s²,
-    /// 1 rad/s³`. Of joints that differ, the least and the largest: `0.1 … 0.2 rad/s`. Joints at whose place `slides` is
-    /// true are in metres.
+    /// 1 rad/s³`. Of joints that differ, the least and the largest: `0.1 … 0.2 rad/s`. Joints at whose place `slides`
+    /// is true are in metres.
     pub fn limits_in_words(&self, slides: &[bool]) -> String {
         let ends = self.box_rad.0.iter().zip(&self.box_rad.1);
         let half: Vec<f64> = ends.map(|(low, high)| 0.5 * (high - low)).collect();

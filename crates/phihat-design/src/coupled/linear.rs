@@ -85,6 +85,21 @@ struct GivenOther {
 }
 
 impl Linear {
+    /// A state of this length for `n` joints, without any input.
+    fn empty(length: usize, n: usize, period: f64) -> Self {
+        Self {
+            a: DMatrix::zeros(length, length),
+            columns: Vec::new(),
+            rows: vec![vec![[0.0; OUTPUTS]; length]; n],
+            kicks: Vec::new(),
+            readings: Vec::new(),
+            direct: Vec::new(),
+            starts: Vec::new(),
+            given: Vec::new(),
+            period,
+        }
+    }
+
     /// Laws in their loops on the inverse of an inertia matrix \[1/(kg·m²)\].
     #[allow(clippy::too_many_lines, reason = "one input after the other")]
     pub(crate) fn new(loops: &[(&JointRecord, &LoopModel)], inverse: &DMatrix<f64>) -> Self {
@@ -100,17 +115,7 @@ impl Linear {
         let period = loops.first().map_or(0.0, |(_, model)| model.period_s);
         let scales: Vec<DVector<f64>> =
             samples.iter().zip(&nominal).map(|(s, m)| s.scale() / m.sqrt()).collect();
-        let mut own = Self {
-            a: DMatrix::zeros(length, length),
-            columns: Vec::new(),
-            rows: vec![vec![[0.0; OUTPUTS]; length]; n],
-            kicks: Vec::new(),
-            readings: Vec::new(),
-            direct: Vec::new(),
-            starts: Vec::new(),
-            given: Vec::new(),
-            period,
-        };
+        let mut own = Self::empty(length, n, period);
         // The law, delay and drive are the joint's own; what acts moves every joint.
         for j in 0..n {
             let step = |x: &[f64], input: &Input| {
