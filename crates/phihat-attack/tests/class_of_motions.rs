@@ -254,7 +254,7 @@ fn signals_that_the_theorem_does_not_cover_are_refused_by_their_key() {
         (text.replace("torque = \"demanded\"", ""), "world.drive.cogging_nm"),
         (text.replace("cogging_nm = 0.03", "ripple = 0.01"), "world.drive"),
         (supervised(&text.replace("\"nominal\"", "\"taken\"")), "sensor.sample_jitter_s"),
-        (text.replace("every_s = 0.2", "every_s = 0.003"), "commands_lost_every_s"),
+        (text.replace("every_s = 0.2", "every_s = 0.001"), "commands_lost_every_s"),
         (
             text.replace(
                 "[spec]",
