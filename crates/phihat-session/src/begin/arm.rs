@@ -254,9 +254,11 @@ fn quoted(word: &str) -> String {
 
 /// A file as it is named from a folder.
 fn relative(folder: &Path, file: &Path) -> String {
-    let whole = |path: &Path| fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let (from, to) = (whole(folder), whole(file));
-    // Texts have no folder that the disk could name in full.
+    // Texts have no folder that the disk could name in full: then both are taken as they are named.
+    let (from, to) = match (fs::canonicalize(folder), fs::canonicalize(file)) {
+        (Ok(from), Ok(to)) => (from, to),
+        _ => (folder.to_owned(), file.to_owned()),
+    };
     let parts = |path: &Path| -> Vec<PathBuf> {
         let own = path.components().filter(|part| *part != Component::CurDir);
         own.map(|part| PathBuf::from(part.as_os_str())).collect()

@@ -71,8 +71,10 @@ pub fn begin(given: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, Sessi
     let (begun, files) = begun(given, &mut |step| watch.step(step))?;
     watch.ended();
     write(&files, given.replace)?;
-    // What was written is what was looked at.
-    Study::read(&given.out)?;
+    // What was written is what was looked at. A study without masses cannot be read before they are filled in.
+    if begun.infeasible.is_none() {
+        Study::read(&given.out)?;
+    }
     Ok(begun)
 }
 

@@ -119,7 +119,7 @@ mod tests {
     /// Wrong if a row were longer than stated, or two of them closer, or if the limits were never reached.
     #[test]
     fn rows_are_no_longer_and_no_closer_than_stated() {
-        let text = "duration_s = 1.0\n[robot]\nname = \"planar3r\"\n[spec]\n\
+        let text = "duration_s = 1.0\n[robot]\nname = \"planar3r\"\n[spec]\nsettle_s = 0.5\n[design]\n\
                     [reference]\nkind = \"hold\"\npose = \"ready\"\n";
         let study = Study::from_text(text, "rows.toml", "".as_ref()).unwrap();
         let mut rows = LossRows::new(LostRows { most: 3, apart: 0.02 }, &study);
