@@ -84,8 +84,11 @@ def test_a_drive_over_a_link_is_the_run(tmp_path: Path) -> None:
     driven = phihat.drive(study, link, accept=GONE_PAST, out=tmp_path / "out")
     assert driven.drive["end"] == "complete" and driven.drive["lost"] == 0
     assert link.written == len(run.t) == len(driven.trace.t)
-    for signal_name in ("q_measured", "dq_measured", "q_desired", "tau_command"):
+    for signal_name in ("q_measured", "q_desired"):
         assert np.array_equal(run[signal_name], driven.trace[signal_name]), signal_name
+    # A drive differences positions by itself: the weight of its filter may be off in the last bit.
+    for signal_name in ("dq_measured", "tau_command"):
+        assert np.allclose(run[signal_name], driven.trace[signal_name], rtol=1e-12, atol=1e-12), signal_name
     # The error of a robot is the one that it measured.
     assert np.array_equal(driven.trace["e"], run["q_measured"] - run["q_desired"])
     assert (tmp_path / "out/drive.json").is_file() and (tmp_path / "out/report.html").is_file()
