@@ -33,8 +33,7 @@ enum Way {
 
 /// Runs one stream of requests and targets that nobody would send, drawn with payload and friction by a seed, and holds
 /// what the supervisor makes of it against the bound while it holds or tracks. Noise of readings and rows of lost
-/// commands
-/// are as bad as is known how to make them. Without a supervisor the motion is the study's own, drawn anew.
+/// commands are the worst that is known. Without a supervisor the motion is the study's own, drawn anew.
 ///
 /// # Errors
 ///

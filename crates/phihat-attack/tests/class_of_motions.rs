@@ -60,8 +60,7 @@ fn supervised_gains() -> &'static Gains {
 }
 
 /// The arm in balance with signals that are none too good: noise of a quantum, cogging, stiction, samples taken early,
-/// and
-/// a command lost now and then.
+/// and a command lost now and then.
 fn imperfect() -> Study {
     let text = TEXT
         .replace("encoder_bits = 19", SENSOR)

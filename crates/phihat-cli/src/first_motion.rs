@@ -11,7 +11,6 @@ use phihat_session::{
     FIRST_WIDTH, FirstMeasured, FirstMotion, FirstStudy, IdentifyOptions, MeasuredJoint,
     NarrowedArm, files, first_measured, narrowed_arm,
 };
-use phihat_study::Study;
 
 use crate::failure::Failure;
 use crate::identify::sections;
@@ -70,7 +69,7 @@ impl FirstMotionArguments {
         let options = IdentifyOptions {
             width: FIRST_WIDTH,
             margin: self.margin,
-            slides: sliding(&first.study),
+            slides: first.study.robot.sliding(),
             ..IdentifyOptions::default()
         };
         let found = first_measured(&first.study, folder, &options)?;
@@ -98,12 +97,6 @@ impl MeasuredAndWritten {
     pub(crate) fn arm(&self, folder: &Path) -> Option<PathBuf> {
         self.narrowed.as_ref().map(|arm| folder.join(&arm.name))
     }
-}
-
-/// Names of the joints that slide.
-fn sliding(study: &Study) -> Vec<String> {
-    let joints = study.robot.joints.iter().filter(|joint| joint.kind == JointKind::Prismatic);
-    joints.map(|joint| joint.name.clone()).collect()
 }
 
 /// Announcement of a first motion.

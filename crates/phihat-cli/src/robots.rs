@@ -197,30 +197,20 @@ impl Robots {
         // Of a known arm, its hand is no part.
         if let [first, ..] = &chains[..] {
             (part.base, part.tip) = (Some(first.base.clone()), Some(first.tip.clone()));
-            let arm = read(&part).ok().filter(|arm| self.recognised(arm).is_some());
             let bare =
                 robot.as_ref().is_ok_and(|robot| robot.bare_file().is_some() || expanded.is_some());
-            if let Some(arm) = arm.filter(|_| bare) {
+            if let Some(arm) = read(&part).ok().filter(|_| bare)
+                && let Recognition::Known(..) = self.recognised(&arm)?
+            {
                 return Ok((Ok(arm), chains));
             }
         }
         Ok((robot, chains))
     }
 
-    /// Sentence on the known arm that a robot is, and that arm; `None`: it is none, or could be several.
-    fn recognised(&self, robot: &Robot) -> Option<(String, &'static KnownArm)> {
-        match self.known.as_deref() {
-            Some("none") => None,
-            Some(name) => {
-                KnownArm::named(name).ok().map(|arm| (recognition_text(arm, "as stated"), arm))
-            }
-            None => match KnownArm::of(robot) {
-                Recognition::Known(arm, by) => {
-                    Some((recognition_text(arm, &format!("by {by}")), arm))
-                }
-                _ => None,
-            },
-        }
+    /// Known arm that a robot is.
+    fn recognised(&self, robot: &Robot) -> Result<Recognition, Failure> {
+        KnownArm::chosen(robot, self.known.as_deref()).map_err(Failure::plain)
     }
 
     fn show(&self, name: &str) -> Result<(), Failure> {
@@ -245,19 +235,22 @@ impl Robots {
             }
             robot => robot.map_err(Failure::plain)?,
         };
-        let known = self.recognised(&robot);
+        let known = self.recognised(&robot)?;
         let range = robot.inertia_range(POSTURES, SEED);
         if self.json {
             let mut told = document(&robot, &range, &chains);
-            told["known"] = json!(known.map(|(words, arm)| {
-                json!({ "name": arm.name, "title": arm.title, "profile": arm.profile, "encoder": arm.encoder,
-                        "recognised": words, "notes": arm.notes, "source": arm.source })
-            }));
+            told["known"] = match &known {
+                Recognition::Known(arm, why) => json!({
+                    "name": arm.name, "title": arm.title, "profile": arm.profile, "encoder": arm.encoder,
+                    "recognised": recognition_text(arm, why), "notes": arm.notes, "source": arm.source,
+                }),
+                _ => serde_json::Value::Null,
+            };
             println!("{told:#}");
             return Ok(());
         }
         println!("{} · {}", robot.name, robot.description);
-        tell_known(&robot, known);
+        tell_known(&known);
         println!("{}", table::joints(&robot, &range));
         println!(
             "inertia over {POSTURES} postures inside the joint limits, rotors included, no payload;\n\
@@ -282,15 +275,17 @@ impl Robots {
 }
 
 /// Prints which known arm a robot is, or which ones it could be.
-fn tell_known(robot: &Robot, known: Option<(String, &KnownArm)>) {
-    if let Some((words, arm)) = known {
-        println!("{words}");
-        for note in &arm.notes {
-            println!("note: {note}");
+fn tell_known(known: &Recognition) {
+    match known {
+        Recognition::Known(arm, why) => {
+            println!("{}", recognition_text(arm, why));
+            for note in &arm.notes {
+                println!("note: {note}");
+            }
+            println!("source: {}", arm.source);
         }
-        println!("source: {}", arm.source);
-    } else if let Recognition::OneOf(arms) = KnownArm::of(robot) {
-        println!("note: {}", ambiguity_text(&arms));
+        Recognition::OneOf(arms) => println!("note: {}", ambiguity_text(arms)),
+        Recognition::None => {}
     }
 }
 

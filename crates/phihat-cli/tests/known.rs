@@ -180,6 +180,8 @@ fn a_wrong_name_and_an_unclear_tool_are_answered_with_the_choices() {
         ),
         (&["new", "fr3_hand.urdf", "--arm", "fr4"], &["fr4", "openarm"]),
         (&["new", "fr3_hand.urdf", "--arm", "ur5e"], &["UR5e has 6 joints", "7"]),
+        (&["robots", "fr3_hand.urdf", "--arm", "fr4"], &["fr4", "openarm"]),
+        (&["robots", "fr3_hand.urdf", "--arm", "ur5e"], &["UR5e has 6 joints", "7"]),
         (&["new", "panda", "--arm", "fr3"], &["file of its own"]),
         (&["new", "fr3"], &["known by name", "name its URDF"]),
     ] {

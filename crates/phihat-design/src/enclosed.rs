@@ -79,8 +79,7 @@ pub fn enclose_inertia(
 /// # Errors
 ///
 /// [`EstimateError`]: the joints differ in length, the record is shorter than the filter, there is no joint `of`, or
-/// the
-/// record does not determine its inertia.
+/// the record does not determine its inertia.
 pub fn enclose_inertia_of(
     joints: &[RecordedJoint],
     of: usize,
@@ -142,8 +141,7 @@ impl<'a> RecordAtWidths<'a> {
 
 /// Encloses a joint's level of dry friction \[N·m\]: the coefficient of `sign(q̇_i)` in both fits of
 /// [`enclose_inertia`], with the bound (R3), 0 at least; `None`: it moves too little. Friction that changes fast with
-/// speed
-/// is part of the level or not, by the fit: the interval contains both.
+/// speed is part of the level or not, by the fit: the interval contains both.
 pub fn enclose_dry_friction(
     joints: &[RecordedJoint],
     of: usize,

@@ -135,12 +135,21 @@ struct DeskVelocity {
 }
 
 impl DeskVelocity {
-    /// Puts velocities in place of those of a sample that came at this time \[ns\].
-    fn estimate(&mut self, t_ns: u64, sample: &mut Sample) {
+    /// Puts velocities in place of those of a sample at this time \[ns\]: of one that came, a new estimate; of one that
+    /// did not, the last one.
+    fn estimate(&mut self, t_ns: u64, arrival: Arrival, sample: &mut Sample) {
+        let fresh = arrival == Arrival::Fresh;
         let interval = t_ns.saturating_sub(self.last_ns) as f64 * 1e-9;
-        self.last_ns = t_ns;
         for (joint, state) in sample.joints.iter_mut().zip(&mut self.states) {
-            joint.dq = self.filter.estimate(state, joint.q, interval);
+            let mut next = *state;
+            // Over no time the estimate stays.
+            joint.dq = self.filter.estimate(&mut next, joint.q, if fresh { interval } else { 0.0 });
+            if fresh {
+                *state = next;
+            }
+        }
+        if fresh {
+            self.last_ns = t_ns;
         }
     }
 }
@@ -180,8 +189,8 @@ impl Desk {
         let late_ns = link.late_ns();
         let begun = link.now_ns();
         self.order.gather(&self.raw, &mut self.sample);
-        if let (Some(velocity), Arrival::Fresh) = (&mut self.velocity, arrival) {
-            velocity.estimate(t_ns, &mut self.sample);
+        if let Some(velocity) = &mut self.velocity {
+            velocity.estimate(t_ns, arrival, &mut self.sample);
         }
         control.step(t_ns as f64 * 1e-9, &self.sample, arrival != Arrival::Skipped);
         let took_ns = link.now_ns().zip(begun).map(|(now, begun)| now.saturating_sub(begun));
@@ -415,4 +424,31 @@ fn come_to_rest<L: Link>(
 /// Returns true if a stop is complete: the supervisor requests the brakes or is idle, or there is none.
 fn is_stopped(report: Option<&Report>) -> bool {
     report.is_none_or(|report| report.brake || report.mode == Mode::Idle)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Arrival, DeskVelocity};
+    use phihat::{VelocityFilter, VelocityState};
+
+    /// Wrong if the robot's own velocity reached the law over a sample that was lost, or if the one after it were
+    /// differenced over one period only.
+    #[test]
+    fn a_lost_sample_keeps_the_differenced_velocity() {
+        let filter = VelocityFilter::new(None, 1e-3).unwrap();
+        let states = vec![VelocityState::default()];
+        let mut velocity = DeskVelocity { filter, states, last_ns: 0 };
+        let mut at = |t_ns: u64, arrival: Arrival, q: f64| {
+            let mut sample = phihat_sim::Sample::of(1);
+            (sample.joints[0].q, sample.joints[0].dq) = (q, 9.0);
+            velocity.estimate(t_ns, arrival, &mut sample);
+            sample.joints[0].dq
+        };
+        assert_eq!(at(0, Arrival::Lost, 0.0).to_bits(), 0.0_f64.to_bits());
+        assert_eq!(at(1_000_000, Arrival::Fresh, 0.5).to_bits(), 0.0_f64.to_bits());
+        assert!((at(2_000_000, Arrival::Fresh, 0.501) - 1.0).abs() < 1e-9);
+        // The same positions once more, as a link leaves them.
+        assert!((at(3_000_000, Arrival::Lost, 0.501) - 1.0).abs() < 1e-9);
+        assert!((at(4_000_000, Arrival::Fresh, 0.505) - 2.0).abs() < 1e-9);
+    }
 }

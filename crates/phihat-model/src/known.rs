@@ -94,6 +94,9 @@ struct ArmsFile {
 }
 
 impl KnownArm {
+    /// Word in place of a name: none of them.
+    pub const NO_ARM: &str = "none";
+
     /// Every known arm, in the order of the table.
     pub fn all() -> &'static [Self] {
         static ALL: OnceLock<Vec<KnownArm>> = OnceLock::new();
@@ -118,6 +121,38 @@ impl KnownArm {
                 why,
             }
         })
+    }
+
+    /// The arm that somebody states by its name, [`NO_ARM`](Self::NO_ARM) for none; where nothing is stated, the one
+    /// that [`of`](Self::of) recognises. Beside a known arm stands why it is that one, in words.
+    ///
+    /// # Errors
+    ///
+    /// [`RobotError::Value`] for a name that is none of the table's, and for an arm with another number of joints.
+    pub fn chosen(robot: &Robot, stated: Option<&str>) -> Result<Recognition, RobotError> {
+        let arm = match stated {
+            Some(Self::NO_ARM) => return Ok(Recognition::None),
+            Some(name) => Self::named(name)?,
+            None => {
+                return Ok(match Self::of(robot) {
+                    Recognition::Known(arm, by) => Recognition::Known(arm, format!("by {by}")),
+                    other => other,
+                });
+            }
+        };
+        let (n, count) = (robot.joints.len(), arm.count);
+        if n != count {
+            let why = format!(
+                "{} has {count} joints, and this arm {n}: --base and --tip leave joints out",
+                arm.title
+            );
+            return Err(RobotError::Value {
+                origin: robot.name.clone(),
+                key: "arm".to_owned(),
+                why,
+            });
+        }
+        Ok(Recognition::Known(arm, "as stated".to_owned()))
     }
 
     /// Recognises an arm by the names in its description: joints, links, robot.

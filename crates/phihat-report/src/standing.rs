@@ -341,12 +341,13 @@ fn better(certificate: &Certificate, standing: &RunStanding<'_>) -> Markup {
         }
         @for (factor, bound) in slower {
             li {
-                "The same gains at " (stated(factor)) " times the speed: |e| ≤ " (number(MILLI * bound)) "\u{a0}mrad."
+                "The same gains at " (stated(factor)) " times the speed: |e| ≤ " (number(MILLI * bound))
+                "\u{a0}mrad, derived once."
             }
         }
         li {
-            code { "phihat design STUDY.toml --budget" } " says what the error is spent on, cause by cause, and "
-            "what changes of the study would bring."
+            code { "phihat design STUDY.toml --budget" } " says what the error is spent on, cause by cause; "
+            "where no gains keep the specification, also which changes would help."
         }
     } }
 }

@@ -1,10 +1,9 @@
 //! The part of a run that a page draws: bounded in size, however long the run was.
 
 use phihat_report::DrawnArm;
-use phihat_session::{Done, drawn_arm};
+use phihat_session::{Done, drawn_arm, sha256};
 use phihat_sim::{JointTrace, Trace};
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 
 /// Most points of a curve.
 const POINTS: usize = 1000;
@@ -71,16 +70,16 @@ fn largest(all: &[f64], each: usize) -> Vec<Option<f64>> {
 
 /// SHA-256 of the bits of every signal of every joint, hexadecimal: equal for equal traces.
 fn trace_sha256(trace: &Trace) -> String {
-    let mut hash = Sha256::new();
+    let mut bytes = Vec::new();
     let signals = |joint: &JointTrace| -> [Vec<f64>; 6] {
         [&joint.q, &joint.dq, &joint.e, &joint.tau_command, &joint.tau_applied, &joint.phi_hat]
             .map(Clone::clone)
     };
     for signal in trace.joints.iter().flat_map(signals) {
         for value in signal {
-            hash.update(value.to_bits().to_le_bytes());
+            bytes.extend(value.to_bits().to_le_bytes());
         }
     }
-    let digits = |byte: u8| [byte >> 4, byte & 15].map(|half| char::from_digit(half.into(), 16));
-    hash.finalize().into_iter().flat_map(digits).flatten().collect()
+    // Infallible: bytes at hand are read.
+    sha256(&mut &bytes[..]).unwrap_or_default()
 }

@@ -14,8 +14,7 @@ const CLAIM: &str = "class of motions";
 /// # Errors
 ///
 /// [`Refutation`]: a law that is fed the torque that acted counts cogging as its own, one that is fed stamps takes
-/// other
-/// intervals.
+/// other intervals.
 pub(super) fn imperfect(study: &Study) -> Result<ClassSignals, Refutation> {
     let n = study.robot.joints.len();
     let mut own = ClassSignals {

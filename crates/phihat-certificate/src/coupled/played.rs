@@ -196,8 +196,7 @@ impl<'a> PlayedRuns<'a> {
     }
 
     /// Gives the drive of a joint of a run 1 N·m more than was commanded over the next sample; its law is fed the
-    /// torque
-    /// that acts.
+    /// torque that acts.
     pub(crate) fn give_other(&mut self, run: usize, joint: usize) {
         self.others[joint][run] = 1.0 / self.laws[joint].inertia;
     }

@@ -84,7 +84,8 @@ fn signals(own: &ClassSignals) -> String {
         (own.jitter_s > 0.0)
             .then(|| format!("samples taken up to {} µs early", 1e6 * own.jitter_s)),
         (own.commands_lost > 0).then(|| {
-            format!("{} commands lost in a row every {} s", own.commands_lost, own.lost_every_s)
+            let (most, every) = (own.commands_lost, own.lost_every_s);
+            format!("at most {most} lost in a row of commands, every {every} s")
         }),
     ];
     format!("signals counted: {}", all.into_iter().flatten().collect::<Vec<_>>().join("; "))

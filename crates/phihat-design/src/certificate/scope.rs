@@ -25,8 +25,7 @@ pub(crate) fn missing(study: &Study) -> Vec<(&'static str, f64)> {
 }
 
 /// Returns true if jitter is an error of readings alone, as the bound for a class counts it: a law that knows of it
-/// takes
-/// another interval, which the loop model lacks.
+/// takes another interval, which the loop model lacks.
 fn misread(study: &Study) -> bool {
     let class = matches!(study.reference, ReferenceRequest::Any { .. });
     class && (study.supervisor.is_none() || study.sensor.stamps == SampleStamps::Nominal)

@@ -20,15 +20,13 @@ const LOST: f64 = 2.0;
 /// Factor on the solution, which is then checked once.
 pub(super) const INFLATED: f64 = 1.01;
 
-/// ClosedBounds for a class.
+/// Bounds for a class.
 #[derive(Debug, Clone)]
 pub(super) struct Closed {
-    pub(super) error: Vec<f64>,
-    pub(super) velocity: Vec<f64>,
+    /// Bounds of which (CM5) gives smaller ones.
+    pub(super) bounds: ClosedBounds,
     /// Largest change of the commanded torque per sample \[N·m\].
     pub(super) step: Vec<f64>,
-    /// The same as it was assumed for lost commands.
-    change: Vec<f64>,
     /// Largest torque \[N·m\].
     pub(super) torque: Vec<f64>,
     /// Error under the same forces if inertia and Coriolis torque stayed those of the posture.
@@ -158,11 +156,11 @@ struct ClassInputs {
     change: Vec<f64>,
 }
 
-/// ClosedBounds on error, velocity error, and the change of the command from one sample to the next.
+/// Bounds on error, velocity error, and the change of the command from one sample to the next.
 #[derive(Debug, Clone)]
-struct ClosedBounds {
-    error: Vec<f64>,
-    velocity: Vec<f64>,
+pub(super) struct ClosedBounds {
+    pub(super) error: Vec<f64>,
+    pub(super) velocity: Vec<f64>,
     change: Vec<f64>,
 }
 
@@ -419,8 +417,7 @@ impl<'a> Problem<'a> {
         None
     }
 
-    /// ClosedBounds from bounds, and the index of the posture that sets the error of each joint. Where no command is
-    /// lost
+    /// Bounds from bounds, and the index of the posture that sets the error of each joint. Where no command is lost,
     /// nothing depends on the commands' changes, which are then left at 0.
     fn next(
         &self,
@@ -503,9 +500,7 @@ impl<'a> Problem<'a> {
             step: self.steps(summed, &boxed, &own),
             torque: self.torques(summed, (&inputs, &own)),
             at: places.ok_or(open)?,
-            error: own.error,
-            velocity: own.velocity,
-            change: own.change,
+            bounds: own,
             frozen,
             radius,
         })
@@ -547,13 +542,8 @@ impl<'a> Problem<'a> {
         sums: &PostureSums,
     ) -> Vec<f64> {
         let maps = self.maps(sums);
-        let at = ClosedBounds {
-            error: closed.error.clone(),
-            velocity: closed.velocity.clone(),
-            change: closed.change.clone(),
-        };
-        let inputs = self.inputs(&self.boxed(first), &at);
-        let own = self.output((sums, &maps), E, (&inputs, &at));
-        own.iter().zip(&closed.error).map(|(own, e)| own / e).collect()
+        let inputs = self.inputs(&self.boxed(first), &closed.bounds);
+        let own = self.output((sums, &maps), E, (&inputs, &closed.bounds));
+        own.iter().zip(&closed.bounds.error).map(|(own, e)| own / e).collect()
     }
 }

@@ -26,7 +26,7 @@ pub(super) fn paces(
         let largest = |list: &[f64]| list.iter().copied().largest();
         ClassPace {
             factor,
-            error_bound_rad: closed.as_ref().ok().map(|c| largest(&c.error)),
+            error_bound_rad: closed.as_ref().ok().map(|c| largest(&c.bounds.error)),
             torque_step_nm: closed.as_ref().ok().map(|c| largest(&c.step)),
             spectral_radius: closed.as_ref().map_or_else(|open| open.radius(), |c| c.radius),
         }

@@ -143,10 +143,7 @@ impl PostureSums {
             once: core::array::from_fn(|_| per_joint()),
         };
         for i in 0..n {
-            let mut row = JointSums::of((&linear, &horizon), (i, scene.period), &moving)?;
-            if let Some(rows) = scene.rows {
-                row.lost = lost((&linear, horizon.samples), i, rows);
-            }
+            let row = JointSums::of((&linear, &horizon), (i, scene.period), scene.rows, &moving)?;
             own.push(i, row, &slopes);
         }
         Ok(own)
@@ -268,6 +265,7 @@ impl JointSums {
     fn of(
         (linear, horizon): (&Linear, &SumHorizon),
         (i, period): (usize, f64),
+        rows: Option<LossSpan>,
         moving: &MovingSums,
     ) -> Result<Self, ClassRefusal> {
         let n = moving.mass.len().isqrt();
@@ -289,6 +287,9 @@ impl JointSums {
             own.begun.laws.push(PLACE.map(|place| outputs[place].abs()));
         });
         own.start = own.begun.beyond_readings(n);
+        if let Some(rows) = rows {
+            own.lost = lost((linear, horizon.samples), i, rows);
+        }
         own.tails(i, &tails, samples)?;
         Ok(own)
     }
@@ -564,8 +565,7 @@ impl JointSums {
 }
 
 /// Largest answers of joint `i` to rows of lost commands. Beyond twice the horizon of `N` samples the rows of each
-/// block
-/// of `N` answer with at most [`LEFT`] of the largest answer, and less from block to block.
+/// block of `N` answer with at most [`LEFT`] of the largest answer, and less from block to block.
 fn lost((linear, horizon): (&Linear, usize), i: usize, rows: LossSpan) -> AnswerMatrices {
     let samples = 2 * horizon;
     let mut answers: Vec<Vec<[f64; KINDS]>> = vec![Vec::with_capacity(samples); linear.joints()];

@@ -7,36 +7,21 @@ use phihat_model::{KnownArm, Profile, Recognition, Robot};
 use super::options::ArmOptions;
 use crate::error::SessionError;
 
-/// Word in place of a known arm's name: none.
-const NONE: &str = "none";
-
 /// Recognises the arm of a bare description by its names, or takes the one that is stated, and completes it by what its
 /// maker publishes; gives what is to be said of it.
 pub(super) fn completed(
     robot: &mut Robot,
     options: &ArmOptions,
 ) -> Result<Vec<String>, SessionError> {
-    let refuse = |why| SessionError::other(why);
-    let (arm, by) = match options.known.as_deref() {
-        Some(NONE) => return with_profile(robot, options, Vec::new()),
-        Some(name) => (KnownArm::named(name).map_err(refuse)?, "as stated".to_owned()),
-        None => match KnownArm::of(robot) {
-            Recognition::Known(arm, by) => (arm, format!("by {by}")),
-            Recognition::OneOf(arms) => {
-                let note = ambiguity_text(&arms);
-                return with_profile(robot, options, vec![note]);
-            }
-            Recognition::None => return with_profile(robot, options, Vec::new()),
-        },
+    let refuse = |why| SessionError::at(Path::new(&options.arm), why);
+    let (arm, by) = match KnownArm::chosen(robot, options.known.as_deref()).map_err(refuse)? {
+        Recognition::Known(arm, by) => (arm, by),
+        Recognition::OneOf(arms) => {
+            let note = ambiguity_text(&arms);
+            return with_profile(robot, options, vec![note]);
+        }
+        Recognition::None => return with_profile(robot, options, Vec::new()),
     };
-    let (n, count) = (robot.joints.len(), arm.count);
-    if n != count {
-        let why = format!(
-            "{} has {count} joints, and this arm {n}: --base and --tip leave joints out",
-            arm.title
-        );
-        return Err(SessionError::at(Path::new(&options.arm), why));
-    }
     let mut notes = arm.complete(robot).map_err(refuse)?;
     notes.insert(
         0,
@@ -46,12 +31,12 @@ pub(super) fn completed(
     with_profile(robot, options, notes)
 }
 
-/// Sentence on the arm that a description was recognised as, `by` its names.
-pub fn recognition_text(arm: &KnownArm, by: &str) -> String {
+/// Sentence on the arm that a description was recognised as, and `why`.
+pub fn recognition_text(arm: &KnownArm, why: &str) -> String {
     let KnownArm { title, name, profile, encoder, .. } = arm;
     let interface = Profile::named(profile).map_or_else(|_| String::new(), |own| own.description);
     format!(
-        "recognised as {title} ({name}), {by}; profile {profile} ({interface}); encoders: {encoder}"
+        "recognised as {title} ({name}), {why}; profile {profile} ({interface}); encoders: {encoder}"
     )
 }
 

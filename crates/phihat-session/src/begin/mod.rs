@@ -59,6 +59,8 @@ pub struct Begun {
     pub simulated: Option<Vec<f64>>,
     /// Why there are no gains, and what would make them possible.
     pub infeasible: Option<String>,
+    /// False of a study that asks for the inertia of each joint: it cannot be read before that is filled in.
+    readable: bool,
 }
 
 /// Makes a study for an arm and writes it, with the arm's file beside it where the arm is a bare URDF.
@@ -72,7 +74,7 @@ pub fn begin(given: &BeginOptions, watch: &mut dyn Watch) -> Result<Begun, Sessi
     watch.ended();
     write(&files, given.replace)?;
     // What was written is what was looked at. A study without masses cannot be read before they are filled in.
-    if begun.infeasible.is_none() {
+    if begun.readable {
         Study::read(&given.out)?;
     }
     Ok(begun)
@@ -113,8 +115,17 @@ pub fn begun(
     let BeginResult { error_bound, simulated, infeasible, .. } = found;
     let (study, paths) =
         (options.out.clone(), files.iter().map(|(path, _)| path.clone()).collect());
-    let begun =
-        Begun { study, files: paths, joints, slides, notes, error_bound, simulated, infeasible };
+    let begun = Begun {
+        study,
+        files: paths,
+        joints,
+        slides,
+        notes,
+        error_bound,
+        simulated,
+        infeasible,
+        readable: true,
+    };
     Ok((begun, files))
 }
 
@@ -134,6 +145,7 @@ fn motion_only(
         error_bound: vec![own.error_bound; own.joints.len()],
         simulated: None,
         infeasible: Some(own.lacks),
+        readable: false,
     };
     Ok((begun, files))
 }
