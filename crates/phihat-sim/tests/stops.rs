@@ -7,7 +7,7 @@
 use crate::support::{ARMS, read};
 use phihat::{Events, Fault, Form, JointDesign, JointGains, Mode};
 use phihat_model::{Body, Robot, Workspace};
-use phihat_sim::{Simulation, SimulationOutcome, Trace};
+use phihat_sim::{JointTrace, Simulation, SimulationOutcome, Trace};
 use phihat_study::Study;
 
 /// Cause of the stop.
@@ -36,6 +36,7 @@ struct Case {
     speed: f64,
     load: f64,
     seed: u64,
+    end_s: f64,
 }
 
 const EVENT_S: f64 = 1.5;
@@ -83,6 +84,7 @@ fn case(dice: &mut Dice) -> Case {
         speed: dice.within(0.0, 0.8),
         load: dice.within(0.1, 1.5),
         seed: dice.bits() % 1000,
+        end_s: END_S,
     }
 }
 
@@ -91,7 +93,7 @@ impl Case {
         let (name, rate_hz, inertia, bandwidth, estimator) = ARMS[self.arm];
         let robot = Robot::named(name).unwrap();
         let (fault, request) = self.event(&robot);
-        let load_end = if self.event == Event::Drop { EVENT_S } else { 2.0 * END_S };
+        let load_end = if self.event == Event::Drop { EVENT_S } else { 2.0 * self.end_s };
         // A torque that has to grow first holds no arm: a robot with such a limit adds what holds it.
         let (rate, adds) = self.rate.map_or_else(Default::default, |rate| {
             let adds = "[profile]\nname = \"robot\"\nadds_gravity = true\n";
@@ -113,14 +115,14 @@ impl Case {
             self.load
         );
         format!(
-            "duration_s = {END_S}\nseed = {}\n[robot]\nname = \"{name}\"\n[spec]\nsettle_s = 1.0\n[gains]\norder = {}\n\
+            "duration_s = {:?}\nseed = {}\n[robot]\nname = \"{name}\"\n[spec]\nsettle_s = 1.0\n[gains]\norder = {}\n\
              bandwidth_rad_s = {bandwidth:?}\nestimator_bandwidth_rad_s = {estimator:?}\ninertia_kg_m2 = {inertia:?}\n\
              [loop]\nrate_hz = {rate_hz:?}\ndelay_samples = 1\nform = \"{form}\"\n{rate}beyond_drives = \
              \"allow\"\n[sensor]\nencoder_bits = 20\nvelocity = \"differenced\"\n[world]\nsubsteps = \
              {substeps}\nfriction = \"robot\"\n{payload}{adds}[supervisor]\nerror_stop_rad = 0.08\npreset_nm = \
              {preset:?}\n{brakes}{request}{fault}[reference]\nkind = \"sines\"\ncenter = \"ready\"\nfade_in_s = \
              0.5\n[[reference.sine]]\namplitude_rad = {amplitude:?}\nfrequency_hz = {frequency:?}\n",
-            self.seed, self.order
+            self.end_s, self.seed, self.order
         )
     }
 
@@ -204,6 +206,8 @@ struct Stop {
     driven: f64,
     released: bool,
     at_end: f64,
+    /// Largest way of a joint in the last five seconds, of a run that is longer \[rad\].
+    sinks: f64,
 }
 
 fn judged(case: &Case) -> Stop {
@@ -216,6 +220,9 @@ fn judged(case: &Case) -> Stop {
     let reserves = inertia.iter().map(|m| 0.5 * m * 0.2 * 0.2).sum();
     let at_end = trace.joints.iter().fold(0.0, |m: f64, j| m.max(j.dq.last().unwrap().abs()));
     let mut stop = Stop { reserves, at_end, ..Stop::default() };
+    let before = mode.len().saturating_sub((5.0 * rate_hz) as usize);
+    let way = |j: &JointTrace| (j.q[j.q.len() - 1] - j.q[before]).abs();
+    stop.sinks = trace.joints.iter().map(way).fold(0.0, f64::max);
     let Some(at) = mode.iter().position(|mode| *mode == Mode::SafeStop) else { return stop };
     stop.stopped = true;
     let fault = &trace.supervision.as_ref().unwrap().fault;
@@ -328,4 +335,59 @@ fn f32_a_stop_of_the_repositorys_arms_takes_energy_out_of_them() {
     );
     assert!(misses.is_empty(), "{}\n{}", misses.len(), misses.join("\n"));
     assert!(3 * stopped > all, "{stopped} of {all}");
+}
+
+/// Stops caused by a push that moved the arm to where the torque that held it before does not hold it. Wrong if the arm
+/// sinks: without brakes it sank by 0.19 to 0.35 rad in these five seconds.
+#[test]
+fn f32_an_arm_that_a_push_moved_to_another_pose_does_not_sink() {
+    let planar = Case {
+        arm: 0,
+        literal: true,
+        order: 2,
+        rate: Some(1000.0),
+        event: Event::Asked,
+        brakes: false,
+        speed: 0.2,
+        load: 1.2,
+        seed: 76,
+        end_s: 9.5,
+    };
+    let cases = [
+        Case {
+            rate: None,
+            event: Event::Push(0, -0.518_227_442_787_558_6, 0.030_969_966_637_682_43),
+            speed: 0.187_715_648_849_760_44,
+            load: 1.433_526_969_653_241_3,
+            seed: 892,
+            ..planar
+        },
+        Case {
+            event: Event::Push(0, -0.578_292_171_219_545_7, 0.413_827_691_150_467_3),
+            speed: 0.280_970_158_532_691_8,
+            load: 1.184_489_940_680_038,
+            seed: 76,
+            ..planar
+        },
+        Case {
+            event: Event::Push(1, -0.186_008_436_344_374_14, 0.282_176_131_496_404_64),
+            speed: 0.488_700_292_839_475_75,
+            load: 1.362_547_711_011_687,
+            seed: 553,
+            ..planar
+        },
+        Case {
+            literal: false,
+            event: Event::Push(2, -0.666_297_774_352_748_7, 0.244_796_797_323_059_8),
+            speed: 0.779_283_338_181_621_3,
+            load: 1.422_302_347_227_029,
+            seed: 989,
+            ..planar
+        },
+    ];
+    for case in cases {
+        let stop = judged(&case);
+        println!("{:.3} rad in five seconds, {:.3} rad/s at the end", stop.sinks, stop.at_end);
+        assert!(stop.stopped && stop.sinks < 0.1 && stop.at_end < 0.1, "{stop:?}\n{case:?}");
+    }
 }

@@ -113,9 +113,9 @@ impl ByHand {
             (self.begun, self.held_back) = (true, 0);
             self.fastest = self.fastest.or(Some(0.2 + (moved / T).abs()));
         }
-        // What held a joint that sinks time and again does not hold it: a mean over a fifth of a second does.
-        if self.anew >= 2 && m.dq.abs() <= 0.1 {
-            self.known += T / 0.2 * (phi_hat - self.known);
+        // What held a joint that sinks time and again does not hold it: a mean over half a second does.
+        if self.anew >= 4 && m.dq.abs() <= 0.1 {
+            self.known += T / 0.5 * (phi_hat - self.known);
         }
         self.count(m, moved);
         want.tau = law;

@@ -66,8 +66,7 @@ impl<R: Real> JointRules<R> {
             demand = gains.low_passed(demand, memory.law.tau);
         }
         if now.stops() {
-            demand =
-                self.without_driving(memory, m, (demand, next.phi_hat, now.average), &mut news);
+            demand = self.without_driving(memory, m, (demand, next.phi_hat), now, &mut news);
             demand = self.probed(memory, gains, m, demand, &mut news);
         }
         news.fault = news.fault.or(self.monitor(memory, gains, m, demand, now));

@@ -30,6 +30,8 @@ pub(crate) struct ArmMoment<R> {
     /// Progress per sample.
     pub(crate) blend_rate: R,
     pub(crate) aim: Aim,
+    /// True if the stop has lasted a second: what pushed the arm into it is over.
+    pub(crate) alone: bool,
     /// The caller feeds forward.
     pub(crate) feeds: bool,
     pub(crate) first_motion: bool,

@@ -34,11 +34,11 @@ const LATER_MOST: u8 = 8;
 /// Speed below which what holds the arm is learnt anew \[rad/s\].
 const LEARNS_BELOW: f64 = 0.1;
 
-/// Share of the time that the mean of 50 ms takes: a fifth of a second.
-const LEARNS_SLOWER: f64 = 0.25;
+/// Share of a mean of 50 ms: half a second.
+const LEARNS_SLOWER: f64 = 0.1;
 
 /// Number of times that a stop began anew before the holding torque is estimated again.
-const SINKS: u32 = 2;
+const SINKS: u32 = 4;
 
 /// Samples in which the reserve held the torque back after which the stop begins anew from where the joint is.
 const ANEW_SAMPLES: u32 = 10;
@@ -210,17 +210,18 @@ impl<R: Real> JointRules<R> {
         &self,
         memory: &mut JointMemory<R>,
         m: &Measurement<R>,
-        (demand, phi_hat, average): (R, R, R),
+        (demand, phi_hat): (R, R),
+        now: &ArmMoment<R>,
         news: &mut JointNews,
     ) -> R {
         let moved = m.q - memory.measured.q;
-        // Where nothing pushed and a joint that all but stands sinks time and again, what held it before does
-        // not hold it here: it sank before it was measured again.
-        if memory.stopping.learns
+        // Where nothing pushes and a joint that all but stands sinks time and again, what held it before does
+        // not hold it here: it sank before it was measured again, or a push moved it far.
+        if (memory.stopping.learns || now.alone)
             && memory.stopping.anew >= SINKS
             && m.dq.abs() <= R::from_f64(LEARNS_BELOW)
         {
-            memory.held += R::from_f64(LEARNS_SLOWER) * average * (phi_hat - memory.held);
+            memory.held += R::from_f64(LEARNS_SLOWER) * now.average * (phi_hat - memory.held);
         }
         let known = memory.held;
         let most = self.stop.unloaded_at(m.dq);

@@ -53,8 +53,8 @@ pub(crate) struct Stopping<R> {
     pub(crate) held_back: u32,
     /// Number of times that the stop began anew for that reason.
     pub(crate) anew: u32,
-    /// True if the holding torque may be estimated again at rest: nothing pushes the joint that would be
-    /// taken for gravity, or the estimate had wound up.
+    /// True if the holding torque may be estimated again from the start of the stop: nothing pushes the joint
+    /// that would be taken for gravity, or the estimate had wound up. Else a second later.
     pub(crate) learns: bool,
     /// Position of rest \[rad\], and number of samples near it.
     pub(crate) rest: (R, u32),

@@ -253,6 +253,10 @@ fn measured<R: Real>(
     *new.unwrap_or(&memory.measured)
 }
 
+/// Blocks of a quarter of a second that a stop has lasted before `φ̂` is taken for gravity, not for the push that
+/// caused it.
+const ALONE_BLOCKS: u32 = 4;
+
 /// State of the arm at this sample that the laws of all joints use.
 fn moment<R: Real>(
     arm: &ArmRules<R>,
@@ -275,6 +279,7 @@ fn moment<R: Real>(
             Mode::Tracking => Aim::Track,
             Mode::Idle | Mode::Armed | Mode::Holding => Aim::Hold,
         },
+        alone: stopping && state.in_mode >= ALONE_BLOCKS * arm.block,
         feeds: state.feeds && !stopping,
         first_motion: (ENGAGED_SAMPLES..arm.first_motion_samples).contains(&state.engaged),
         saturation: arm.saturation_samples,
