@@ -115,10 +115,11 @@ function show(run) {
 const hand = (view) => { if (state.run) view.contentWindow.postMessage(state.run, "*"); };
 addEventListener("message", ({ source, data }) => {
   const view = $("arm");
-  if (source !== view.contentWindow) return;
+  // What checks a page sends texts between its frames, too.
+  if (source !== view.contentWindow || typeof data !== "object") return;
   if (data.ready) hand(view);
   if (data.height) view.style.height = `${Math.min(data.height, 2000)}px`;
-  if (data.at != null) { cursor(data.at); document.body.dataset.at = data.at.toFixed(2); }
+  if (typeof data.at === "number") { cursor(data.at); document.body.dataset.at = data.at.toFixed(2); }
 });
 async function run(more = {}) {
   prover.stop(OVERTAKEN);
@@ -203,12 +204,13 @@ async function design() {
 $("design").addEventListener("click", design);
 $("run").addEventListener("click", async () => { tell(""); if (await run()) prove(); });
 $("meet").addEventListener("click", () => {
-  const [push, payload, from] = ["push", "payload", "from"].map((id) => Number($(id).value) || 0);
+  const [push, payload, friction, from] = ["push", "payload", "friction", "from"].map((id) => Number($(id).value) || 0);
   const faults = [
     push ? `\n[[fault]]\nkind = "push"\njoint = ${JSON.stringify($("push-joint").value)}\nstart_s = ${from.toFixed(3)}\nduration_s = 0.5\nsize = ${push.toFixed(3)}\n` : "",
     payload ? `\n[[fault]]\nkind = "payload"\nstart_s = ${from.toFixed(3)}\nduration_s = 100.0\nsize = ${payload.toFixed(3)}\n` : "",
+    friction !== 1 ? `\n[[fault]]\nkind = "friction"\nstart_s = ${from.toFixed(3)}\nduration_s = 100.0\nsize = ${friction.toFixed(3)}\n` : "",
   ].join("");
-  tell(faults ? "" : "nothing acts: state a push or a payload");
+  tell(faults ? "" : "nothing acts: state a push, a payload, or another friction");
   if (faults) run({ study: `${state.study}\n${faults}` });
 });
 
