@@ -5,11 +5,14 @@ const $ = (id) => document.getElementById(id);
 const state = { study: "", files: {}, gains: null, run: null, name: "study" };
 const tell = (text) => { $("told").textContent = text; };
 
-// ── Tasks. A worker has one at a time; cancelling ends it, and another one takes its place.
+// ── Tasks. A worker has one at a time; cancelling ends it, and another one takes its place. The module is compiled once for all.
+const compiled = WebAssembly.compileStreaming(fetch("phihat_web_bg.wasm"));
 function workshop() {
-  let [worker, waiting, next] = [null, new Map(), 0];
+  let [worker, waiting, next, begun] = [null, new Map(), 0, null];
   function start() {
     worker = new Worker("worker.js", { type: "module" });
+    const mine = worker;
+    begun = compiled.then((module) => mine.postMessage({ module }));
     worker.addEventListener("message", ({ data }) => {
       const own = waiting.get(data.id);
       if (!own) return void (data.failed && tell(`the module did not start: ${data.failed}`));
@@ -35,15 +38,17 @@ function workshop() {
     if (!worker) start();
     return new Promise((yes, no) => {
       const id = next++;
+      const mine = worker;
       waiting.set(id, { yes, no, event });
-      worker.postMessage({ id, task });
+      begun.then(() => mine.postMessage({ id, task }), (why) => no(new Error(`the module did not start: ${why}`)));
     });
   }
-  return { ask, stop };
+  return { ask, stop, start };
 }
 // One for what is waited for, one that checks what is typed, one for the check of a certificate, which takes longer.
 const [bench, desk, prover] = [workshop(), workshop(), workshop()];
 const { ask } = bench;
+bench.start();
 const texts = (more = {}) => ({ name: state.name, study: state.study, files: state.files, ...(state.gains ? { gains: state.gains } : {}), ...more });
 
 // ── What takes long tells how far it is.
