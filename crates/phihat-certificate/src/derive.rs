@@ -263,7 +263,7 @@ fn posture(study: &Study, k: u32) -> Vec<f64> {
     // The root of x^{n+1} = x + 1 gives a sequence that is even in n dimensions.
     let mut root = 1.5_f64;
     for _ in 0..60 {
-        root = (1.0 + root).powf(1.0 / (n as f64 + 1.0));
+        root = libm::pow(1.0 + root, 1.0 / (n as f64 + 1.0));
     }
     let mut step = 1.0;
     study

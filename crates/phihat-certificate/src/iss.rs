@@ -64,7 +64,7 @@ pub struct Iss {
 impl Iss {
     /// `|x(t)|` at φ = 0 is at most this \[1\], per unit of `|x(0)|`.
     pub fn beta(&self, time_s: f64) -> f64 {
-        self.overshoot * (-self.rate * time_s).exp()
+        self.overshoot * libm::exp(-self.rate * time_s)
     }
 }
 

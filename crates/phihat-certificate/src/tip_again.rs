@@ -41,7 +41,7 @@ impl TubeTip {
         let samples = reference.q.len().saturating_sub(1);
         for (i, joint) in robot.joints.iter().enumerate() {
             let slides = joint.kind == JointKind::Prismatic;
-            let chord = if slides { PROBE } else { 2.0 * (0.5 * PROBE).sin() };
+            let chord = if slides { PROBE } else { 2.0 * libm::sin(0.5 * PROBE) };
             let name = joint.name.as_str();
             for (k, q) in reference.q.iter().take(samples).enumerate() {
                 let mut moved = q.clone();

@@ -116,7 +116,7 @@ impl InertiaWindow {
 pub(crate) fn radius_of(rate: f64, period: f64) -> Option<Number> {
     let of = |value: f64| Number::of(value).filter(|_| rate >= 0.0);
     // Below e^{−rate T} by more than its rounding.
-    let radius = of((-rate * period).exp() * (1.0 - 4.0 * f64::EPSILON))?;
+    let radius = of(libm::exp(-rate * period) * (1.0 - 4.0 * f64::EPSILON))?;
     decays(&radius, &(&of(rate)? * &of(period)?)).then_some(radius)
 }
 

@@ -305,7 +305,7 @@ fn columns(
     columns.extend(positions.iter().cloned());
     if richer {
         columns.push(dq.map(|x| x * x.abs()));
-        columns.extend(STRIBECK.map(|slow| dq.map(|x| x.signum() * (-x.abs() / slow).exp())));
+        columns.extend(STRIBECK.map(|slow| dq.map(|x| x.signum() * libm::exp(-x.abs() / slow))));
         columns.extend(positions.iter().map(|q| q.component_mul(q)));
         columns.extend(positions.iter().map(|q| q.component_mul(&ddq)));
     }

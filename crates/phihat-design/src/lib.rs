@@ -89,6 +89,7 @@ mod enclosed;
 pub mod export;
 mod lanes;
 mod limit;
+mod portable;
 mod positions;
 pub mod prelude;
 mod quick;

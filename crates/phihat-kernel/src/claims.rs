@@ -337,8 +337,8 @@ impl Beyond {
         if most >= core::f64::consts::TAU - ROOM {
             return None;
         }
-        let (sine, cosine) = most.sin_cos();
-        let ends = [from.sin(), to.sin()];
+        let (sine, cosine) = libm::sincos(most);
+        let ends = [libm::sin(from), libm::sin(to)];
         let least = ends[0].min(ends[1]).max(0.0) * (1.0 - ROOM) - ROOM;
         let top = if cell.from < 0.5 && cell.to() > 0.5 { 1.0 } else { ends[0].max(ends[1]) };
         let top = top * (1.0 + ROOM) + ROOM;
@@ -369,7 +369,7 @@ fn above_zero((a, f): (&Number, &[BigInt]), (b, g): (&Number, &[BigInt])) -> boo
 
 /// `θ` of `t = sin²(θ/2)` \[rad\].
 fn angle(t: f64) -> f64 {
-    2.0 * t.sqrt().asin()
+    2.0 * libm::asin(t.sqrt())
 }
 
 /// Returns true if `radius ≤ e^{−x}`, `x ≥ 0`: roots within it decay at least as fast.

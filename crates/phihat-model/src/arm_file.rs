@@ -293,7 +293,7 @@ fn line(text: &mut String, words: &str) {
 impl EstimatedInterval {
     /// With two digits, the ends outwards, and a value of three between them.
     fn rounded(self) -> Self {
-        let unit = |x: f64, digits: f64| 10.0_f64.powf(x.log10().floor() - digits + 1.0);
+        let unit = |x: f64, digits: f64| libm::pow(10.0, libm::log10(x).floor() - digits + 1.0);
         let low = tidy((self.low / unit(self.low, 2.0)).floor() * unit(self.low, 2.0));
         let high = tidy((self.high / unit(self.high, 2.0)).ceil() * unit(self.high, 2.0));
         let value = tidy((self.value / unit(self.value, 3.0)).round() * unit(self.value, 3.0));

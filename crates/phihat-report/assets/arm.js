@@ -490,7 +490,17 @@
 
   // ── Hands: play, slider, keys, touch.
   let waiting = false;
-  const soon = () => { if (!waiting) { waiting = true; requestAnimationFrame(() => { waiting = false; render(); }); } };
+  // A picture is drawn when the last one is there: else a page without a graphics processor waits for it, and answers nothing.
+  let drawing = null;
+  const mark = () => { gl.deleteSync(drawing); drawing = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0); gl.flush(); };
+  const paint = () => {
+    if (!gl.isContextLost() && gl.getSyncParameter(drawing, gl.SYNC_STATUS) !== gl.SIGNALED) return void requestAnimationFrame(paint);
+    waiting = false;
+    render();
+    mark();
+  };
+  mark();
+  const soon = () => { if (!waiting) { waiting = true; requestAnimationFrame(paint); } };
   const button = document.getElementById("play");
   let last = null;
   function step(time) {
@@ -583,5 +593,5 @@
       return [{ joint: link.joint, x, y, way: far > 1e-3 ? [(b[0] - a[0]) / far, (b[1] - a[1]) / far] : [1, 0] }];
     });
   };
-  render();
+  soon();
 });

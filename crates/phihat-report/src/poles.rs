@@ -13,14 +13,14 @@ pub fn section_poles(section: &FilterSection, rate_hz: f64) -> String {
     if turn < 0.0 {
         // Both at once: |1 + w|² = 1 − c_1 + c_0.
         let angle = f64::atan2((-turn).sqrt(), 1.0 - 0.5 * c1);
-        let decay = 0.5 * (c0 - c1).ln_1p() * rate_hz;
+        let decay = 0.5 * libm::log1p(c0 - c1) * rate_hz;
         return format!("{} ± {}j", told(decay), number(angle * rate_hz));
     }
     // The larger w first, so that nothing is lost of the smaller.
     let far = -(0.5 * c1 + turn.sqrt());
     let near = if far < 0.0 { c0 / far } else { 0.0 };
     let pole = |w: f64| {
-        if w > -1.0 { told(w.ln_1p() * rate_hz) } else { format!("z = {}", told(1.0 + w)) }
+        if w > -1.0 { told(libm::log1p(w) * rate_hz) } else { format!("z = {}", told(1.0 + w)) }
     };
     format!("{}, {}", pole(near), pole(far))
 }

@@ -40,7 +40,7 @@ impl Dice {
 
     /// Even between two positive ends on a logarithmic scale.
     pub fn log_between(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.share())
+        low * libm::pow(high / low, self.share())
     }
 
     /// Returns true with this probability.

@@ -215,7 +215,7 @@ fn slow_down<'a>(clauses: impl Iterator<Item = &'a MotionClause>) -> Option<f64>
         factor = factor.max(match clause.quantity {
             "speed" => clause.share,
             "acceleration" => clause.share.sqrt(),
-            "jerk" => clause.share.cbrt(),
+            "jerk" => libm::cbrt(clause.share),
             // Neither a box nor a start that moves is a matter of time.
             _ => return None,
         });

@@ -60,7 +60,7 @@ impl SpringNeed {
 
 /// Two figures, not below the value.
 fn rounded_up(value: f64) -> f64 {
-    let unit = 10.0_f64.powf(value.log10().floor() - 1.0);
+    let unit = libm::pow(10.0, libm::log10(value).floor() - 1.0);
     (value / unit).ceil() * unit
 }
 

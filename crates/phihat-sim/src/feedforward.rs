@@ -96,7 +96,7 @@ impl FeedForwardTorque {
     /// Feed-forward torque of a joint \[N·m\], and the acceleration whose `M̄ q̈_d` it replaces.
     fn of_joint(&self, i: usize) -> (f64, f64) {
         let [_, dq, ddq] = &self.jets;
-        let dry = self.coulomb[i] * dq[i] / dq[i].hypot(COULOMB_VELOCITY);
+        let dry = self.coulomb[i] * dq[i] / libm::hypot(dq[i], COULOMB_VELOCITY);
         let instead = if self.known == Known::InverseDynamics { ddq[i] } else { 0.0 };
         (self.torque[i] + dry, instead)
     }

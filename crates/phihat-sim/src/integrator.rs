@@ -114,7 +114,7 @@ pub fn integrate_adaptive<F: AccelerationOf>(
             x.copy_from_slice(&trial);
             steps += 1;
         }
-        h *= (0.9 * error.max(1e-10).powf(-0.2)).clamp(0.2, 5.0);
+        h *= (0.9 * libm::pow(error.max(1e-10), -0.2)).clamp(0.2, 5.0);
     }
     q.copy_from_slice(&x[..n]);
     dq.copy_from_slice(&x[n..]);

@@ -169,7 +169,7 @@ fn noise_max(node: &Node<'_>, arm: &StudyArm) -> Result<Vec<f64>, StudyError> {
         return Err(error.with_help("state encoder_bits, or position_noise_max_rad"));
     };
     for ((most, own), bits) in most.iter_mut().zip(&quanta).zip(bits) {
-        *most += own * core::f64::consts::TAU * (-f64::from(bits)).exp2();
+        *most += own * core::f64::consts::TAU * libm::exp2(-f64::from(bits));
     }
     Ok(most)
 }

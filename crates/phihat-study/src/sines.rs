@@ -114,7 +114,7 @@ impl JointSines {
     fn at(&self, t: f64) -> (f64, f64) {
         let (w, dw) = fade(t, self.fade_in);
         self.terms.iter().fold((self.center, 0.0), |(q, dq), [a, omega, phase]| {
-            let (sin, cos) = (omega * t + phase).sin_cos();
+            let (sin, cos) = libm::sincos(omega * t + phase);
             (q + w * a * sin, dq + a * (dw * sin + w * omega * cos))
         })
     }

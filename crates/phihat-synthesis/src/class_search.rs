@@ -79,15 +79,15 @@ impl Shares {
     /// Shares of the noise to try next.
     fn next(&self, shares: &[f64]) -> Vec<f64> {
         let (error, step) = self.most();
-        let stiffer = (1.03 * error).powf(1.0 / POWER);
+        let stiffer = libm::pow(1.03 * error, 1.0 / POWER);
         let factor = |i: usize| {
-            let room = (ROOM / self.steps[i].max(1e-3)).powf(1.0 / STEP_POWER);
+            let room = libm::pow(ROOM / self.steps[i].max(1e-3), 1.0 / STEP_POWER);
             if room < 1.0 {
                 room
             } else if error > 1.0 {
                 stiffer.min(room)
             } else if step <= 1.0 && error < ENOUGH {
-                (error / ENOUGH.sqrt()).powf(1.0 / POWER).max(0.3)
+                libm::pow(error / ENOUGH.sqrt(), 1.0 / POWER).max(0.3)
             } else {
                 1.0
             }
@@ -193,7 +193,7 @@ fn within_step(
             return (gains, Some(class));
         }
         for (share, step) in shares.iter_mut().zip(&found.steps) {
-            *share *= (ROOM / step.max(ROOM)).powf(1.0 / STEP_POWER);
+            *share *= libm::pow(ROOM / step.max(ROOM), 1.0 / STEP_POWER);
         }
         let Some((quieter, _)) = search.laws(&shares) else { break };
         gains = Box::new(quieter);

@@ -21,7 +21,7 @@ pub fn places(value: f64, places: usize) -> f64 {
 }
 
 fn rounded(value: f64, digits: i32, to: impl Fn(f64) -> f64) -> f64 {
-    let unit = 10.0_f64.powf(value.abs().log10().floor() - f64::from(digits - 1));
+    let unit = libm::pow(10.0, libm::log10(value.abs()).floor() - f64::from(digits - 1));
     // As it is written: without what the product adds behind the last digit.
     let near = to(value / unit) * unit;
     format!("{near:.12e}").parse().ok().filter(|near: &f64| near.is_finite()).unwrap_or(value)

@@ -145,16 +145,16 @@ pub(crate) fn next(
     let (error, loudest) = (most(errors), most(steps));
     let rank = Rank { armed: true, error, loudest, noise: most(shares) };
     // All joints get stiffer where one has too much error, as far as each has room: they push each other.
-    let needed = (1.03 * error).powf(1.0 / POWER);
+    let needed = libm::pow(1.03 * error, 1.0 / POWER);
     let factor = |i: usize| {
         let room = if steps[i] > 0.0 { ROOM / steps[i] } else { f64::INFINITY };
-        let softer = room.powf(1.0 / STEP_POWER);
+        let softer = libm::pow(room, 1.0 / STEP_POWER);
         if error > 1.0 {
             if room < 1.0 { softer } else { needed.min(room) }
         } else if steps[i] > 1.0 {
             softer
         } else if loudest <= 1.0 && error < ENOUGH {
-            (error / ENOUGH.sqrt()).powf(1.0 / POWER).max(0.2)
+            libm::pow(error / ENOUGH.sqrt(), 1.0 / POWER).max(0.2)
         } else {
             1.0
         }

@@ -99,10 +99,10 @@ pub fn smallest_rotor(study: &Study) -> Result<Option<Alternative>, SynthesisErr
         let own = with(least);
         any_gains(&own, &arm_along(&own)?)
     };
-    let factor = (MOST / LEAST).powf(1.0 / f64::from(STEPS));
+    let factor = libm::pow(MOST / LEAST, 1.0 / f64::from(STEPS));
     let mut before = LEAST;
     for step in 0..=STEPS {
-        let mut value = LEAST * factor.powf(f64::from(step));
+        let mut value = LEAST * libm::pow(factor, f64::from(step));
         if law(value)?.is_none() {
             before = value;
             continue;

@@ -38,16 +38,17 @@ addEventListener("message", ({ source, data: run }) => {
   // The view begins when it is idle; then it moves by itself, unless less motion is wanted.
   const begin = () => {
     if (!document.documentElement.classList.contains("alive")) return void setTimeout(begin, 50);
-    parent.postMessage({ height: Math.ceil(document.body.scrollHeight) + 8 }, "*");
+    tall();
     if (!matchMedia("(prefers-reduced-motion: reduce)").matches) document.getElementById("play").click();
   };
   begin();
 });
-// The view's height is a share of the frame's: a frame that grew with it would not come to rest.
+// The frame is as tall as the view in it.
+const tall = () => parent.postMessage({ height: Math.ceil(document.querySelector(".stage").scrollHeight) + 8 }, "*");
 let width = innerWidth;
 addEventListener("resize", () => {
   if (innerWidth === width) return;
   width = innerWidth;
-  parent.postMessage({ height: Math.ceil(document.querySelector(".stage").scrollHeight) + 8 }, "*");
+  tall();
 });
 parent.postMessage({ ready: true }, "*");

@@ -5,11 +5,14 @@ const $ = (id) => document.getElementById(id);
 const state = { study: "", files: {}, gains: null, run: null, name: "study" };
 const tell = (text) => { $("told").textContent = text; };
 
-// ── Tasks. A worker has one at a time; cancelling ends it, and another one takes its place.
+// ── Tasks. A worker has one at a time; cancelling ends it, and another one takes its place. The module is compiled once for all.
+const compiled = WebAssembly.compileStreaming(fetch("phihat_web_bg.wasm"));
 function workshop() {
-  let [worker, waiting, next] = [null, new Map(), 0];
+  let [worker, waiting, next, begun] = [null, new Map(), 0, null];
   function start() {
     worker = new Worker("worker.js", { type: "module" });
+    const mine = worker;
+    begun = compiled.then((module) => mine.postMessage({ module }));
     worker.addEventListener("message", ({ data }) => {
       const own = waiting.get(data.id);
       if (!own) return void (data.failed && tell(`the module did not start: ${data.failed}`));
@@ -35,15 +38,17 @@ function workshop() {
     if (!worker) start();
     return new Promise((yes, no) => {
       const id = next++;
+      const mine = worker;
       waiting.set(id, { yes, no, event });
-      worker.postMessage({ id, task });
+      begun.then(() => mine.postMessage({ id, task }), (why) => no(new Error(`the module did not start: ${why}`)));
     });
   }
-  return { ask, stop };
+  return { ask, stop, start };
 }
 // One for what is waited for, one that checks what is typed, one for the check of a certificate, which takes longer.
 const [bench, desk, prover] = [workshop(), workshop(), workshop()];
 const { ask } = bench;
+bench.start();
 const texts = (more = {}) => ({ name: state.name, study: state.study, files: state.files, ...(state.gains ? { gains: state.gains } : {}), ...more });
 
 // ── What takes long tells how far it is.
@@ -115,10 +120,11 @@ function show(run) {
 const hand = (view) => { if (state.run) view.contentWindow.postMessage(state.run, "*"); };
 addEventListener("message", ({ source, data }) => {
   const view = $("arm");
-  if (source !== view.contentWindow) return;
+  // What checks a page sends texts between its frames, too.
+  if (source !== view.contentWindow || typeof data !== "object") return;
   if (data.ready) hand(view);
   if (data.height) view.style.height = `${Math.min(data.height, 2000)}px`;
-  if (data.at != null) { cursor(data.at); document.body.dataset.at = data.at.toFixed(2); }
+  if (typeof data.at === "number") { cursor(data.at); document.body.dataset.at = data.at.toFixed(2); }
 });
 async function run(more = {}) {
   prover.stop(OVERTAKEN);
@@ -203,12 +209,13 @@ async function design() {
 $("design").addEventListener("click", design);
 $("run").addEventListener("click", async () => { tell(""); if (await run()) prove(); });
 $("meet").addEventListener("click", () => {
-  const [push, payload, from] = ["push", "payload", "from"].map((id) => Number($(id).value) || 0);
+  const [push, payload, friction, from] = ["push", "payload", "friction", "from"].map((id) => Number($(id).value) || 0);
   const faults = [
     push ? `\n[[fault]]\nkind = "push"\njoint = ${JSON.stringify($("push-joint").value)}\nstart_s = ${from.toFixed(3)}\nduration_s = 0.5\nsize = ${push.toFixed(3)}\n` : "",
     payload ? `\n[[fault]]\nkind = "payload"\nstart_s = ${from.toFixed(3)}\nduration_s = 100.0\nsize = ${payload.toFixed(3)}\n` : "",
+    friction !== 1 ? `\n[[fault]]\nkind = "friction"\nstart_s = ${from.toFixed(3)}\nduration_s = 100.0\nsize = ${friction.toFixed(3)}\n` : "",
   ].join("");
-  tell(faults ? "" : "nothing acts: state a push or a payload");
+  tell(faults ? "" : "nothing acts: state a push, a payload, or another friction");
   if (faults) run({ study: `${state.study}\n${faults}` });
 });
 

@@ -3,8 +3,8 @@
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 use syn::{
-    Block, Expr, ExprBinary, GenericArgument, ImplItemFn, Item, ItemFn, PathArguments, PathSegment,
-    Signature, TraitItemFn, Type,
+    Block, Expr, ExprBinary, ExprMethodCall, GenericArgument, ImplItemFn, Item, ItemFn,
+    PathArguments, PathSegment, Signature, TraitItemFn, Type,
 };
 
 use super::tree::{ModuleTree, is_test};
@@ -50,6 +50,22 @@ pub(super) fn let_chains(tree: &ModuleTree) -> Vec<String> {
     .collect()
 }
 
+/// Functions that the standard library takes from the machine, whose last bits are another's elsewhere; `exp` and
+/// `sin_cos` are names of methods of this project's own vectors, too.
+const OF_THE_MACHINE: [&str; 15] = [
+    "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "exp_m1", "ln", "ln_1p", "log10", "log2",
+    "powf", "cbrt", "hypot",
+];
+
+/// Places where a function of the machine's library is used.
+pub(super) fn of_the_machine(tree: &ModuleTree) -> Vec<String> {
+    let all = gathered(tree).into_iter();
+    all.flat_map(|(file, measured)| {
+        measured.of_the_machine.into_iter().map(move |line| format!("{file}:{line}"))
+    })
+    .collect()
+}
+
 /// Lines of each file.
 pub(super) fn lines(tree: &ModuleTree) -> impl Iterator<Item = usize> {
     tree.files.values().map(|file| file.lines)
@@ -69,6 +85,7 @@ struct ModuleFigures {
     long: Vec<(String, usize)>,
     texts: Vec<usize>,
     chains: Vec<usize>,
+    of_the_machine: Vec<usize>,
 }
 
 fn gathered(tree: &ModuleTree) -> Vec<(String, ModuleFigures)> {
@@ -121,6 +138,13 @@ impl<'ast> Visit<'ast> for ModuleFigures {
         visit::visit_expr_binary(self, condition);
     }
 
+    fn visit_expr_method_call(&mut self, call: &'ast ExprMethodCall) {
+        if OF_THE_MACHINE.iter().any(|name| call.method == name) {
+            self.of_the_machine.push(call.method.span().start().line);
+        }
+        visit::visit_expr_method_call(self, call);
+    }
+
     fn visit_path_segment(&mut self, segment: &'ast PathSegment) {
         if segment.ident == "Result"
             && let PathArguments::AngleBracketed(list) = &segment.arguments
@@ -136,7 +160,7 @@ impl<'ast> Visit<'ast> for ModuleFigures {
 #[cfg(test)]
 mod tests {
     use super::super::tree::ModuleTree;
-    use super::{errors_of_text, let_chains, lines, long_functions, median};
+    use super::{errors_of_text, let_chains, lines, long_functions, median, of_the_machine};
 
     fn alone(text: &str) -> ModuleTree {
         ModuleTree::read("lib.rs", &|name| (name == "lib.rs").then(|| text.to_owned())).unwrap()
@@ -165,6 +189,12 @@ mod tests {
         let text = "fn a() {\n if let A = b { if c && d {} }\n if c && let A = b {}\n if let A = b && c {}\n while c \
             && let A = b && d {}\n}";
         assert_eq!(let_chains(&alone(text)), ["lib.rs:3", "lib.rs:4", "lib.rs:5"]);
+    }
+
+    #[test]
+    fn functions_of_the_machine_are_told_but_in_tests() {
+        let text = "fn a() {\n x.sin(); libm::sin(x);\n (x + 1.0)\n .powf(y); x.sqrt();\n}\n#[test] fn b() { x.ln(); }";
+        assert_eq!(of_the_machine(&alone(text)), ["lib.rs:2", "lib.rs:4"]);
     }
 
     #[test]

@@ -20,7 +20,7 @@ impl Complex {
     pub(crate) fn size(self) -> f64 {
         let square = self.re * self.re + self.im * self.im;
         // Nothing overflows, and nothing is lost below: a root is as good, and much quicker.
-        if ROOTED.contains(&square) { square.sqrt() } else { self.re.hypot(self.im) }
+        if ROOTED.contains(&square) { square.sqrt() } else { libm::hypot(self.re, self.im) }
     }
 
     pub(crate) fn conjugate(self) -> Self {

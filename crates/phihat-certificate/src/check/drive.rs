@@ -10,7 +10,7 @@ use crate::LoopModel;
 pub(crate) fn drive(model: &LoopModel) -> Option<DriveModel> {
     model.drive_bandwidth_hz.map(|hz| {
         let x = TAU * hz * model.period_s;
-        let lost = -(-x).exp_m1();
+        let lost = -libm::expm1(-x);
         // (x − ℓ)/x² by its series where the difference would cancel.
         let bent = if x < 0.03 {
             0.5 - x / 6.0 + x * x / 24.0 - x * x * x / 120.0 + x * x * x * x / 720.0
@@ -23,5 +23,5 @@ pub(crate) fn drive(model: &LoopModel) -> Option<DriveModel> {
 
 /// Gain of the velocity's low-pass per sample; `None`: no filter.
 pub(crate) fn filter(model: &LoopModel) -> Option<f64> {
-    model.velocity_filter_hz.map(|hz| -(-TAU * hz * model.period_s).exp_m1())
+    model.velocity_filter_hz.map(|hz| -libm::expm1(-TAU * hz * model.period_s))
 }

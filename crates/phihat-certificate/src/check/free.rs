@@ -57,7 +57,7 @@ impl Free {
         let n = p.len() - 1;
         let positive = p.iter().all(|c| *c > 0.0);
         Refutation::unless(claim, STABLE, mu, 0.0, positive)?;
-        let sigma = (p[0] / mu).powf(1.0 / n as f64);
+        let sigma = libm::pow(p[0] / mu, 1.0 / n as f64);
         let kappa: Vec<f64> =
             (0..n).map(|i| p[i] / mu / (i..n).fold(1.0, |power, _| power * sigma)).collect();
         let size = kappa.iter().sum::<f64>().max(1.0);
@@ -68,7 +68,7 @@ impl Free {
         let mut free = Self { sigma, mu, kappa, step, powers, size, rho: 1.0, norm: 0.0 };
         let (mut e, mut norm) = (UNIT, 0.0);
         for k in 1..=LONGEST / (n * n) {
-            norm += rows(&e, n) * step * (size * step).exp();
+            norm += rows(&e, n) * step * libm::exp(size * step);
             e = product(&free.powers[0], &e);
             if k % 16 == 0 {
                 let left = rows(&e, n);
@@ -110,7 +110,7 @@ impl Free {
         let n = self.len();
         let mut z = [0.0; MOST];
         z[n - 1] = 1.0;
-        let grown = (self.size * self.step).exp();
+        let grown = libm::exp(self.size * self.step);
         let mut areas: Vec<BoundedArea> = rows
             .iter()
             .map(|c| {

@@ -51,7 +51,7 @@ pub(crate) fn not_negative(p: &[f64]) -> bool {
         return false;
     }
     let first = p.iter().position(|c| c.abs() > 0.0).unwrap_or(0);
-    let centre = (p[first].abs() / p[last]).powf(1.0 / (last - first).max(1) as f64);
+    let centre = libm::pow(p[first].abs() / p[last], 1.0 / (last - first).max(1) as f64);
     let mut power = 1.0;
     let mut scaled: Vec<f64> = p
         .iter()

@@ -35,8 +35,8 @@ impl CheckedResponse {
 
 /// `e^{jθ} − 1`, without cancellation near `θ = 0`.
 pub(crate) fn on_circle(theta: f64) -> Complex {
-    let half = (0.5 * theta).sin();
-    Complex::new(-2.0 * half * half, theta.sin())
+    let half = libm::sin(0.5 * theta);
+    Complex::new(-2.0 * half * half, libm::sin(theta))
 }
 
 fn horner(p: &[f64], x: Complex) -> Complex {

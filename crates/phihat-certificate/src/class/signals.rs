@@ -70,9 +70,9 @@ pub(super) fn lost_rows(study: &Study) -> Result<Option<LostSpacing>, Refutation
     Ok(Some(LostSpacing { most, apart }))
 }
 
-/// Whole samples in a time, rounded down.
+/// Whole samples in a time, rounded down; at most 2³¹ − 1, which a machine of 32 bits counts too.
 fn whole_samples(time: f64, period: f64) -> usize {
-    let (mut low, mut high) = (0_usize, 1_usize << 40);
+    let (mut low, mut high) = (0_usize, 1_usize << 31);
     while low + 1 < high {
         let middle = low + (high - low) / 2;
         if middle as f64 * period <= time { low = middle } else { high = middle }

@@ -290,9 +290,9 @@ fn absolute_mean(a: f64, b: f64) -> f64 {
 fn off_chord(model: &LoopModel) -> f64 {
     let Some(hz) = model.drive_bandwidth_hz else { return 0.0 };
     let x = TAU * hz * model.period_s;
-    let whole = 1.0 - (-x).exp();
-    let at = (x / whole).ln() / x;
-    (1.0 - (-x * at).exp()) / whole - at
+    let whole = 1.0 - libm::exp(-x);
+    let at = libm::log(x / whole) / x;
+    (1.0 - libm::exp(-x * at)) / whole - at
 }
 
 fn largest(row: &[f64]) -> f64 {

@@ -40,7 +40,7 @@ impl<'a> PlayedJoint<'a> {
     fn new(record: &JointRecord, model: &'a LoopModel) -> Self {
         let t = model.period_s;
         let x = model.drive_bandwidth_hz.map(|hz| TAU * hz * t);
-        let lost = x.map_or(1.0, |x| -(-x).exp_m1());
+        let lost = x.map_or(1.0, |x| -libm::expm1(-x));
         let gap = x.map_or([0.0; 2], |x| [lost / x, t * t * (1.0 - lost / x) / x]);
         let mut own = Self {
             model,
@@ -49,7 +49,7 @@ impl<'a> PlayedJoint<'a> {
             units: Vec::new(),
             law: LawMatrices::unit(record, model),
             late: (model.delay_samples + model.sample_delay_samples) as usize,
-            filter: model.velocity_filter_hz.map_or(1.0, |hz| -(-TAU * hz * t).exp_m1()),
+            filter: model.velocity_filter_hz.map_or(1.0, |hz| -libm::expm1(-TAU * hz * t)),
             lost,
             gap,
         };

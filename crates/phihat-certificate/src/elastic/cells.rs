@@ -116,8 +116,8 @@ impl Allowed {
         if self.low.0 >= self.high.0 {
             return Err((self.low.1, self.high.1));
         }
-        let angle = |kappa: f64| (kappa / self.scale).atan();
-        Ok(self.scale * (0.5 * (angle(self.low.0) + angle(self.high.0))).tan())
+        let angle = |kappa: f64| libm::atan(kappa / self.scale);
+        Ok(self.scale * libm::tan(0.5 * (angle(self.low.0) + angle(self.high.0))))
     }
 }
 
@@ -142,5 +142,5 @@ pub(super) fn turned(at: impl Fn(f64, f64) -> Option<Disc>) -> Option<f64> {
 }
 
 fn angle(z: Complex) -> f64 {
-    z.im.atan2(z.re)
+    libm::atan2(z.im, z.re)
 }

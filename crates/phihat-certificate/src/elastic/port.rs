@@ -108,7 +108,7 @@ impl Circle {
         let (p, q) = (0.5 * (a + b) / (a * b), 0.5 * kappa / (a * b));
         // p² − 1/ab = ((b − a)/2ab)².
         let apart = 0.5 * (b - a) / (a * b);
-        let radius = apart.hypot(q) * (1.0 + LOST);
+        let radius = libm::hypot(apart, q) * (1.0 + LOST);
         Self { at: Complex::new(p, -q), radius, sum: a + b, product: a * b, kappa }
     }
 
@@ -333,6 +333,6 @@ impl Port {
         let rotor = middle(springs.rotor);
         let reduced = mu * rotor / (mu + rotor);
         let damped = omega * c * s;
-        damped.atan2(1.0 - reduced * omega * omega * s) - damped.atan2(1.0)
+        libm::atan2(damped, 1.0 - reduced * omega * omega * s) - libm::atan2(damped, 1.0)
     }
 }

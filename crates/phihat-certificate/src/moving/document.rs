@@ -81,7 +81,7 @@ impl Moving {
     /// `y(θ) = 2 Σ h_j sin jθ`.
     pub fn multiplier(&self, theta: f64) -> f64 {
         let taps = self.h.iter().enumerate();
-        2.0 * taps.map(|(j, h)| h * ((j + 1) as f64 * theta).sin()).sum::<f64>()
+        2.0 * taps.map(|(j, h)| h * libm::sin((j + 1) as f64 * theta)).sum::<f64>()
     }
 }
 

@@ -97,7 +97,7 @@ impl Smooth {
         };
         let (a, b) = (s * (low + law.offset_rad_s), s * (high + law.offset_rad_s));
         let (a, b) = (a.min(b), a.max(b));
-        let peak = (2.0 + 3.0_f64.sqrt()).ln();
+        let peak = libm::log(2.0 + 3.0_f64.sqrt());
         let mut most = size(a).max(size(b));
         for x in [-peak, peak] {
             if a <= x && x <= b {

@@ -157,7 +157,7 @@ fn tried(claim: &str, mu: &[f64], arm: &ArmInertia) -> Result<(), Refutation> {
     Refutation::unless(claim, "as many ratios as are tried", own, wanted, all)?;
     for (k, mu) in (0..RATIOS).zip(mu) {
         let share = f64::from(k) / f64::from(RATIOS - 1);
-        let even = arm.low * (arm.high / arm.low).powf(share);
+        let even = arm.low * libm::pow(arm.high / arm.low, share);
         agrees(claim, "ratios are even over the arm's range", (*mu, even), SAME)?;
     }
     Ok(())

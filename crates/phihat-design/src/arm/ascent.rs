@@ -246,8 +246,13 @@ impl Wave {
         for k in 0..5_u8 {
             let x = TAU * f64::from(k) / 5.0;
             let value = energy(x) / 5.0;
-            let terms =
-                [1.0, 2.0 * x.cos(), 2.0 * x.sin(), 2.0 * (2.0 * x).cos(), 2.0 * (2.0 * x).sin()];
+            let terms = [
+                1.0,
+                2.0 * libm::cos(x),
+                2.0 * libm::sin(x),
+                2.0 * libm::cos(2.0 * x),
+                2.0 * libm::sin(2.0 * x),
+            ];
             for (sum, term) in sums.iter_mut().zip(terms) {
                 *sum += value * term;
             }
@@ -257,7 +262,7 @@ impl Wave {
 
     fn at(&self, x: f64) -> f64 {
         let [mean, a, b, c, d] = self.0;
-        let (sin, cos) = x.sin_cos();
+        let (sin, cos) = libm::sincos(x);
         mean + a * cos + b * sin + c * (2.0 * cos * cos - 1.0) + d * 2.0 * sin * cos
     }
 }

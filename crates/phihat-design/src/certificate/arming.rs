@@ -125,7 +125,7 @@ pub(super) fn frozen(
 ) -> Result<FrozenArm, Refutation> {
     let models = loop_models(study, gains);
     let loops = pairs(gains, &models);
-    let ratio = |k: u32| low * (high / low).powf(f64::from(k) / f64::from(POLES - 1));
+    let ratio = |k: u32| low * libm::pow(high / low, f64::from(k) / f64::from(POLES - 1));
     let poles = loops.iter().flat_map(|(record, model)| {
         (0..POLES).map(move |k| StateMatrix::new(record, model, ratio(k)).decay_rate())
     });

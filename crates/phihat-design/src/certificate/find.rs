@@ -156,8 +156,10 @@ fn confirmed(record: &JointRecord, model: &LoopModel) -> Result<InertiaWindow, R
     let found = InertiaWindow::find(record, model)?;
     let Err(why) = found.verify(record, model) else { return Ok(found) };
     // An edge without a frequency is where a search ended.
-    let lower = |power: f64| InertiaWindow { low: found.low.powf(power), low_hz: 0.0, ..found };
-    let upper = |power: f64| InertiaWindow { high: found.high.powf(power), high_hz: 0.0, ..found };
+    let lower =
+        |power: f64| InertiaWindow { low: libm::pow(found.low, power), low_hz: 0.0, ..found };
+    let upper =
+        |power: f64| InertiaWindow { high: libm::pow(found.high, power), high_hz: 0.0, ..found };
     let both = |power: f64| InertiaWindow { low: lower(power).low, low_hz: 0.0, ..upper(power) };
     let narrower = NARROWER.iter().flat_map(|power| [upper(*power), lower(*power), both(*power)]);
     let mut kept = narrower.filter(|window| window.verify(record, model).is_ok());

@@ -45,7 +45,7 @@ fn any_speed(loops: &[(&JointRecord, &LoopModel)], certificate: &Certificate) ->
     let (low, high) = (certificate.arm.low, certificate.arm.high);
     let middle = (low * high).sqrt();
     let proved = |wide: f64| {
-        let share = (high / low).powf(0.5 * wide);
+        let share = libm::pow(high / low, 0.5 * wide);
         let range = AnySpeed { low: middle / share, high: middle * share };
         range.verify(loops).is_ok().then_some(range)
     };

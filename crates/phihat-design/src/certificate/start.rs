@@ -8,6 +8,7 @@ use super::inside::inside;
 use crate::ArmInertia;
 use crate::JointRecord;
 use crate::claims::Refutation;
+use crate::portable;
 use crate::prelude::*;
 use crate::sampled::eigenvalues::eigenvalues;
 use crate::sampled::{InertiaWindow, LoopModel, estimator_coefficients};
@@ -43,13 +44,13 @@ fn start(study: &Study, record: &JointRecord, model: &LoopModel) -> Option<Joint
 /// `a = −ln(1 − αT)/T`; in the literal form `a_0^{1/m}`.
 fn first_order(record: &JointRecord, model: &LoopModel) -> JointRecord {
     let root = |lowest: Option<&f64>| {
-        lowest.copied().unwrap_or(f64::NAN).powf(1.0 / record.a.len() as f64)
+        libm::pow(lowest.copied().unwrap_or(f64::NAN), 1.0 / record.a.len() as f64)
     };
     let a = if model.form == Form::Literal {
         root(record.a.first())
     } else {
         let alpha = root(estimator_coefficients(record, model.period_s).first());
-        -(-alpha * model.period_s).ln_1p() / model.period_s
+        -libm::log1p(-alpha * model.period_s) / model.period_s
     };
     JointRecord { a: vec![a], ..record.clone() }
 }
@@ -79,7 +80,7 @@ fn slower(record: &JointRecord, factor: f64, model: &LoopModel) -> JointRecord {
         let poles = eigenvalues(companion)
             .unwrap_or_else(|| DVector::from_element(m, Complex::new(f64::NAN, 0.0)));
         for pole in poles.iter() {
-            let moved = (one + ((pole * period).exp() - one) * factor).ln() / period;
+            let moved = portable::ln(one + (portable::exp(pole * period) - one) * factor) / period;
             let mut next = vec![Complex::new(0.0, 0.0); product.len() + 1];
             for (i, c) in product.iter().enumerate() {
                 next[i + 1] += c;

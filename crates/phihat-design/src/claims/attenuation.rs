@@ -53,10 +53,12 @@ fn diagonal_interval(law: &UnitLaw) -> Option<Interval> {
     let (beta, alpha) = (polynomial::product(&d, &constant), polynomial::product(&d, &slope));
     let (mut low, mut high) = (0.0_f64, law.a_top());
     for (b, a) in beta.iter().zip(&alpha) {
+        let edge = -b / a;
         if *a > 0.0 {
-            low = low.max(-b / a);
+            // The larger of two zeros of different sign is another one on every machine.
+            low = if edge > low { edge } else { low };
         } else if *a < 0.0 {
-            high = high.min(-b / a);
+            high = high.min(edge);
         } else if *b <= 0.0 {
             return None;
         }

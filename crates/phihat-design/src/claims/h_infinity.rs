@@ -28,7 +28,7 @@ impl FindNorm for NormH {
         let scaled: Vec<f64> = response.last_row().iter().map(|k| -k).chain([1.0]).collect();
         let squared = polynomial::magnitude_squared(&scaled);
         let size = |w: f64| (power(w, m) / polynomial::value(&squared, w)).sqrt();
-        let grid = (0..400).map(|k| 10.0_f64.powf(f64::from(k) / 50.0 - 4.0));
+        let grid = (0..400).map(|k| libm::pow(10.0, f64::from(k) / 50.0 - 4.0));
         let mut best = grid.fold(1.0, |best, w| if size(w) > size(best) { w } else { best });
         for _ in 0..30 {
             let crossings = crossings(&response, m, size(best) * (1.0 + 1e-9));

@@ -8,6 +8,7 @@ use crate::claims::law::UnitLaw;
 use crate::claims::paper::{ErrorLimits, MinimalGains, PaperError};
 use crate::claims::times::estimator_at;
 use crate::claims::weights::q_diagonal;
+use crate::portable;
 
 /// Largest `K̃` that is looked at \[1/s\].
 const K_TILDE_MAX: f64 = 1e9;
@@ -86,7 +87,7 @@ fn begin(m: usize, limits: &ErrorLimits) -> (f64, Vec<f64>) {
     let zeros: &[f64] = if m > 1 { &[-6.0, -4.0, -2.0, 0.0, 2.0] } else { &[0.0] };
     let outer = (-10..=10_i32).map(f64::from);
     let at = |ln_omega: f64, beside: f64| {
-        let mut y = vec![2.0 * ln_omega, ln_omega + 2.0_f64.ln()];
+        let mut y = vec![2.0 * ln_omega, ln_omega + libm::log(2.0)];
         if m > 1 {
             y.push(ln_omega + beside);
         }
@@ -109,14 +110,14 @@ fn directions(n: usize) -> Vec<Vec<f64>> {
 
 /// `ln K̃`, infinite where nothing keeps (40).
 fn cost(y: &[f64], limits: &ErrorLimits) -> f64 {
-    found(y, limits).map_or(f64::INFINITY, |gains| gains.k_tilde.ln())
+    found(y, limits).map_or(f64::INFINITY, |gains| libm::log(gains.k_tilde))
 }
 
 /// The least `K̃` at given `K_p`, `K_d` and zeros: `λ_min` does not fall while `K̃` rises.
 fn found(y: &[f64], limits: &ErrorLimits) -> Option<MinimalGains> {
     let m = limits.x_max.len() - 2;
-    let (kp, kd) = (y[0].exp(), y[1].exp());
-    let b = y.get(2).map_or_else(Vec::new, |beta| estimator_at(m - 1, beta.exp()));
+    let (kp, kd) = (libm::exp(y[0]), libm::exp(y[1]));
+    let b = y.get(2).map_or_else(Vec::new, |beta| estimator_at(m - 1, libm::exp(*beta)));
     let at = |k_tilde: f64| MinimalGains {
         k_tilde,
         kp,
@@ -134,12 +135,12 @@ fn found(y: &[f64], limits: &ErrorLimits) -> Option<MinimalGains> {
     if !(kp.is_finite() && kd.is_finite() && keeps(K_TILDE_MAX)) {
         return None;
     }
-    let (mut low, mut high) = (1e-9_f64.ln(), K_TILDE_MAX.ln());
+    let (mut low, mut high) = (libm::log(1e-9), libm::log(K_TILDE_MAX));
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if keeps(middle.exp()) { high = middle } else { low = middle }
+        if keeps(libm::exp(middle)) { high = middle } else { low = middle }
     }
-    Some(at(high.exp()))
+    Some(at(libm::exp(high)))
 }
 
 /// (40) per entry: `2 (SB)_i φ_max/λ_min(Q + (2a_{m−1} − K̃) SBBᵀS)`.
@@ -175,7 +176,7 @@ pub fn areas(law: &UnitLaw) -> Vec<f64> {
     let mut term = DMatrix::<f64>::identity(n, n);
     let mut flow = term.clone();
     for k in 1..8_u8 {
-        term = &term * &small / f64::from(k);
+        term = portable::product(&term, &small) / f64::from(k);
         flow += &term;
     }
     let mut x = DVector::<f64>::zeros(n);
@@ -196,7 +197,7 @@ pub fn areas(law: &UnitLaw) -> Vec<f64> {
         if !moved {
             return sums;
         }
-        flow = &flow * &flow;
+        flow = portable::product(&flow, &flow);
         step *= 2.0;
     }
     vec![f64::INFINITY; n]

@@ -267,10 +267,10 @@ fn gains(y: &DVector<f64>, feedback: Feedback) -> MinimalGains {
         Feedback::Included => "(44) with xᵀSBBᵀSx, Newton",
     };
     MinimalGains {
-        k_tilde: y[0].exp(),
-        kp: y[1].exp(),
-        kd: y[2].exp(),
-        b: y.iter().skip(3).map(|v| v.exp()).collect(),
+        k_tilde: libm::exp(y[0]),
+        kp: libm::exp(y[1]),
+        kd: libm::exp(y[2]),
+        b: y.iter().skip(3).map(|v| libm::exp(*v)).collect(),
         from: vec![term.to_owned(); y.len()],
     }
 }

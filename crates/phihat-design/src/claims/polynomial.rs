@@ -75,7 +75,7 @@ pub fn sign(p: &[f64]) -> Sign {
     }
     // Both ends of the scaled polynomial weigh the same: p_0 = p_d w_0^d (p_0 may be 0).
     let low = p.iter().position(|c| *c > 0.0).unwrap_or(0);
-    let w0 = (p[low] / p[degree]).powf(1.0 / (degree - low).max(1) as f64);
+    let w0 = libm::pow(p[low] / p[degree], 1.0 / (degree - low).max(1) as f64);
     let scaled: Vec<f64> = (0_i32..).zip(p).map(|(k, c)| c * w0.powi(k)).collect();
     let reversed: Vec<f64> = scaled.iter().rev().copied().collect();
     for (half, beyond) in [(scaled, false), (reversed, true)] {

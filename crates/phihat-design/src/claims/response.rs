@@ -51,7 +51,7 @@ impl Response {
         let stable = polynomial::is_hurwitz(&den);
         holds(CLAIM, "D A_o + (μ−1)s^{m+2} is Hurwitz", mu, 0.0, stable)?;
         let n = den.len() - 1;
-        let sigma = (den[0] / mu).powf(1.0 / n as f64);
+        let sigma = libm::pow(den[0] / mu, 1.0 / n as f64);
         let mut a = vec![vec![0.0; n]; n];
         for i in 0..n - 1 {
             a[i][i + 1] = 1.0;

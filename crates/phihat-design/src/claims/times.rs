@@ -48,15 +48,15 @@ pub fn estimator_at(order: usize, w: f64) -> Vec<f64> {
 /// Answer of `1/(s² + 2ζs + 1)` to a unit step.
 fn step_response(damping: f64, t: f64) -> f64 {
     let gap = (1.0 - damping * damping).abs().sqrt();
-    let fade = (-damping * t).exp();
+    let fade = libm::exp(-damping * t);
     if gap < 1e-6 {
         return 1.0 - fade * (1.0 + t);
     }
     if damping < 1.0 {
-        return 1.0 - fade * ((gap * t).cos() + damping / gap * (gap * t).sin());
+        return 1.0 - fade * (libm::cos(gap * t) + damping / gap * libm::sin(gap * t));
     }
     let (slow, fast) = (damping - gap, damping + gap);
-    1.0 - (fast * (-slow * t).exp() - slow * (-fast * t).exp()) / (fast - slow)
+    1.0 - (fast * libm::exp(-slow * t) - slow * libm::exp(-fast * t)) / (fast - slow)
 }
 
 fn outer_loop(omega: f64, damping: f64) -> (f64, f64) {

@@ -129,8 +129,8 @@ pub(super) fn at_posture(
 fn off_chord(model: &LoopModel) -> f64 {
     model.drive_bandwidth_hz.map_or(0.0, |hz| {
         let x = core::f64::consts::TAU * hz * model.period_s;
-        let lost = -(-x).exp_m1();
-        let at = -(lost / x).ln() / x;
+        let lost = -libm::expm1(-x);
+        let at = -libm::log(lost / x) / x;
         (1.0 - lost / x) / lost - at
     })
 }

@@ -5,6 +5,7 @@ use phihat_certificate::extremes::Extremes as _;
 use phihat_certificate::{JointRecord, LoopModel};
 
 use crate::lanes::{Lane, WIDE};
+use crate::portable;
 use crate::sampled::mean_of_line;
 use crate::sampled::sample::{Input, SampledLoop};
 
@@ -186,10 +187,10 @@ impl Linear {
             if left < LEFT {
                 return Some(SumHorizon { samples: 1 << doublings, power });
             }
-            let whole = &power * &power;
+            let whole = portable::product(&power, &power);
             // Half way between two powers of two.
             if doublings > 0 {
-                let between = &power * &half;
+                let between = portable::product(&power, &half);
                 if norm_inf(&between) < LEFT {
                     return Some(SumHorizon { samples: 3 << (doublings - 1), power: between });
                 }

@@ -134,7 +134,7 @@ impl Measure {
         let last = (RATIOS - 1) as f64;
         let mut samples = 0;
         let response = |k: usize| {
-            let mu = low * (high / low).powf(k as f64 / last);
+            let mu = low * libm::pow(high / low, k as f64 / last);
             let scalar = Linear::new(&[(&record, model)], &DMatrix::from_element(1, 1, 1.0 / mu));
             let horizon = scalar.horizon()?;
             samples = samples.max(horizon.samples);
@@ -196,8 +196,9 @@ impl Measure {
     /// Between which two ratios of the grid one lies, and how far.
     fn place(&self, mu: f64) -> (usize, f64) {
         let last = (RATIOS - 1) as f64;
-        let at =
-            (mu.clamp(self.low, self.high) / self.low).ln() / (self.high / self.low).ln() * last;
+        let at = libm::log(mu.clamp(self.low, self.high) / self.low)
+            / libm::log(self.high / self.low)
+            * last;
         let below = (0..RATIOS - 1).rev().find(|k| *k as f64 <= at).unwrap_or(0);
         (below, at - below as f64)
     }

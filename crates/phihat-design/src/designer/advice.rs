@@ -72,7 +72,7 @@ pub fn alternatives(
         changed.sensor.velocity_filter_designed = true;
         if let Some((_, Some(exact))) = attempt(&changed)? {
             // Two digits, tried out as the study will have it.
-            let unit = 10.0_f64.powf(exact.log10().floor() - 1.0);
+            let unit = libm::pow(10.0, libm::log10(exact).floor() - 1.0);
             let value = (exact / unit).round() * unit;
             changed.sensor.velocity_filter_designed = false;
             changed.sensor.velocity_filter_hz = Some(value);

@@ -18,7 +18,7 @@ impl PhiChords {
     pub(super) fn of(phi: PhiOf<'_>, joint: usize, nominal: f64) -> Self {
         let (first, factor, count) = NODES;
         let at = |k: u32| {
-            let inertia = nominal * first * factor.powf(f64::from(k));
+            let inertia = nominal * first * libm::pow(factor, f64::from(k));
             (inertia, phi(joint, inertia))
         };
         Self((0..count).map(at).collect())

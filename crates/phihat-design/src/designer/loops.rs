@@ -36,7 +36,7 @@ impl Loops<'_> {
             return Vec::new();
         }
         let each = shares.iter().filter_map(|share| {
-            let scale = least * (most / least).powf(*share);
+            let scale = least * libm::pow(most / least, *share);
             let gains = self.gains_over(&shape, &law, scale)?;
             Some(Candidate { shape, scale, share: *share, gains })
         });

@@ -32,9 +32,9 @@ pub(crate) fn shared_out(arm: &Arm, error: &[f64], noise: &[f64]) -> Result<ArmI
             larger(f64::MIN_POSITIVE, (0..error.len()).map(share).largest())
         };
         let middle = (at.low * at.high).sqrt();
-        let of_error = worst(&|i| error[i] / (at.nominal_kg_m2[i] * middle)).ln();
+        let of_error = libm::log(worst(&|i| error[i] / (at.nominal_kg_m2[i] * middle)));
         let noisy = noise.iter().any(|n| *n > 0.0);
-        let of_noise = worst(&|i| noise[i] * at.nominal_kg_m2[i] * middle).ln();
+        let of_noise = libm::log(worst(&|i| noise[i] * at.nominal_kg_m2[i] * middle));
         of_error + if noisy { of_noise } else { 0.0 }
     };
     let mut now = few.against(own.nominal_kg_m2.clone())?;

@@ -203,7 +203,7 @@ fn law(least: &MinimalGains, (kp, kd): (f64, f64), factor: f64) -> (UnitLaw, Str
     let mut needed = least.k_tilde / m;
     let mut why = "a_{m−1} = K̃";
     for (i, b) in least.b.iter().enumerate() {
-        let w = (b * m / counts[i]).powf(1.0 / (order - 1 - i) as f64);
+        let w = libm::pow(b * m / counts[i], 1.0 / (order - 1 - i) as f64);
         if w > needed {
             (needed, why) = (w, "the least b_i");
         }

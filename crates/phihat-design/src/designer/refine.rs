@@ -66,12 +66,12 @@ impl DesignSearch<'_> {
         let LawShape { mut w, order, mut ratio, mut filter_hz } = from.shape;
         let mut share = from.share;
         match parameter {
-            0 => w = (w * by.exp()).max(self.slowest),
-            1 => ratio *= by.exp(),
+            0 => w = (w * libm::exp(by)).max(self.slowest),
+            1 => ratio *= libm::exp(by),
             2 => share = (share + by).clamp(0.0, 1.0),
             _ => {
                 let half = 0.5e9 / self.study.control.period_ns as f64;
-                filter_hz = filter_hz.map(|hz| (hz * by.exp()).min(half));
+                filter_hz = filter_hz.map(|hz| (hz * libm::exp(by)).min(half));
             }
         }
         self.loops.candidates_of(LawShape { w, order, ratio, filter_hz }, &[share]).pop()

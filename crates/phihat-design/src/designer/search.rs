@@ -49,7 +49,7 @@ impl Grid {
     /// Its largest bandwidth \[rad/s\].
     fn fastest(&self) -> f64 {
         let (first, factor, count) = self.bandwidths;
-        first * factor.powf(f64::from(count - 1))
+        first * libm::pow(factor, f64::from(count - 1))
     }
 }
 
@@ -167,7 +167,7 @@ impl<'a> DesignSearch<'a> {
     /// Those of a grid that keep window and modulus margin, and how many laws were tried.
     pub(super) fn candidates(&self, grid: &Grid) -> (Vec<Candidate>, u32) {
         let (first, factor, count) = grid.bandwidths;
-        let bandwidths = (0..count).map(|power| first * factor.powf(f64::from(power)));
+        let bandwidths = (0..count).map(|power| first * libm::pow(factor, f64::from(power)));
         let bandwidths: Vec<f64> = bandwidths.filter(|w| *w >= self.slowest).collect();
         let mut shapes = Vec::new();
         for filter_hz in self.filters() {
@@ -190,7 +190,8 @@ impl<'a> DesignSearch<'a> {
         // From the middle outwards: laws that are neither slow nor fast are stable most often.
         let mut powers: Vec<u32> = (0..count).collect();
         powers.sort_by_key(|power| power.abs_diff(count / 2));
-        let bandwidths = powers.into_iter().map(|power| first * factor.powf(f64::from(power)));
+        let bandwidths =
+            powers.into_iter().map(|power| first * libm::pow(factor, f64::from(power)));
         let bandwidths: Vec<f64> = bandwidths.filter(|w| *w >= self.slowest).collect();
         for &w in &bandwidths {
             for &order in &self.study.design.orders {

@@ -1,5 +1,6 @@
 //! A law scaled in time.
 
+use crate::portable;
 use nalgebra::Complex;
 use phihat_certificate::{FilterSection, Gains, JointRecord, PositionObserver};
 
@@ -30,7 +31,7 @@ pub fn slower(gains: &Gains, factor: f64) -> Option<Gains> {
 
 fn scaled(record: &JointRecord, period: f64, s: f64) -> Option<JointRecord> {
     let m = record.a.len();
-    let own = |(i, a): (usize, &f64)| a / s.powf((m - i) as f64);
+    let own = |(i, a): (usize, &f64)| a / libm::pow(s, (m - i) as f64);
     let observer = match &record.observer {
         Some(observer) => Some(scaled_observer(observer, period, s)?),
         None => None,
@@ -49,7 +50,7 @@ fn scaled_observer(own: &PositionObserver, period: f64, s: f64) -> Option<Positi
     let slow = moved(&w, s)?;
     Some(PositionObserver {
         correction: correction(&slow, period)?,
-        share: 1.0 - (1.0 - own.share).powf(1.0 / s),
+        share: 1.0 - libm::pow(1.0 - own.share, 1.0 / s),
         innovation_filter: own
             .innovation_filter
             .iter()
@@ -80,10 +81,10 @@ fn moved(p: &[f64], s: f64) -> Option<Vec<f64>> {
     for root in &roots {
         let z = Complex::new(1.0, 0.0) + *root;
         // A pole on the negative axis has no slower real law.
-        if z.norm() >= 1.0 || (z.re <= 0.0 && z.im.abs() <= 1e-12) {
+        if portable::size(z) >= 1.0 || (z.re <= 0.0 && z.im.abs() <= 1e-12) {
             return None;
         }
-        let slow = z.powf(1.0 / s) - 1.0;
+        let slow = portable::power(z, 1.0 / s) - 1.0;
         let mut next = vec![Complex::new(0.0, 0.0); product.len() + 1];
         for (k, c) in product.iter().enumerate() {
             next[k + 1] += c;
@@ -112,7 +113,7 @@ fn characteristic(correction: &[f64], period: f64) -> Vec<f64> {
     p[n] = 1.0;
     let mut adjugate = nalgebra::DMatrix::<f64>::identity(n, n);
     for k in (0..n).rev() {
-        let next = &own * &adjugate;
+        let next = portable::product(&own, &adjugate);
         p[k] = -next.trace() / (n - k) as f64;
         adjugate = next + nalgebra::DMatrix::identity(n, n) * p[k];
     }
@@ -125,7 +126,7 @@ fn observed(correction: &[f64], period: f64) -> nalgebra::DMatrix<f64> {
     let moves = step(n);
     let mut own = moves.clone();
     for i in 0..n {
-        let gain = correction[i] * period.powf(i as f64);
+        let gain = correction[i] * libm::pow(period, i as f64);
         for j in 0..n {
             let predicted = moves[(0, j)] + if j == 0 { 1.0 } else { 0.0 };
             own[(i, j)] -= gain * predicted;
@@ -140,7 +141,7 @@ fn correction(wanted: &[f64], period: f64) -> Option<Vec<f64>> {
     let unit = |i: usize| {
         let mut gains = vec![0.0; n];
         if i < n {
-            gains[i] = period.powf(-(i as f64));
+            gains[i] = libm::pow(period, -(i as f64));
         }
         characteristic(&gains, period)
     };
@@ -149,7 +150,7 @@ fn correction(wanted: &[f64], period: f64) -> Option<Vec<f64>> {
     let slope = nalgebra::DMatrix::from_fn(n, n, |k, i| columns[i][k] - bare[k]);
     let off = nalgebra::DVector::from_fn(n, |k, _| wanted[k] - bare[k]);
     let found = slope.lu().solve(&off)?;
-    Some(found.iter().enumerate().map(|(i, gain)| gain * period.powf(-(i as f64))).collect())
+    Some(found.iter().enumerate().map(|(i, gain)| gain * libm::pow(period, -(i as f64))).collect())
 }
 
 #[cfg(test)]

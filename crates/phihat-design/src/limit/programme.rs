@@ -100,6 +100,6 @@ fn frequency(request: &LimitRequest) -> f64 {
         return fastest;
     }
     let read = 0.5 * request.quantum * request.inertia;
-    let useful = (request.phi_rate / read).cbrt().max((request.phi_jump / read).sqrt());
+    let useful = libm::cbrt(request.phi_rate / read).max((request.phi_jump / read).sqrt());
     (change(request) / CHANGE).sqrt().min(useful).clamp(slowest, fastest)
 }

@@ -65,16 +65,19 @@ impl Family {
         let mut all = x.to_vec();
         let own = x.get(2).copied().unwrap_or_default();
         for (distance, damping) in SECTIONS {
-            all.extend([own + distance.ln(), damping.ln(), 0.0, 0.0]);
+            all.extend([own + libm::log(distance), libm::log(damping), 0.0, 0.0]);
         }
         all
     }
 
     /// A law of a speed, 1 for a loop of some 25 rad/s.
     pub(super) fn start(&self, speed: f64) -> Vec<f64> {
-        let mut all: Vec<f64> =
-            START.iter().zip(POWERS).map(|(x, power)| x.ln() + power * speed.ln()).collect();
-        all.resize(self.length(), (SLOW * speed).ln());
+        let mut all: Vec<f64> = START
+            .iter()
+            .zip(POWERS)
+            .map(|(x, power)| libm::log(*x) + power * libm::log(speed))
+            .collect();
+        all.resize(self.length(), libm::log(SLOW * speed));
         all
     }
 

@@ -179,7 +179,9 @@ impl<'a> PositionSearch<'a> {
                 tried.joint((joint, 1), (MIDDLE, None), ROUGH)
             });
             let cost = |(joint, chosen): (usize, &Option<ChosenLaw>)| {
-                chosen.as_ref().map_or(f64::INFINITY, |chosen| chosen.cost - error[joint].ln())
+                chosen
+                    .as_ref()
+                    .map_or(f64::INFINITY, |chosen| chosen.cost - libm::log(error[joint]))
             };
             let worst = found.iter().enumerate().map(cost).fold(enough, larger);
             if best.as_ref().is_none_or(|(least, ..)| worst < *least) {
@@ -444,7 +446,7 @@ pub(crate) fn search(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome
         };
         clauses = beyond.map(clause).collect();
         for (share, used) in shares.iter_mut().zip(&used) {
-            *share = (*share * used.powf(1.0 / POWER)).clamp(SHARES.0, SHARES.1);
+            *share = (*share * libm::pow(*used, 1.0 / POWER)).clamp(SHARES.0, SHARES.1);
         }
     }
     Ok(Outcome::Infeasible(Infeasible { clauses, ..Infeasible::default() }))

@@ -99,8 +99,8 @@ impl Task<'_> {
         }
         let Some(worth) = self.worth_of(&law) else { return 1.5 * NONE };
         let velocity = self.velocity.map_or(0.0, |rate| worth.velocity / rate);
-        let loud = (worth.change / self.change).ln().max(0.0);
-        worth.error.max(velocity).ln() + STEEP * loud
+        let loud = libm::log(worth.change / self.change).max(0.0);
+        libm::log(worth.error.max(velocity)) + STEEP * loud
     }
 
     /// Returns true if the response dies out at both ends of the range and its margin.
@@ -114,10 +114,10 @@ impl Task<'_> {
     fn modulus(&self, law: &Law, order: usize) -> f64 {
         let open = OpenLoop::of_law(law, order, &self.model);
         let (low, high) = self.range;
-        let step = (PI / LOWEST).ln() / f64::from(ANGLES - 1);
+        let step = libm::log(PI / LOWEST) / f64::from(ANGLES - 1);
         (0..ANGLES)
             .map(|k| {
-                let value = open.at_angle(LOWEST * (step * f64::from(k)).exp());
+                let value = open.at_angle(LOWEST * libm::exp(step * f64::from(k)));
                 from_segment(value / low + 1.0, value / high + 1.0)
             })
             .least()
@@ -131,7 +131,7 @@ impl Task<'_> {
     fn parts_of(&self, law: &Law) -> Option<TaskParts> {
         let (low, high) = self.shown;
         let share = |k: u32| f64::from(k) / f64::from(RATIOS - 1);
-        let mu: Vec<f64> = (0..RATIOS).map(|k| low * (high / low).powf(share(k))).collect();
+        let mu: Vec<f64> = (0..RATIOS).map(|k| low * libm::pow(high / low, share(k))).collect();
         let gains = LawResponse::of(law, &self.model, &mu)?;
         let t = self.model.period_s;
         let part = |i: usize| {

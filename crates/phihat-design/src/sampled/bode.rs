@@ -9,6 +9,7 @@ use super::model::LoopModel;
 use super::open_loop::OpenLoop;
 use super::state_matrix::StateMatrix;
 use crate::JointRecord;
+use crate::portable;
 
 /// Responses of one joint at one inertia ratio, over frequency.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -44,15 +45,15 @@ pub fn bode(gains: &JointRecord, model: &LoopModel, mu: f64, lowest_hz: f64, cou
     let (mut of_loop, mut of_error) = (None, None);
     for k in 0..count {
         let share = f64::from(k) / f64::from(count.max(2) - 1);
-        let hz = lowest_hz * (highest / lowest_hz).powf(share);
+        let hz = lowest_hz * libm::pow(highest / lowest_hz, share);
         let theta = PI * hz / highest;
         let value = open.at_angle(theta) / mu;
         let error = error(&matrix, theta);
         bode.frequency_hz.push(hz);
-        bode.loop_gain.push(value.norm());
+        bode.loop_gain.push(portable::size(value));
         bode.loop_phase_rad.push(turned(&mut of_loop, value));
-        bode.sensitivity.push(1.0 / (value + 1.0).norm());
-        bode.error_per_phi.push(error.norm() / gains.inertia_kg_m2);
+        bode.sensitivity.push(1.0 / portable::size(value + 1.0));
+        bode.error_per_phi.push(portable::size(error) / gains.inertia_kg_m2);
         bode.error_phase_rad.push(turned(&mut of_error, error));
     }
     bode
@@ -60,7 +61,8 @@ pub fn bode(gains: &JointRecord, model: &LoopModel, mu: f64, lowest_hz: f64, cou
 
 /// The argument of a value, continued from the one before.
 fn turned(last: &mut Option<(Complex<f64>, f64)>, value: Complex<f64>) -> f64 {
-    let phase = last.map_or(value.arg(), |(before, phase)| phase + (value / before).arg());
+    let phase = last
+        .map_or(portable::phase(value), |(before, phase)| phase + portable::phase(value / before));
     *last = Some((value, phase));
     phase
 }
@@ -69,7 +71,7 @@ fn turned(last: &mut Option<(Complex<f64>, f64)>, value: Complex<f64>) -> f64 {
 fn error(matrix: &StateMatrix, theta: f64) -> Complex<f64> {
     let a: DMatrix<Complex<f64>> = matrix.matrix().map(Complex::from);
     let n = a.nrows();
-    let shifted = DMatrix::identity(n, n) * Complex::from_polar(1.0, theta) - a;
+    let shifted = DMatrix::identity(n, n) * portable::polar(1.0, theta) - a;
     let held: DVector<Complex<f64>> = matrix.disturbance().map(Complex::from);
     shifted.lu().solve(&held).map_or(Complex::new(0.0, 0.0), |x| x[0])
 }

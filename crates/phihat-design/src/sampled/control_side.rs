@@ -309,7 +309,7 @@ impl<const W: usize> ControlState<W> {
             return self.acted;
         }
         let mut torque = self.demand;
-        torque.add_scaled((-side.drive_rate * elapsed).exp(), &self.gap);
+        torque.add_scaled(libm::exp(-side.drive_rate * elapsed), &self.gap);
         torque
     }
 

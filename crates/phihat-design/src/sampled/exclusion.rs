@@ -8,6 +8,7 @@ use super::polynomial::{SampledPolynomial, on_circle};
 use super::refutation::{plausible, plausible_loop, refuse};
 use crate::JointRecord;
 use crate::claims::Refutation;
+use crate::portable;
 
 /// Cells narrower than this share of their frequency prove nothing more in double precision.
 const NARROWEST: f64 = 1e-13;
@@ -63,7 +64,7 @@ impl Exclusion<'_> {
                 );
                 let w = on_circle(from, self.radius);
                 let left = from_segment(ends[0].at(w), ends[1].at(w));
-                let right = self.distance * self.open.denominator.at(w).norm();
+                let right = self.distance * portable::size(self.open.denominator.at(w));
                 return Err(refuse(claim, inequality, left, right));
             } else {
                 let middle = 0.5 * (from + to);
@@ -83,7 +84,8 @@ impl Exclusion<'_> {
     fn excludes(&self, ends: &[SampledPolynomial; 2], from: f64, to: f64) -> bool {
         let (centre, half) = (0.5 * (from + to), 0.5 * (to - from));
         let w = on_circle(centre, self.radius);
-        let reach = on_circle(to, self.radius).norm().max(on_circle(from, self.radius).norm());
+        let reach = portable::size(on_circle(to, self.radius))
+            .max(portable::size(on_circle(from, self.radius)));
         let moves = |p: &SampledPolynomial| {
             half * self.radius * p.slope(reach) + 64.0 * f64::EPSILON * p.size(reach)
         };
@@ -91,7 +93,7 @@ impl Exclusion<'_> {
         let mut needed = moves(&ends[0]).max(moves(&ends[1]));
         if self.distance > 0.0 {
             let open = &self.open.denominator;
-            needed += self.distance * (open.at(w).norm() + moves(open));
+            needed += self.distance * (portable::size(open.at(w)) + moves(open));
         }
         clear > needed
     }
@@ -118,11 +120,11 @@ pub(crate) fn from_segment(a: nalgebra::Complex<f64>, b: nalgebra::Complex<f64>)
     let along = b - a;
     let length = along.norm_sqr();
     let share = if length > 0.0 { -(a * along.conj()).re / length } else { 0.0 };
-    (a + along * share.clamp(0.0, 1.0)).norm()
+    portable::size(a + along * share.clamp(0.0, 1.0))
 }
 
 /// Angle by which the argument turns over a cell on which the polynomial moves less than its own size.
 fn turn(p: &SampledPolynomial, from: f64, to: f64, radius: f64) -> f64 {
     let [a, centre, b] = [from, 0.5 * (from + to), to].map(|theta| p.at(on_circle(theta, radius)));
-    (centre / a).arg() + (b / centre).arg()
+    portable::phase(centre / a) + portable::phase(b / centre)
 }

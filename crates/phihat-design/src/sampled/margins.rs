@@ -14,6 +14,7 @@ use super::refutation::{at_most, plausible, plausible_loop};
 use super::window::{InertiaWindow, angles};
 use crate::JointRecord;
 use crate::claims::Refutation;
+use crate::portable;
 use crate::prelude::*;
 
 const CLAIM: &str = "margins";
@@ -127,10 +128,10 @@ impl MarginSearch<'_> {
     /// Smallest turn \[rad\], and smallest lag over frequency \[samples\], that bring some `L/μ` to −1.
     fn phase_and_delay(&self, grid: &[f64]) -> (f64, f64) {
         let grid = &self.with_hidden_peaks(grid)[..];
-        let phase = |value: Complex<f64>| (-value).arg().abs();
-        let lag = |theta: f64, value: Complex<f64>| (-value).arg().rem_euclid(TAU) / theta;
+        let phase = |value: Complex<f64>| portable::phase(-value).abs();
+        let lag = |theta: f64, value: Complex<f64>| portable::phase(-value).rem_euclid(TAU) / theta;
         let inside = |value: Complex<f64>| {
-            let size = value.norm();
+            let size = portable::size(value);
             self.low <= size && size <= self.high
         };
         let among = |theta: f64, of: &dyn Fn(Complex<f64>) -> f64| {
@@ -150,7 +151,7 @@ impl MarginSearch<'_> {
     /// The grid, with the peaks and valleys of `|L|` between its points that reach across an end of the range: a narrow
     /// resonance may pass `low` or `high` twice within a cell.
     fn with_hidden_peaks(&self, grid: &[f64]) -> Vec<f64> {
-        let size = |theta: f64| self.open.at_angle(theta).norm();
+        let size = |theta: f64| portable::size(self.open.at_angle(theta));
         let sizes: Vec<f64> = grid.iter().map(|theta| size(*theta)).collect();
         let mut all = grid.to_vec();
         for mu in [self.low, self.high] {
@@ -181,7 +182,7 @@ impl MarginSearch<'_> {
     fn edges(&self, grid: &[f64]) -> Vec<f64> {
         let mut edges = Vec::new();
         for mu in [self.low, self.high] {
-            let above = |theta: f64| self.open.at_angle(theta).norm() > mu;
+            let above = |theta: f64| portable::size(self.open.at_angle(theta)) > mu;
             for pair in grid.windows(2) {
                 let (mut a, mut b) = (pair[0], pair[1]);
                 if above(a) == above(b) {

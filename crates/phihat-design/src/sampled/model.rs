@@ -39,7 +39,7 @@ impl LoopParts for LoopModel {
     }
 
     fn filter_gain(&self) -> f64 {
-        self.velocity_filter_hz.map_or(1.0, |f| -(-TAU * f * self.period_s).exp_m1())
+        self.velocity_filter_hz.map_or(1.0, |f| -libm::expm1(-TAU * f * self.period_s))
     }
 
     fn filters(&self) -> bool {
@@ -49,7 +49,7 @@ impl LoopParts for LoopModel {
     fn drive(&self) -> Option<SampledDrive> {
         self.drive_bandwidth_hz.map(|hz| {
             let (t, rate) = (self.period_s, TAU * hz);
-            let lost = -(-rate * t).exp_m1();
+            let lost = -libm::expm1(-rate * t);
             SampledDrive { lost, mean: lost / (rate * t), double: (t - lost / rate) / rate }
         })
     }

@@ -81,6 +81,6 @@ impl SampledPolynomial {
 
 /// `w = ρ e^{jθ} − 1`, without cancellation near `θ = 0`, `ρ = 1`.
 pub(crate) fn on_circle(theta: f64, radius: f64) -> Complex<f64> {
-    let (half, full) = ((theta / 2.0).sin(), theta.sin());
+    let (half, full) = (libm::sin(theta / 2.0), libm::sin(theta));
     Complex::new((radius - 1.0) - 2.0 * radius * half * half, radius * full)
 }

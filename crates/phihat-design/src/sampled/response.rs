@@ -1,5 +1,6 @@
 //! Sums over the loop's whole future, with a bound on what is left out.
 
+use crate::portable;
 use nalgebra::{DMatrix, DVector, DVectorView, RowDVector};
 use phihat_certificate::extremes::{Extremes as _, larger};
 
@@ -30,7 +31,7 @@ impl Horizon {
             if left < LEFT {
                 return Some(Self { samples: 1 << doublings, left });
             }
-            power = &power * &power;
+            power = portable::product(&power, &power);
         }
         None
     }
@@ -203,7 +204,7 @@ fn norm_inf(a: &DMatrix<f64>) -> f64 {
 /// `count` ratios from `low` to `high`, logarithmically even.
 pub(crate) fn ratios(low: f64, high: f64, count: u32) -> impl Iterator<Item = f64> {
     let last = f64::from(count.max(2) - 1);
-    (0..count.max(2)).map(move |k| low * (high / low).powf(f64::from(k) / last))
+    (0..count.max(2)).map(move |k| low * libm::pow(high / low, f64::from(k) / last))
 }
 
 #[cfg(test)]

@@ -35,6 +35,9 @@ pub(crate) fn solve(a: &DMatrix<f64>, g: &DMatrix<f64>, q: &DMatrix<f64>) -> Opt
     }
     let left = h.columns(0, n).into_owned();
     let right = h.columns(n, n).into_owned();
-    let p = right.svd(true, true).solve(&-left, 1e-14).ok()?;
+    // Reflections take roots alone, which are the same bits on every machine.
+    let (mut known, factors) = (-left, right.qr());
+    factors.q_tr_mul(&mut known);
+    let p = factors.unpack_r().solve_upper_triangular(&known.rows(0, n))?;
     Some((&p + p.transpose()) * 0.5)
 }

@@ -6,6 +6,7 @@ use phihat_certificate::extremes::Extremes as _;
 use super::model::LoopModel;
 use super::sample::{Input, SampledLoop};
 use crate::JointRecord;
+use crate::portable;
 
 /// Reaction of the torque to an input: `u_k = state·x_k + direct·input_k`,
 /// `x_{k+1} = A x_k + drives·input_k`.
@@ -116,12 +117,12 @@ impl StateMatrix {
     /// Largest magnitude of an eigenvalue; infinite should the eigenvalues not be found.
     pub fn spectral_radius(&self) -> f64 {
         Schur::try_new(self.a.clone(), 1e-15, 10_000).map_or(f64::INFINITY, |schur| {
-            schur.complex_eigenvalues().iter().map(|z| z.norm()).largest()
+            schur.complex_eigenvalues().iter().map(|z| portable::size(*z)).largest()
         })
     }
 
     /// Decay rate of the slowest mode \[1/s\]; negative when the loop is unstable.
     pub fn decay_rate(&self) -> f64 {
-        -self.spectral_radius().ln() / self.period
+        -libm::log(self.spectral_radius()) / self.period
     }
 }

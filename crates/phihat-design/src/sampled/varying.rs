@@ -92,7 +92,7 @@ fn coefficients(gains: &JointRecord, rate: f64) -> Vec<f64> {
 /// `k_1^{1/n}`: the geometric mean of the poles at `μ = 1`.
 fn rate(gains: &JointRecord) -> f64 {
     let first = gains.kp_per_s2 * gains.a.first().copied().unwrap_or(1.0);
-    first.powf(1.0 / (gains.a.len() + 2) as f64)
+    libm::pow(first, 1.0 / (gains.a.len() + 2) as f64)
 }
 
 fn matrix(gains: &JointRecord, rate: f64, lambda: f64) -> DMatrix<f64> {

@@ -11,6 +11,7 @@ use super::polynomial::{SampledPolynomial, on_circle};
 use super::refutation::{plausible, plausible_loop, refuse};
 use crate::JointRecord;
 use crate::claims::Refutation;
+use crate::portable;
 
 const CLAIM: &str = "inertia window";
 
@@ -143,7 +144,7 @@ fn stable_at_one(open: &OpenLoop) -> Result<(), Refutation> {
     let mut turned = 0.0;
     for theta in angles() {
         let value = closed.at(on_circle(theta, 1.0));
-        turned += (value / last).arg();
+        turned += portable::phase(value / last);
         last = value;
     }
     let wanted = PI * closed.degree() as f64;

@@ -144,7 +144,7 @@ fn outward(x: f64) -> f64 {
     }
     let wider = if x > 0.0 { x * ROUNDING } else { x / ROUNDING };
     #[allow(clippy::cast_possible_truncation, reason = "an exponent of ten")]
-    let exponent = wider.abs().log10().floor() as i32 - (DIGITS - 1);
+    let exponent = libm::log10(wider.abs()).floor() as i32 - (DIGITS - 1);
     // A power of ten that is a whole number is exact, and its quotient is the nearest number to the decimal.
     let (unit, inverse) = (10.0_f64.powi(exponent.abs()), exponent < 0);
     let scaled = if inverse { wider * unit } else { wider / unit };

@@ -73,7 +73,7 @@ impl AddedFriction {
 }
 
 fn logistic(law: &Sigmoid, v: f64) -> f64 {
-    1.0 / (1.0 + (-law.steepness_s_rad * (v + law.offset_rad_s)).exp())
+    1.0 / (1.0 + libm::exp(-law.steepness_s_rad * (v + law.offset_rad_s)))
 }
 
 fn slope(law: &Sigmoid, v: f64) -> f64 {

@@ -43,7 +43,7 @@ fn outward(size: f64) -> f64 {
     if size <= 1e-12 {
         return 1e-12;
     }
-    let power = (DIGITS - 1.0) - size.log10().floor();
-    let unit = 10.0_f64.powf(power);
+    let power = (DIGITS - 1.0) - libm::log10(size).floor();
+    let unit = libm::pow(10.0, power);
     (size * (1.0 + 1e-12) * unit).ceil() / unit
 }

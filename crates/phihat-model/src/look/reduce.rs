@@ -25,12 +25,12 @@ pub(super) fn reduced(soups: &[(String, Soup)], most: usize) -> Vec<LinkShape> {
     let mut best = clustered(soups, CELLS[0]);
     if count(&best) > most {
         // Finer than this, it would not be fewer; what is coarser is made of it.
-        let (mut low, mut high) = (CELLS[0].ln(), CELLS[1].ln());
+        let (mut low, mut high) = (libm::log(CELLS[0]), libm::log(CELLS[1]));
         let fine = best;
         best = clustered(&fine, CELLS[1]);
         for _ in 0..STEPS {
             let middle = 0.5 * (low + high);
-            let tried = clustered(&fine, middle.exp());
+            let tried = clustered(&fine, libm::exp(middle));
             if count(&tried) <= most {
                 high = middle;
                 best = tried;

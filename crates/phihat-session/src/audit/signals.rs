@@ -71,7 +71,7 @@ impl Audited<'_> {
             let acted = match decay {
                 None => wanted,
                 Some(rate) => {
-                    let left = (-rate).exp();
+                    let left = libm::exp(-rate);
                     let mean = wanted + (state - wanted) * (1.0 - left) / rate;
                     state = wanted + (state - wanted) * left;
                     mean
@@ -290,7 +290,7 @@ fn quantum_row(q: &[f64], quantum: f64) -> AuditRow {
     let found = coarser * quantum;
     let time = (coarser > 1.0).then_some(0.0);
     AuditRow::at_most(Assumption::Encoder, (found, quantum, "rad"), time)
-        .with_change(|| format!("[sensor]\nencoder_bits = {:.0}", (TAU / found).log2()))
+        .with_change(|| format!("[sensor]\nencoder_bits = {:.0}", libm::log2(TAU / found)))
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "positions are less than 2^53 quanta")]

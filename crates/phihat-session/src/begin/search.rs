@@ -135,7 +135,7 @@ impl<'a> BeginStudy<'a> {
         for share in NARROWER {
             for (joint, whole) in self.study.robot.joints.iter_mut().zip(&whole.joints) {
                 joint.armature_range = whole.armature_range.map(|(low, high)| {
-                    let toward = |end: f64| joint.armature * (end / joint.armature).powf(share);
+                    let toward = |end: f64| joint.armature * libm::pow(end / joint.armature, share);
                     (
                         digits::places(toward(low), 6).min(joint.armature),
                         digits::places(toward(high), 6).max(joint.armature),
@@ -189,7 +189,8 @@ impl<'a> BeginStudy<'a> {
         step("the whole interval of dry friction is too wide: looking at a narrower one");
         for (joint, own) in self.study.robot.joints.iter_mut().zip(&mut chosen.robot.joints) {
             let value = own.friction.coulomb;
-            let toward = |end: f64| digits::places(value * (end / value).powf(NARROW_FRICTION), 6);
+            let toward =
+                |end: f64| digits::places(value * libm::pow(end / value, NARROW_FRICTION), 6);
             let range = own.friction.coulomb_range.filter(|_| value > 0.0);
             own.friction.coulomb_range =
                 range.map(|(low, high)| (toward(low).min(value), toward(high).max(value)));

@@ -148,7 +148,7 @@ fn outward(x: f64, round: fn(f64) -> f64) -> f64 {
     if x == 0.0 || !x.is_finite() {
         return x;
     }
-    let unit = 10.0_f64.powf(x.abs().log10().floor() - 3.0);
+    let unit = libm::pow(10.0, libm::log10(x.abs()).floor() - 3.0);
     let rounded = round(x / unit) * unit;
     format!("{rounded:.4e}").parse().unwrap_or(rounded)
 }

@@ -106,13 +106,13 @@ fn corners(cell: &PositionCell, postures: &PostureSet) -> Vec<Corners> {
     let of = |(k, (low, high)): (usize, &(f64, f64))| match (postures.slides[k], high > low) {
         (true, true) => vec![(*low, 0.0), (*high, 0.0)],
         (true, false) => vec![(*low, 0.0)],
-        (false, false) => vec![(low.cos(), low.sin())],
+        (false, false) => vec![(libm::cos(*low), libm::sin(*low))],
         (false, true) => {
             let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
             // The apex a little further out than exact: rounding must not cut the arc.
-            let reach = (1.0 + 1e-12) / half.cos();
-            let apex = (reach * middle.cos(), reach * middle.sin());
-            vec![apex, (low.cos(), low.sin()), (high.cos(), high.sin())]
+            let reach = (1.0 + 1e-12) / libm::cos(half);
+            let apex = (reach * libm::cos(middle), reach * libm::sin(middle));
+            vec![apex, (libm::cos(*low), libm::sin(*low)), (libm::cos(*high), libm::sin(*high))]
         }
     };
     cell.ends.iter().enumerate().map(of).collect()
@@ -122,7 +122,7 @@ fn corners(cell: &PositionCell, postures: &PostureSet) -> Vec<Corners> {
 fn middle(cell: &PositionCell, postures: &PostureSet) -> Vec<(f64, f64)> {
     let of = |(k, (low, high)): (usize, &(f64, f64))| {
         let middle = 0.5 * (low + high);
-        if postures.slides[k] { (middle, 0.0) } else { (middle.cos(), middle.sin()) }
+        if postures.slides[k] { (middle, 0.0) } else { (libm::cos(middle), libm::sin(middle)) }
     };
     cell.ends.iter().enumerate().map(of).collect()
 }
@@ -141,8 +141,9 @@ fn refuted(
             _ => *high,
         };
     let q: Vec<f64> = cell.ends.iter().enumerate().map(nearest).collect();
-    let pair =
-        |(k, q): (usize, &f64)| if postures.slides[k] { (*q, 0.0) } else { (q.cos(), q.sin()) };
+    let pair = |(k, q): (usize, &f64)| {
+        if postures.slides[k] { (*q, 0.0) } else { (libm::cos(*q), libm::sin(*q)) }
+    };
     let at: Vec<(f64, f64)> = q.iter().enumerate().map(pair).collect();
     let (load, n) = (scratch.load, relaxed.joints());
     let w = relaxed.at(&at, load, scratch);

@@ -6,6 +6,7 @@ use phihat_certificate::extremes::Extremes as _;
 use phihat_certificate::{Moving, Unstable};
 
 use super::cut::LoopCut;
+use crate::portable;
 use crate::sampled::polynomial::on_circle;
 use crate::sampled::window::angles;
 
@@ -87,8 +88,8 @@ impl ConditionPoint {
             open: d.norm_sqr(),
             kick: k.norm_sqr(),
             scale: n.norm_sqr() + c * c * d.norm_sqr(),
-            close: n.norm() < 2.0 * high * d.norm(),
-            matters: n.norm() < LARGE * high * d.norm(),
+            close: portable::size(n) < 2.0 * high * portable::size(d),
+            matters: portable::size(n) < LARGE * high * portable::size(d),
             counts: true,
         }
     }
@@ -111,7 +112,7 @@ impl ConditionRow {
         let left = p.shifted - whole * size - p.kick * y * y / (4.0 * drift);
         let tap = |j: &usize| {
             let j = *j as f64;
-            let gain = 2.0 * (j * p.theta).sin() * p.turned / p.scale;
+            let gain = 2.0 * libm::sin(j * p.theta) * p.turned / p.scale;
             (gain, (delta * j).min(high - low) * size / p.scale)
         };
         Self { taps: TAPS.iter().map(tap).collect(), least: -left / p.scale }

@@ -92,7 +92,7 @@ fn label_at([x, y]: [f64; 2], distance: f64, turn: f64, size: [f64; 2]) -> Label
 }
 
 fn distance([x, y]: [f64; 2], [u, v]: [f64; 2]) -> f64 {
-    (x - u).hypot(y - v)
+    libm::hypot(x - u, y - v)
 }
 
 fn inside(sides: [f64; 4], frame: [f64; 4]) -> bool {

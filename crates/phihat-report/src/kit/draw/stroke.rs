@@ -45,7 +45,7 @@ fn distance(point: Pixel, a: Pixel, b: Pixel) -> f64 {
     let length = b[0] * b[0] + b[1] * b[1];
     let share = if length > 0.0 { (p[0] * b[0] + p[1] * b[1]) / length } else { 0.0 };
     let share = share.clamp(0.0, 1.0);
-    (p[0] - share * b[0]).hypot(p[1] - share * b[1])
+    libm::hypot(p[0] - share * b[0], p[1] - share * b[1])
 }
 
 #[cfg(test)]
