@@ -3,6 +3,12 @@
 use thiserror::Error;
 
 use phihat_certificate::Refutation;
+use phihat_certificate::extremes::Extremes as _;
+
+use super::close::Problem;
+use super::extent::Rates;
+use super::parts::Effect;
+use super::sums::PostureSums;
 
 /// Why no error bound for a class of motions was found.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -31,20 +37,80 @@ pub enum ClassRefusal {
         joint: usize,
     },
     /// Inequality (CM5) has no solution: the class is too fast for these gains.
-    #[error(
-        "the class does not close: spectral radius {radius:.3} is not below 1; slower motion or stiffer gains"
-    )]
+    #[error("the class does not close: {words}")]
     Open {
         /// Spectral radius of `max Θ` over the postures.
         radius: f64,
+        /// What would have to be less, by trying.
+        words: String,
     },
-    /// The same for lost commands: what a row of losses does to the commands is lost again with the next one.
-    #[error(
-        "lost commands do not close: a change of the command adds {radius:.3} of itself to others, not below 1; softer \
-         gains, or fewer commands lost in a row (world.network.commands_lost_max)"
-    )]
-    Losses {
-        /// Spectral radius of `Γ^L` for the change of the command.
-        radius: f64,
-    },
+}
+
+impl ClassRefusal {
+    /// A class that does not close over these postures, of which nothing is tried.
+    pub(super) fn open(radius: f64) -> Self {
+        let words = format!("spectral radius {radius:.3}");
+        Self::Open { radius, words }
+    }
+}
+
+/// The refusal of a class that does not close over these postures, with what would close it: each effect of the signals
+/// is left out in turn, and the largest share of it that closes is bracketed.
+pub(super) fn explained(problem: &Problem<'_>, all: &[PostureSums], radius: f64) -> ClassRefusal {
+    let worst = |problem: &Problem<'_>| -> Option<f64> {
+        let closed = problem.solve(all).ok()?;
+        Some(closed.bounds.error.iter().copied().largest())
+    };
+    let mut closing = Vec::new();
+    let mut open = Vec::new();
+    let present = |effect: &Effect| problem.counts(*effect);
+    for effect in Effect::SIGNALS.into_iter().filter(present) {
+        let name = effect.name();
+        match worst(&problem.with(effect, 0.0)) {
+            Some(error) => {
+                let most = largest_share(|share| worst(&problem.with(effect, share)).is_some());
+                let up_to = if effect == Effect::Losses || most <= 0.0 {
+                    String::new()
+                } else {
+                    format!(", with {:.0} % of it it closes", 100.0 * most)
+                };
+                closing.push(format!("without {name}: {:.3} mrad{up_to}", 1e3 * error));
+            }
+            None => open.push(name),
+        }
+    }
+    let mut words = vec![format!("spectral radius {radius:.3}")];
+    words.extend(closing);
+    if !open.is_empty() {
+        words.push(format!("without {} alone it does not close either", open.join(" or ")));
+    }
+    let slower: Vec<f64> = SLOWER
+        .into_iter()
+        .filter(|factor| {
+            let pace = problem.pace.times(*factor);
+            let rates = Rates::of(problem.scene, &pace);
+            worst(&Problem::new(problem.scene, (&pace, &rates), problem.bent)).is_some()
+        })
+        .collect();
+    words.push(match slower.first() {
+        Some(factor) => format!("at {factor} of the speed it closes with all of them"),
+        None => format!("at {} of the speed it does not close either", SLOWER[SLOWER.len() - 1]),
+    });
+    ClassRefusal::Open { radius, words: words.join("; ") }
+}
+
+/// Factors on the speed that are tried.
+const SLOWER: [f64; 3] = [0.75, 0.5, 0.25];
+
+/// Halvings of the bracket around the largest share that closes.
+const HALVINGS: u32 = 5;
+
+/// The largest share from 0 to 1 that closes, rounded down to a bracket's end.
+fn largest_share(closes: impl Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if closes(middle) { low = middle } else { high = middle }
+    }
+    low
 }
