@@ -42,8 +42,8 @@ pub struct ControlSide {
     echo: Option<Echo>,
     /// Joints that turn without end, whose readings start over.
     endless: Option<Endless>,
-    /// Longest time by which a sample may be early \[s\], whose reading the law compares with the reference of its stamp;
-    /// 0: with that of the time at which it was due.
+    /// Longest time by which a sample may be early \[s\], whose reading the law compares with the reference of its
+    /// stamp; 0: with that of the time at which it was due.
     early: f64,
     /// The last thing before a torque leaves.
     gate: Gate<f64, Vec<Outlet<f64>>>,

@@ -197,8 +197,8 @@ impl ClassBound {
             && within(jerk, &self.jerk_max_rad_s3)
     }
 
-    /// Largest error of a reading of a joint \[rad\], with what jitter adds to it: `N + (v + V) t_J`, or `N + V t_J` where
-    /// samples are stamped; 0 for no such joint.
+    /// Largest error of a reading of a joint \[rad\], with what jitter adds to it: `N + (v + V) t_J`, or `N + V t_J`
+    /// where samples are stamped; 0 for no such joint.
     pub fn reading(&self, joint: usize) -> f64 {
         let at = |list: &[f64]| list.get(joint).copied().unwrap_or(0.0);
         let early = self.signals.as_ref().map_or(0.0, |signals| signals.jitter_s);

@@ -56,8 +56,8 @@ pub(super) struct PlayedSums {
     pub(super) gravity: [SquareBlock; KINDS],
     /// Twice integrated of `e`, once integrated of the others, per unit of each joint's speed.
     pub(super) moving: [Vec<SquareBlock>; KINDS],
-    /// Of the command, where rows are lost: its largest size up to `k + 1` samples after a deviation, and the sum of its
-    /// changes over `k + 2` samples after a misreading.
+    /// Of the command, where rows are lost: its largest size up to `k + 1` samples after a deviation, and the sum of
+    /// its changes over `k + 2` samples after a misreading.
     pub(super) commands: [Vec<SquareBlock>; 2],
 }
 

@@ -3,9 +3,9 @@
 use phihat_certificate::ClassPart;
 use phihat_certificate::extremes::{Extremes as _, larger};
 
+use super::effect::{ClassEffect, ClassInputs};
 use super::extent::{Bent, ClassPaceLimits, Rates};
 use super::imperfect::{LossSpan, cogging};
-use super::parts::{ClassInputs, Effect};
 use super::scene::ClassScene;
 use super::sums::{E, FREE, KINDS, PostureSums, STEP, V};
 use crate::square::product;
@@ -48,8 +48,8 @@ pub(super) struct Problem<'a> {
     pub(super) rates: &'a Rates,
     pub(super) bent: &'a Bent,
     pub(super) over: Over,
-    /// Effect of which less is tried, and the share of it.
-    tried: Option<(Effect, f64)>,
+    /// ClassEffect of which less is tried, and the share of it.
+    tried: Option<(ClassEffect, f64)>,
 }
 
 /// Maxima over box and payloads, entry by entry: the part of the matrices that no posture changes.
@@ -149,20 +149,20 @@ impl<'a> Problem<'a> {
     }
 
     /// The same with less of an effect.
-    pub(super) fn with(&self, effect: Effect, share: f64) -> Self {
+    pub(super) fn with(&self, effect: ClassEffect, share: f64) -> Self {
         let Self { scene, pace, rates, bent, .. } = *self;
         let over = Over::of(bent, pace);
         Self { scene, pace, rates, bent, over, tried: Some((effect, share)) }
     }
 
     /// Share of an effect that is counted.
-    pub(super) fn share(&self, effect: Effect) -> f64 {
+    pub(super) fn share(&self, effect: ClassEffect) -> f64 {
         self.tried.filter(|(own, _)| *own == effect).map_or(1.0, |(_, share)| share)
     }
 
     /// Rows of lost commands, where they are counted.
     fn rows(&self) -> Option<LossSpan> {
-        self.scene.rows.filter(|_| self.share(Effect::Losses) > 0.0)
+        self.scene.rows.filter(|_| self.share(ClassEffect::Losses) > 0.0)
     }
 
     /// Matrices of a posture at this pace.
@@ -510,28 +510,28 @@ impl<'a> Problem<'a> {
         (all, maps): (&[PostureSums], &[Maps]),
         places: [&[usize]; 2],
         (boxed, at): (&[bool], &ClosedBounds),
-    ) -> Vec<(Effect, [Vec<f64>; 2])> {
+    ) -> Vec<(ClassEffect, [Vec<f64>; 2])> {
         let n = self.scene.n;
-        let part = |effect: Effect, o: usize, i: usize, place: usize| {
+        let part = |effect: ClassEffect, o: usize, i: usize, place: usize| {
             let (Some(sums), Some(maps)) = (all.get(place), maps.get(place)) else { return 0.0 };
             let inputs = self.inputs_of(effect, boxed, at);
             let mut out = self.forced(sums, o, &inputs);
             add(&mut out, &sums.lost[o], &inputs.deviation);
-            if effect == Effect::Moving {
+            if effect == ClassEffect::Moving {
                 add(&mut out, &maps.on_error[o], &at.error);
                 add(&mut out, &maps.on_velocity[o], &at.velocity);
             }
-            let fed = if effect == Effect::Motion && o == STEP { self.fed(i) } else { 0.0 };
+            let fed = if effect == ClassEffect::Motion && o == STEP { self.fed(i) } else { 0.0 };
             self.share(effect) * out[i] + fed
         };
-        let lists = |effect: Effect| {
+        let lists = |effect: ClassEffect| {
             let list = |k: usize| -> Vec<f64> {
                 let o = [E, STEP][k];
                 (0..n).map(|i| part(effect, o, i, places[k][i])).collect()
             };
             (effect, [list(0), list(1)])
         };
-        Effect::ALL.into_iter().map(lists).collect()
+        ClassEffect::ALL.into_iter().map(lists).collect()
     }
 
     /// The largest torque of each joint: of the motion, of friction, and of the error.

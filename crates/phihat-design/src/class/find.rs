@@ -6,9 +6,10 @@ use phihat_model::evenly;
 use phihat_study::Study;
 
 use super::close::{Closed, INFLATED, Problem};
+use super::explain::explained;
 use super::extent::{Bent, ClassPaceLimits, Rates};
 use super::faster::paces;
-use super::refusal::{ClassRefusal, explained};
+use super::refusal::ClassRefusal;
 use super::scene::ClassScene;
 use super::sums::PostureSums;
 use phihat_certificate::parallel::{both, parallel, threads};

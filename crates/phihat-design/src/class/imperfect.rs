@@ -32,8 +32,8 @@ impl LossSpan {
         Ok(Some(Self { most, apart }))
     }
 
-    /// The largest sums that rows of losses make of a response, per deviation of what is lost: of each row `Σ |c|` over
-    /// its commands, at its worst age or a later one. Of all rows, and of those before a row that begins now, whose ages
+    /// The largest sums that rows of losses make of a response, per deviation of what is lost: of each row `Σ |c|`
+    /// over its commands, at its worst age or a later one. Of all rows, and of those before a row that begins now, whose ages
     /// may be less by `delay` samples.
     pub(super) fn sums(
         self,
@@ -156,6 +156,7 @@ pub(super) fn imperfections(study: &Study) -> Study {
 #[cfg(test)]
 mod tests {
     use super::LossSpan;
+    use phihat_certificate::extremes::Extremes as _;
 
     #[test]
     fn rows_at_their_worst_are_those_of_a_search_over_all_of_them() {
@@ -175,7 +176,7 @@ mod tests {
         let [bound, earlier] = rows.sums(at, (response.len(), 0));
         assert!(bound >= most && bound < 1.6 * most, "{bound} {most}");
         // The row at its worst is the one that is left out; a delay lets the earlier ones be younger.
-        let worst = (0..16).map(row).fold(0.0, f64::max);
+        let worst = (0..16).map(row).largest();
         assert!((bound - earlier - worst).abs() < 1e-12, "{bound} {earlier} {worst}");
         assert!(rows.sums(at, (response.len(), 1))[1] > earlier);
     }

@@ -7,13 +7,15 @@
 //! 2. `slopes`: `M`, `∂M` and the gradient of gravity at a posture.
 //! 3. `extent`: maxima over box and payloads (torque rates, second derivatives), searched.
 //! 4. `sums`: sums over the impulse responses of the loop frozen at a posture.
-//! 5. `close`: the least solution of (CM5) over all postures; `parts`: its inputs, effect by effect; `refusal`: what
-//!    would have to be less.
+//! 5. `close`: the least solution of (CM5) over all postures; `effect`, `parts`: its inputs, effect by effect;
+//!    `explain`: what would have to be less.
 //! 6. `find`: the search for the postures that set the bound, and the document; `faster`: other paces.
 //! 7. `demand`: what a search for gains reckons with.
 
 mod close;
 mod demand;
+mod effect;
+mod explain;
 mod extent;
 mod faster;
 mod find;
