@@ -1,4 +1,4 @@
-//! What would close a class that does not close, by trying.
+//! Refusal of a class that does not close, with the effects of which less would close it, by trying.
 
 use phihat_certificate::extremes::Extremes as _;
 

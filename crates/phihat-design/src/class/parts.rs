@@ -45,11 +45,11 @@ impl Problem<'_> {
                 ClassEffect::Quantum => own.reading[i] = scene.reading[i] - scene.noise[i],
                 ClassEffect::Noise => own.reading[i] = scene.noise[i],
                 ClassEffect::Jitter => {
-                    own.reading[i] = misread(signals, self.pace.v[i], velocity[i])
+                    own.reading[i] = misread(signals, self.pace.v[i], velocity[i]);
                 }
                 ClassEffect::Dry => own.torque[i] = scene.dry[i] - scene.sticks[i],
                 ClassEffect::Stiction => {
-                    own.torque[i] = scene.sticks[i] + self.sliding(i, velocity)
+                    own.torque[i] = scene.sticks[i] + self.sliding(i, velocity);
                 }
                 ClassEffect::Cogging => {
                     own.wave[i] = cogging(signals, i, self.speed(i, velocity));
