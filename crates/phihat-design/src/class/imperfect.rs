@@ -33,8 +33,8 @@ impl LossSpan {
     }
 
     /// The largest sums that rows of losses make of a response, per deviation of what is lost: of each row `Σ |c|`
-    /// over its commands, at its worst age or later. Of all rows, and of those before a row that begins now, whose ages
-    /// may be less by `delay` samples.
+    /// over its commands, at its worst age or later. Of all rows, and of those before a row that begins now,
+    /// whose ages may be less by `delay` samples.
     pub(super) fn sums(
         self,
         response: impl Fn(usize) -> f64,
