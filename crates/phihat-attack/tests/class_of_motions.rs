@@ -282,7 +282,7 @@ fn a_class_that_is_too_fast_does_not_close() {
         }
     }
     match class_bound(&study, gains()) {
-        Err(ClassRefusal::Open { radius }) => assert!(radius > 0.8, "{radius}"),
+        Err(ClassRefusal::Open { radius, .. }) => assert!(radius > 0.8, "{radius}"),
         other => panic!("{other:?}"),
     }
 }
@@ -357,8 +357,8 @@ fn a_forged_start_is_refuted_and_what_changes_the_law_is_refused() {
 }
 
 /// Parts of the document that inform, and that no bound is about.
-const INFORMS: [&str; 6] =
-    ["frozen_error_bound_rad", "spectral_radius", "postures", "points", "source", "paces"];
+const INFORMS: [&str; 7] =
+    ["frozen_error_bound_rad", "spectral_radius", "postures", "points", "source", "paces", "parts"];
 
 /// Places of every leaf.
 fn leaves(value: &Value, at: &str, out: &mut Vec<String>) {

@@ -101,7 +101,7 @@ const SUPERVISED: [Assumption; 3] = [
 /// Assumptions of such a bound about signals, where they are imperfect.
 const JITTER: Assumption = assume(
     "C12",
-    "samples are taken early by at most the stated jitter, and nobody takes note of it",
+    "samples are taken early by at most the stated jitter; a stamp that is counted on says when, exactly",
 );
 const LOSSES: Assumption = assume(
     "C13",

@@ -77,8 +77,8 @@ pub use attenuation::{Attenuation, Interval};
 pub use bounds::Bounds;
 pub use certificate::{Certificate, ErrorBound, JointCertificate};
 pub use class::{
-    AlongBound, ClassAgain, ClassBound, ClassPace, ClassPair, ClassSignals, ClassWitness,
-    JointOfClass, KnownMotion,
+    AlongBound, ClassAgain, ClassBound, ClassPace, ClassPair, ClassPart, ClassSignals,
+    ClassWitness, JointOfClass, KnownMotion,
 };
 pub use coarser::CoarserEncoder;
 pub use continuous::ContinuousLaw;

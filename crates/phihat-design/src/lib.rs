@@ -115,12 +115,13 @@ pub use designer::{
 pub use enclosed::{enclose_dry_friction, enclose_inertia, enclose_inertia_of};
 pub use limit::{Limit, LimitError, LimitRequest, beside_limit, limit};
 pub use phihat_certificate::{
-    ArmBasis, ArmInertia, Bounds, Certificate, ClassBound, ClassPace, ClassSignals, ClassWitness,
-    CoarserEncoder, CoupledGains, ElasticJoint, ElasticJoints, EncoderSide, ErrorBound, FORMAT,
-    FilterSection, FrozenPayload, FrozenPosture, Gains, GainsError, JointCertificate, JointKept,
-    JointLimit, JointRecord, JointRun, Left, LeftOut, NotCounted, Phi, PhiBasis, PositionObserver,
-    Proved, Quantity, ReferenceBounds, Searched, Settle, SettleFrom, TradeOff, Tube, TubeJoint,
-    TubeKept, TubePayloadSet, TubeWatch, VERSION, Verdict, Verified, VerifiedStatement, Witness,
+    ArmBasis, ArmInertia, Bounds, Certificate, ClassBound, ClassPace, ClassPart, ClassSignals,
+    ClassWitness, CoarserEncoder, CoupledGains, ElasticJoint, ElasticJoints, EncoderSide,
+    ErrorBound, FORMAT, FilterSection, FrozenPayload, FrozenPosture, Gains, GainsError,
+    JointCertificate, JointKept, JointLimit, JointRecord, JointRun, Left, LeftOut, NotCounted, Phi,
+    PhiBasis, PositionObserver, Proved, Quantity, ReferenceBounds, Searched, Settle, SettleFrom,
+    TradeOff, Tube, TubeJoint, TubeKept, TubePayloadSet, TubeWatch, VERSION, Verdict, Verified,
+    VerifiedStatement, Witness,
 };
 pub use positions::{PositionEstimate, PositionSearch, TubeParts};
 pub use request::requested_gains;

@@ -49,6 +49,7 @@ fn of_class() -> Fixture {
         source: "searched: corners".into(),
         witnesses: Vec::new(),
         paces: vec![pace(0.5, Some(0.01)), pace(2.0, Some(0.2)), pace(3.0, None)],
+        parts: Vec::new(),
     };
     fixture.gains.certificate.as_mut().unwrap().class = Some(Box::new(class));
     fixture

@@ -3,11 +3,11 @@
 use core::f64::consts::TAU;
 
 use phihat::{
-    Command, Gate, JointGains, JointState, Limits, Outlet, Reference, Report, Tank, Unwrap,
+    Command, Form, Gate, JointGains, JointState, Limits, Outlet, Reference, Report, Tank, Unwrap,
     update_joints,
 };
 use phihat_model::JointKind;
-use phihat_study::Study;
+use phihat_study::{SampleStamps, Study};
 
 use crate::driver::{Driver, Moment};
 use crate::echo::Echo;
@@ -42,6 +42,9 @@ pub struct ControlSide {
     echo: Option<Echo>,
     /// Joints that turn without end, whose readings start over.
     endless: Option<Endless>,
+    /// Longest time by which a sample may be early \[s\], whose reading the law compares with the reference of its
+    /// stamp; 0: with that of the time at which it was due.
+    early: f64,
     /// The last thing before a torque leaves.
     gate: Gate<f64, Vec<Outlet<f64>>>,
     pub(crate) references: Vec<Reference<f64>>,
@@ -150,7 +153,7 @@ impl ControlSide {
     /// but it and the study's motion decides the commands; `None`: more does.
     pub(crate) fn law_alone(&self) -> Option<LawAlone<'_>> {
         let Brain::Law { gains, states, .. } = &self.brain else { return None };
-        if self.fed.is_some() || self.echo.is_some() || self.starts {
+        if self.fed.is_some() || self.echo.is_some() || self.starts || self.early > 0.0 {
             return None;
         }
         let held = self.takes_over.then(|| self.commands.iter().map(|c| c.tau).collect());
@@ -188,6 +191,7 @@ impl ControlSide {
             fed: None,
             echo: Echo::new(study),
             endless: Endless::of(study),
+            early: counted_on(study),
             gate,
             commands: vec![Command::default(); n],
         }
@@ -282,6 +286,12 @@ impl ControlSide {
     fn answer(&mut self, t: f64, sample: &Sample) {
         if let Brain::Law { asked, .. } = &mut self.brain {
             asked.clone_from(&self.references);
+            let taken = sample.t_ns as f64 * 1e-9;
+            if taken < t && t - taken <= self.early {
+                for (i, wanted) in asked.iter_mut().enumerate() {
+                    wanted.q = reference(&self.motion, i, taken).q;
+                }
+            }
             if let Some((fed, more)) = &mut self.fed {
                 fed.acceleration(&self.motion, t, &self.inertia, more);
                 asked.iter_mut().zip(more).for_each(|(wanted, more)| wanted.ddq += *more);
@@ -349,6 +359,18 @@ impl ControlSide {
 fn reference(motion: &Motion, joint: usize, t: f64) -> Reference<f64> {
     let [q, dq, ddq] = motion.told(joint, t);
     Reference { q, dq, ddq }
+}
+
+/// Longest time by which a sample may be early \[s\], where its stamp says so and a law from positions alone reads it;
+/// else 0.
+fn counted_on(study: &Study) -> f64 {
+    let sensor = &study.sensor;
+    let counts = sensor.stamps == SampleStamps::Taken
+        && study.supervisor.is_none()
+        && study.control.form == Form::Positions
+        && sensor.delay_samples == 0;
+    // A stamp is a whole number of nanoseconds.
+    if counts && sensor.jitter > 0.0 { sensor.jitter + 2e-9 } else { 0.0 }
 }
 
 /// The limits that the study puts behind whatever computes torques.

@@ -154,12 +154,11 @@ pub(crate) fn for_class(
                 found.next(&shares)
             }
             // Stiffer laws close a class sooner.
-            Err(ClassRefusal::Open { radius: own }) => {
+            Err(ClassRefusal::Open { radius: own, .. }) => {
                 radius = Some(own);
                 shares.iter().map(|share| (1.4 * share).min(SHARES.1)).collect()
             }
-            // Softer ones change their commands less after a loss.
-            Err(ClassRefusal::Unstable(_) | ClassRefusal::Losses { .. }) => {
+            Err(ClassRefusal::Unstable(_)) => {
                 shares.iter().map(|share| (0.7 * share).max(SHARES.0)).collect()
             }
             Err(why) => return Err(why.into()),

@@ -92,9 +92,12 @@ impl ClassBound {
         }
         if let Some(signals) = &self.signals {
             let lists = [&signals.stiction_nm, &signals.stiction_nm_s_rad];
-            let sized = lists.iter().all(|list| list.len() == n);
-            yes(CLAIM, "one stiction per joint", 0.0, n as f64, sized)?;
-            let numbers = lists.into_iter().flatten();
+            let cogs = [&signals.cogging_nm, &signals.cogging_per_turn];
+            let all = |list: &Vec<f64>| list.len() == n;
+            let sized = lists.into_iter().all(all)
+                && (cogs.into_iter().all(Vec::is_empty) || cogs.into_iter().all(all));
+            yes(CLAIM, "one stiction and cogging per joint", 0.0, n as f64, sized)?;
+            let numbers = lists.into_iter().chain(cogs).flatten();
             for value in numbers.chain([&signals.jitter_s, &signals.lost_every_s]) {
                 let fine = *value >= 0.0 && value.is_finite();
                 yes(CLAIM, "0 ≤ imperfection of a signal < ∞", *value, 0.0, fine)?;

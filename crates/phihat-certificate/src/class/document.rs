@@ -83,6 +83,21 @@ pub struct ClassBound {
     /// The same laws at other paces; informs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub paces: Vec<ClassPace>,
+    /// Parts of the bounds on error and torque step, effect by effect; inform.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<ClassPart>,
+}
+
+/// Part of the bounds for a class that one effect makes, at the postures that set them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClassPart {
+    /// Effect, in words.
+    pub name: String,
+    /// Part of the bound on `|e|` \[rad\] per joint.
+    pub error_bound_rad: Vec<f64>,
+    /// Part of the bound on the change of the commanded torque per sample \[N·m\], per joint.
+    pub torque_step_nm: Vec<f64>,
 }
 
 /// Imperfect signals that a bound for a class counts, as docs/theory/class.md has them (C12 to C14).
@@ -96,8 +111,18 @@ pub struct ClassSignals {
     pub stiction_nm: Vec<f64>,
     /// Force of the bristles' damping per speed \[N·m·s/rad\] per joint, `σ_1 (1 + ρ)`.
     pub stiction_nm_s_rad: Vec<f64>,
-    /// Most that a sample is taken early without anybody's knowledge \[s\].
+    /// Amplitude of cogging \[N·m\] per joint, which goes with the sine of the joint's angle; empty without any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cogging_nm: Vec<f64>,
+    /// Periods of cogging per radian of the sine's argument, as `sin(n q)` counts them, per joint.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cogging_per_turn: Vec<f64>,
+    /// Most that a sample is taken early \[s\].
     pub jitter_s: f64,
+    /// True if the law compares a reading with the reference of the time that its stamp has; else nobody knows when a
+    /// sample was taken.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    pub stamped: bool,
     /// Most commands that are lost in a row; 0: none is.
     pub commands_lost: u32,
     /// Least time between the starts of two such rows \[s\]; 0 where none is lost.
@@ -110,6 +135,7 @@ impl ClassSignals {
         let none = |list: &[f64]| list.iter().all(|own| *own <= 0.0);
         none(&self.stiction_nm)
             && none(&self.stiction_nm_s_rad)
+            && none(&self.cogging_nm)
             && self.jitter_s <= 0.0
             && self.commands_lost == 0
     }
@@ -171,13 +197,14 @@ impl ClassBound {
             && within(jerk, &self.jerk_max_rad_s3)
     }
 
-    /// Largest error of a reading of a joint \[rad\], with what jitter adds to it: `N + (v + V) t_J`; 0 for no such
-    /// joint.
+    /// Largest error of a reading of a joint \[rad\], with what jitter adds to it: `N + (v + V) t_J`, or `N + V t_J`
+    /// where samples are stamped; 0 for no such joint.
     pub fn reading(&self, joint: usize) -> f64 {
         let at = |list: &[f64]| list.get(joint).copied().unwrap_or(0.0);
         let early = self.signals.as_ref().map_or(0.0, |signals| signals.jitter_s);
-        let speed = at(&self.speed_max_rad_s) + at(&self.velocity_error_bound_rad_s);
-        at(&self.reading_rad) + early * speed
+        let stamped = self.signals.as_ref().is_some_and(|signals| signals.stamped);
+        let speed = if stamped { 0.0 } else { at(&self.speed_max_rad_s) };
+        at(&self.reading_rad) + early * (speed + at(&self.velocity_error_bound_rad_s))
     }
 
     /// The largest bound on `|e|` of a joint \[rad\], and the joint's index.

@@ -27,4 +27,4 @@ mod words;
 
 pub use along::{AlongBound, KnownMotion};
 pub use derive::{ClassAgain, ClassPair, JointOfClass};
-pub use document::{ClassBound, ClassPace, ClassSignals, ClassWitness};
+pub use document::{ClassBound, ClassPace, ClassPart, ClassSignals, ClassWitness};

@@ -133,13 +133,10 @@ pub(super) fn rotors(study: &Study) -> &'static [Rotor] {
     if study.robot.has_rotor_interval() { &[Rotor::Least, Rotor::Most] } else { &[Rotor::Stated] }
 }
 
-/// Level of forces of any course \[N·m\] per joint: dry friction or its breakaway level, cogging, pushes.
+/// Level of forces of any course \[N·m\] per joint: dry friction or its breakaway level, pushes.
 fn forces(study: &Study, signals: &ClassSignals) -> Vec<f64> {
     let level = study.design.coulomb.1.iter().zip(&signals.stiction_nm);
     let mut dry: Vec<f64> = level.map(|(dry, sticks)| larger(*dry, *sticks)).collect();
-    for (i, dry) in dry.iter_mut().enumerate() {
-        *dry += study.world.drive.as_ref().map_or(0.0, |drive| drive.cogging[i]);
-    }
     for push in &study.world.pushes {
         dry[push.joint] += push.torque.abs();
     }

@@ -21,6 +21,7 @@ pub(super) fn imperfect(study: &Study) -> Result<ClassSignals, Refutation> {
         stiction_nm: vec![0.0; n],
         stiction_nm_s_rad: vec![0.0; n],
         jitter_s: study.sensor.jitter,
+        stamped: study.sensor.jitter > 0.0 && study.sensor.stamps == SampleStamps::Taken,
         ..ClassSignals::default()
     };
     if let Some(bristles) = &study.world.stiction {
@@ -36,6 +37,10 @@ pub(super) fn imperfect(study: &Study) -> Result<ClassSignals, Refutation> {
     }
     let cogs =
         study.world.drive.as_ref().is_some_and(|drive| drive.cogging.iter().any(|x| *x > 0.0));
+    if let Some(drive) = study.world.drive.as_ref().filter(|_| cogs) {
+        own.cogging_nm.clone_from(&drive.cogging);
+        own.cogging_per_turn = drive.ripple_per_turn.iter().map(|n| f64::from(*n)).collect();
+    }
     let what = "cogging is no part of the torque that the law is fed";
     Refutation::unless(
         CLAIM,
@@ -65,9 +70,10 @@ pub(super) fn lost_rows(study: &Study) -> Result<Option<LostSpacing>, Refutation
     let most = rows.most as usize;
     let period = study.control.period_ns as f64 * 1e-9;
     let apart = whole_samples(rows.apart, period);
-    let what = "lost rows do not touch";
-    Refutation::unless(CLAIM, what, most as f64, apart as f64, apart > most)?;
-    Ok(Some(LostSpacing { most, apart }))
+    let delay = study.control.delay_samples as usize;
+    let what = "lost rows do not touch, nor do they while commands are on their way";
+    Refutation::unless(CLAIM, what, most as f64, apart as f64, apart > most + delay)?;
+    Ok(Some(LostSpacing { most, apart, delay }))
 }
 
 /// Whole samples in a time, rounded down; at most 2³¹ − 1, which a machine of 32 bits counts too.

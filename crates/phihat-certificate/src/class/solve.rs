@@ -4,8 +4,8 @@ use super::bends::ClassBends;
 use super::maxima::Maxima;
 use super::setting::{CLAIM, ClassSetting, SAME};
 use super::sums::{
-    AGED, BEGUN, E, EDGE, FREE, IMPULSE, JUMP_BENT, KINDS, LASTING, LOST, PlayedSums, RAMP,
-    READING, SLOPE, SLOPE_AGED, SLOPE_BENT, STEP, SquareBlock, TORQUE, V,
+    AGED, BEGUN, E, EDGE, FREE, IMPULSE, JUMP_BENT, KINDS, LASTING, LOST, LOST_BEFORE, PlayedSums,
+    RAMP, READING, SLOPE, SLOPE_AGED, SLOPE_BENT, STEP, SquareBlock, TORQUE, V,
 };
 use crate::Refutation;
 use crate::extremes::{Extremes as _, larger};
@@ -53,20 +53,22 @@ struct PostureMaps {
     fixed: [Vec<f64>; KINDS],
 }
 
-/// Bounds on error, velocity error, and the change of the command from one sample to the next.
+/// Bounds on error, velocity error, and the deviation of the torque that acts from a command that is lost.
 #[derive(Clone, Copy)]
 struct AtBounds<'a> {
     error: &'a [f64],
     velocity: &'a [f64],
-    step: &'a [f64],
+    deviation: &'a [f64],
 }
 
-/// Inputs of a joint that depend on them: force of any course, `|N_e| V`, error of a reading, change of the command.
+/// Inputs of a joint that depend on them: force of any course, cogging and its rate, `|N_e| V`, error of a reading,
+/// deviation from a command that is lost.
 struct BoundInputs {
     torque: f64,
+    cogging: (f64, f64),
     shift: f64,
     reading: f64,
-    step: f64,
+    deviation: f64,
 }
 
 /// `row i of m · x`.
@@ -111,7 +113,7 @@ impl BoundProblem<'_> {
                     .map(|(a, b)| (a - b).abs() / larger(*a, f64::MIN_POSITIVE))
                     .largest()
             };
-            // Without lost commands nothing depends on the changes.
+            // Without lost commands nothing deviates from one.
             let depends = if self.setting.rows.is_some() { 3 } else { 2 };
             let pairs = next.iter().zip(&own).take(depends);
             let change = pairs.map(|(a, b)| moved(a, b)).largest();
@@ -131,24 +133,71 @@ impl BoundProblem<'_> {
         if !still || !last.iter().zip(&own).take(needed).all(|(next, own)| below(next, own)) {
             return Err(open());
         }
-        let [_, _, step] = last;
+        let step = self.steps((all, &maps), bounds(&own));
         let torque = self.torques((all, &maps), bounds(&own));
         let [error, velocity, _] = own;
         Ok(Solution { error, velocity, step, torque })
     }
 
-    /// Bounds on error, velocity error and change of the command from such bounds.
+    /// Bounds on error, velocity error and deviation of what is lost from such bounds.
     fn next(
         &self,
         played: (&[PlayedPosture], &[PostureMaps]),
         own: &[Vec<f64>; 3],
     ) -> [Vec<f64>; 3] {
         let at = bounds(own);
-        let [error, velocity, mut step] = [E, V, STEP].map(|o| self.most(played, o, at));
-        for (step, rate) in step.iter_mut().zip(&self.maxima.fed) {
-            *step += self.setting.period * rate;
+        let [error, velocity] = [E, V].map(|o| self.most(played, o, at));
+        let deviation = match self.setting.rows {
+            Some(rows) => self.deviation(rows.most, played, at),
+            None => vec![0.0; self.setting.n],
+        };
+        [error, velocity, deviation]
+    }
+
+    /// Largest change of the command from one sample to the next.
+    fn steps(&self, played: (&[PlayedPosture], &[PostureMaps]), at: AtBounds<'_>) -> Vec<f64> {
+        let steps = self.most(played, STEP, at).into_iter().zip(&self.maxima.fed);
+        steps.map(|(step, rate)| step + self.setting.period * rate).collect()
+    }
+
+    /// Largest deviation of the torque that acts from a command of a row that is lost, by (CM9).
+    fn deviation(
+        &self,
+        most_lost: usize,
+        (all, maps): (&[PlayedPosture], &[PostureMaps]),
+        at: AtBounds<'_>,
+    ) -> Vec<f64> {
+        let n = self.setting.n;
+        let inputs = self.all_inputs(at);
+        let readings: Vec<f64> = inputs.iter().map(|input| input.reading).collect();
+        let mut lost: Vec<Vec<f64>> = Vec::new();
+        for l in 1..=most_lost {
+            let mut largest = vec![0.0; n];
+            for pair in all.iter().zip(maps) {
+                let sums = &pair.0.sums;
+                let sizes = &sums.sizes[STEP];
+                let single = self.output(pair, STEP, (&inputs, at), LOST_BEFORE);
+                for i in 0..n {
+                    let read = along(&sizes[READING], i, &readings);
+                    // The command now against the one of l samples ago: of misreadings as one answer, of the rest
+                    // change by change.
+                    let rest = single[i] + self.setting.period * self.maxima.fed[i] - read;
+                    let over = match l.checked_sub(2).and_then(|k| sums.commands[1].get(k)) {
+                        Some(over) => along(over, i, &readings),
+                        None => read,
+                    };
+                    let each = l as f64 * read;
+                    let mut own = l as f64 * rest + if over < each { over } else { each };
+                    for (k, level) in sums.commands[0].iter().enumerate().take(l - 1) {
+                        own += along(level, i, &lost[l - 2 - k]);
+                    }
+                    largest[i] = larger(largest[i], own);
+                }
+            }
+            lost.push(largest);
         }
-        [error, velocity, step]
+        let most = |i: usize| lost.iter().map(|own| own[i]).largest();
+        (0..n).map(most).collect()
     }
 
     /// Matrices and fixed answers of a posture.
@@ -213,7 +262,11 @@ impl BoundProblem<'_> {
 
     /// Inputs of a joint that depend on bounds: forces that errors are of second order in, stiction, `|N_e| V`,
     /// readings.
-    fn inputs(&self, j: usize, AtBounds { error, velocity, step }: AtBounds<'_>) -> BoundInputs {
+    fn inputs(
+        &self,
+        j: usize,
+        AtBounds { error, velocity, deviation }: AtBounds<'_>,
+    ) -> BoundInputs {
         let (bends, setting) = (self.bends, self.setting);
         let signals = &setting.signals;
         let speed = setting.class.speed[j] + velocity[j];
@@ -226,11 +279,16 @@ impl BoundProblem<'_> {
             + 0.5 * bilinear(&bends.coriolis, j, (velocity, velocity))
             + bilinear(&bends.masses, j, (velocity, velocity))
             + bilinear(&bends.bent, j, (error, velocity));
+        let of = |list: &[f64]| list.get(j).copied().unwrap_or(0.0);
+        // d/dt sin(n q) = n q̇ cos(n q).
+        let cogging = of(&signals.cogging_nm);
+        let early = if signals.stamped { velocity[j] } else { speed };
         BoundInputs {
             torque,
+            cogging: (cogging, cogging * of(&signals.cogging_per_turn) * speed),
             shift: bilinear(&bends.masses, j, (error, velocity)),
-            reading: setting.reading[j] + signals.jitter_s * speed,
-            step: step[j],
+            reading: setting.reading[j] + signals.jitter_s * early,
+            deviation: deviation[j],
         }
     }
 
@@ -238,12 +296,13 @@ impl BoundProblem<'_> {
         (0..self.setting.n).map(|j| self.inputs(j, at)).collect()
     }
 
-    /// An output at one posture, joint by joint.
+    /// An output at one posture, joint by joint, with all rows of losses or with those before one that begins now.
     fn output(
         &self,
         (own, maps): (&PlayedPosture, &PostureMaps),
         o: usize,
         (inputs, at): (&[BoundInputs], AtBounds<'_>),
+        lost: usize,
     ) -> Vec<f64> {
         let n = self.setting.n;
         let sizes = &own.sums.sizes[o];
@@ -255,7 +314,11 @@ impl BoundProblem<'_> {
                 let at = i * n + j;
                 sum += sizes[TORQUE][at] * input.torque + sizes[SLOPE][at] * input.shift;
                 sum += (sizes[READING][at] + sizes[BEGUN][at]) * input.reading;
-                sum += sizes[LOST][at] * input.step;
+                sum += sizes[lost][at] * input.deviation;
+                let (size, rate) = input.cogging;
+                let any = sizes[TORQUE][at] * size;
+                let smooth = sizes[LASTING][at] * size + sizes[RAMP][at] * rate;
+                sum += if smooth < any { smooth } else { any };
                 if o == E {
                     let moved = along(&self.bends.moved, j, &readings);
                     let begun = along(&self.bends.started, j, &readings);
@@ -281,7 +344,7 @@ impl BoundProblem<'_> {
         let inputs = self.all_inputs(at);
         let mut most = vec![0.0; n];
         for pair in all.iter().zip(maps) {
-            let own = self.output(pair, o, (&inputs, at));
+            let own = self.output(pair, o, (&inputs, at), LOST);
             most.iter_mut().zip(own).for_each(|(most, own)| *most = larger(*most, own));
         }
         most
@@ -297,7 +360,7 @@ impl BoundProblem<'_> {
         let inputs = self.all_inputs(at);
         let mut most = vec![0.0; n];
         for pair in all.iter().zip(maps) {
-            let free = self.output(pair, FREE, (&inputs, at));
+            let free = self.output(pair, FREE, (&inputs, at), LOST);
             for (i, most) in most.iter_mut().enumerate() {
                 *most = larger(*most, along(&pair.0.mass, i, &free));
             }
@@ -309,6 +372,7 @@ impl BoundProblem<'_> {
                 + setting.slope[i] * setting.class.speed[i]
                 + maxima.size[i]
                 + self.held(i)
+                + setting.signals.cogging_nm.get(i).copied().unwrap_or(0.0)
                 + start;
         }
         most
@@ -316,6 +380,6 @@ impl BoundProblem<'_> {
 }
 
 /// The bounds by name.
-fn bounds([error, velocity, step]: &[Vec<f64>; 3]) -> AtBounds<'_> {
-    AtBounds { error, velocity, step }
+fn bounds([error, velocity, deviation]: &[Vec<f64>; 3]) -> AtBounds<'_> {
+    AtBounds { error, velocity, deviation }
 }

@@ -39,9 +39,11 @@ pub(super) const LASTING: usize = 9;
 pub(super) const IMPULSE: usize = 10;
 pub(super) const BEGUN: usize = 11;
 pub(super) const EDGE: usize = 12;
-/// Rows of lost commands, per change of the command from one sample to the next; 0 without any.
+/// Rows of lost commands, per deviation of what is lost: all of them, and those before one that begins now; 0 without
+/// any.
 pub(super) const LOST: usize = 13;
-const SIZES: usize = 14;
+pub(super) const LOST_BEFORE: usize = 14;
+const SIZES: usize = 15;
 
 /// A square matrix, row by row.
 pub(super) type SquareBlock = Vec<f64>;
@@ -54,6 +56,9 @@ pub(super) struct PlayedSums {
     pub(super) gravity: [SquareBlock; KINDS],
     /// Twice integrated of `e`, once integrated of the others, per unit of each joint's speed.
     pub(super) moving: [Vec<SquareBlock>; KINDS],
+    /// Of the command, where rows are lost: its largest size up to `k + 1` samples after a deviation, and the sum of
+    /// its changes over `k + 2` samples after a misreading.
+    pub(super) commands: [Vec<SquareBlock>; 2],
 }
 
 /// The posture's matrices side by side: row `l` of `[c][j]`.
@@ -152,6 +157,16 @@ impl Before {
 }
 
 impl PlayedSums {
+    fn empty(n: usize) -> Self {
+        Self {
+            n,
+            sizes: core::array::from_fn(|_| core::array::from_fn(|_| vec![0.0; n * n])),
+            gravity: core::array::from_fn(|_| vec![0.0; n * n]),
+            moving: core::array::from_fn(|_| vec![vec![0.0; n * n]; n]),
+            commands: [Vec::new(), Vec::new()],
+        }
+    }
+
     /// Plays an impulse on every joint, a misreading of every encoder, a displaced joint, and a law that began with
     /// its reading off.
     ///
@@ -177,17 +192,13 @@ impl PlayedSums {
             }
         }
         let blocks = WeightBlocks::of(dynamics, inverse);
-        let mut own = Self {
-            n,
-            sizes: core::array::from_fn(|_| core::array::from_fn(|_| vec![0.0; n * n])),
-            gravity: core::array::from_fn(|_| vec![0.0; n * n]),
-            moving: core::array::from_fn(|_| vec![vec![0.0; n * n]; n]),
-        };
+        let mut own = Self::empty(n);
         let (mut now, mut before) = (Answers::new(n), Before::new(n));
         let mut commands = vec![vec![0.0; sets * n]; n];
         let mut recent = RecentSizes::new(sets * n, decay.block);
-        // Sizes after another command, sample by sample.
+        // Answers to another command, and changes of the command after a misreading, sample by sample.
         let mut others: Vec<[SquareBlock; KINDS]> = Vec::new();
+        let mut misread: Vec<SquareBlock> = Vec::new();
         let (mut most, mut rested) = (0.0, false);
         for sample in 0..LONGEST {
             if rested {
@@ -211,10 +222,14 @@ impl PlayedSums {
             own.take(sample, (&now, &mut before), &blocks, period);
             if rows.is_some() {
                 others.push(now.lost.clone());
+                misread.push(now.read[STEP].clone());
             }
             if (sample + 1) % decay.block == 0 {
                 if rested {
-                    own.lose((&others, rows), (&decay, &recent), sample + 1);
+                    if let Some(rows) = rows {
+                        own.lose((&others, rows), (&decay, &recent), sample + 1);
+                        own.grow((&others, &misread), rows, (&decay, &recent));
+                    }
                     own.finish((&decay, &recent, sample + 1), (&before, &blocks), period)?;
                     return Ok(own);
                 }
@@ -356,11 +371,10 @@ impl PlayedSums {
     /// weight of at most the length of a row.
     fn lose(
         &mut self,
-        (others, rows): (&[[SquareBlock; KINDS]], Option<LostSpacing>),
+        (others, spacing): (&[[SquareBlock; KINDS]], LostSpacing),
         (decay, recent): (&TailDecay, &RecentSizes),
         samples: usize,
     ) {
-        let Some(spacing) = rows else { return };
         let n = self.n;
         for o in 0..KINDS {
             let (output, twice) = [(0, 1.0), (1, 1.0), (3, 2.0), (2, 1.0)][o];
@@ -368,8 +382,48 @@ impl PlayedSums {
                 let sizes: Vec<f64> = others.iter().map(|own| own[o][at].abs()).collect();
                 let rest = twice * decay.rest((at / n, output), samples)[0];
                 let later = rest * recent.sum(4 * n + at % n);
-                self.sizes[o][LOST][at] = spacing.worst(&sizes) + spacing.most as f64 * later;
+                let later = spacing.most as f64 * later;
+                let [all, before] = spacing.worst(&sizes);
+                self.sizes[o][LOST][at] = all + later;
+                self.sizes[o][LOST_BEFORE][at] = before + later;
             }
+        }
+    }
+
+    /// Answers of the command by which a row of losses grows.
+    fn grow(
+        &mut self,
+        (others, misread): (&[[SquareBlock; KINDS]], &[SquareBlock]),
+        spacing: LostSpacing,
+        (decay, recent): (&TailDecay, &RecentSizes),
+    ) {
+        let n = self.n;
+        let mut command = vec![0.0; n * n];
+        let mut largest = vec![0.0; n * n];
+        for (k, own) in others.iter().enumerate().take(spacing.most) {
+            command.iter_mut().zip(&own[STEP]).for_each(|(sum, change)| *sum += change);
+            largest.iter_mut().zip(&command).for_each(|(most, x)| *most = larger(*most, x.abs()));
+            if k > 0 {
+                self.commands[0].push(largest.clone());
+            }
+        }
+        for l in 2..=spacing.most {
+            let mut over = vec![0.0; n * n];
+            let mut sums = vec![0.0; n * n];
+            let nothing = vec![0.0; n * n];
+            for k in 0..misread.len() + l {
+                let new = misread.get(k).unwrap_or(&nothing);
+                let old = k.checked_sub(l).and_then(|k| misread.get(k)).unwrap_or(&nothing);
+                for at in 0..n * n {
+                    over[at] += new[at] - old[at];
+                    sums[at] += over[at].abs();
+                }
+            }
+            for (at, sum) in sums.iter_mut().enumerate() {
+                let rest = 2.0 * decay.rest((at / n, 3), misread.len())[0];
+                *sum += l as f64 * rest * recent.sum(n + at % n);
+            }
+            self.commands[1].push(sums);
         }
     }
 
@@ -492,17 +546,16 @@ impl PlayedSums {
 pub(super) struct LostSpacing {
     pub(super) most: usize,
     pub(super) apart: usize,
+    /// Samples from a command to its torque.
+    pub(super) delay: usize,
 }
 
 impl LostSpacing {
-    /// `Σ_r max_{s ≥ r S} Σ_{l=1}^m l |c_{s+1−l}|`: the `l`-th lost command in a row is off by at most `l` changes, and
-    /// `s` samples have gone since the first of the `r`-th row, backwards in time.
-    fn worst(self, sizes: &[f64]) -> f64 {
+    /// `Σ_r max_{s ≥ r S} Σ_{l=1}^m |c_{s+1−l}|`: `s` samples have gone since the first command of the `r`-th row,
+    /// backwards in time; and the same from `r = 1` on with `r S` less by the delay.
+    fn worst(self, sizes: &[f64]) -> [f64; 2] {
         let row = |s: usize| -> f64 {
-            let each = (1..=self.most).filter_map(|l| {
-                let size = sizes.get((s + 1).checked_sub(l)?)?;
-                Some(l as f64 * size)
-            });
+            let each = (1..=self.most).filter_map(|l| sizes.get((s + 1).checked_sub(l)?));
             each.sum()
         };
         let mut whole: Vec<f64> = (0..sizes.len() + self.most).map(row).collect();
@@ -511,7 +564,9 @@ impl LostSpacing {
             most = larger(most, *own);
             *own = most;
         }
-        whole.iter().step_by(self.apart.max(1)).sum()
+        let apart = self.apart.max(1);
+        let before = whole.iter().skip(apart.saturating_sub(self.delay)).step_by(apart);
+        [whole.iter().step_by(apart).sum(), before.sum()]
     }
 }
 
@@ -521,14 +576,15 @@ mod tests {
 
     #[test]
     fn rows_of_losses_add_up_as_of_a_kernel_that_halves() {
-        // c_k = 2^{−k}: the worst row has its last command now, 3 + 2/2 + 1/4, and every 4 samples before a 16th of it.
+        // c_k = 2^{−k}: the worst row has its last command now, 1 + 1/2 + 1/4, and every 4 samples before a 16th of it.
         let sizes: Vec<f64> = (0..60).map(|k| 0.5_f64.powi(k)).collect();
-        let worst = LostSpacing { most: 3, apart: 4 }.worst(&sizes);
-        // From the start of the row on: 1, 2 + 1/2, 3 + 1 + 1/4 at s = 2, then half of it with each sample.
-        let wanted = 4.25 + 4.25 / 4.0 * (16.0 / 15.0);
-        assert!((worst - wanted).abs() < 1e-12, "{worst} {wanted}");
-        let one = LostSpacing { most: 1, apart: 60 }.worst(&sizes);
-        assert!((one - 1.0).abs() < 1e-15, "{one}");
+        let [worst, before] = LostSpacing { most: 3, apart: 4, delay: 0 }.worst(&sizes);
+        // From the start of the row on: 1, 3/2, 7/4 at s = 2, then half of it with each sample.
+        let earlier = 1.75 / 4.0 * (16.0 / 15.0);
+        assert!((worst - 1.75 - earlier).abs() < 1e-12, "{worst}");
+        assert!((before - earlier).abs() < 1e-12, "{before}");
+        let [one, before] = LostSpacing { most: 1, apart: 60, delay: 1 }.worst(&sizes);
+        assert!((one - 1.0).abs() < 1e-15 && (before - 0.5_f64.powi(59)).abs() < 1e-24, "{one}");
     }
 
     #[test]

@@ -52,6 +52,7 @@ pub(crate) fn class(gains: &Gains) -> Option<String> {
         ),
     ];
     lines.extend(class.signals.as_ref().map(signals));
+    lines.extend(parts(class, gains));
     lines.extend(paces(class, gains));
     Some(lines.join("\n"))
 }
@@ -73,7 +74,11 @@ fn start(class: &ClassBound) -> String {
 fn signals(own: &ClassSignals) -> String {
     let most = |list: &[f64]| list.iter().copied().fold(0.0, f64::max);
     let sticks = most(&own.stiction_nm);
+    let cogs = most(&own.cogging_nm);
     let all = [
+        (cogs > 0.0).then(|| {
+            format!("cogging up to {cogs:.2} N·m, {:.0} periods", most(&own.cogging_per_turn))
+        }),
         (sticks > 0.0).then(|| {
             format!(
                 "stiction of any course up to {sticks:.2} N·m, or {:.2} N·m·s/rad of a joint's \
@@ -81,14 +86,41 @@ fn signals(own: &ClassSignals) -> String {
                 most(&own.stiction_nm_s_rad)
             )
         }),
-        (own.jitter_s > 0.0)
-            .then(|| format!("samples taken up to {} µs early", 1e6 * own.jitter_s)),
+        (own.jitter_s > 0.0).then(|| {
+            let told = if own.stamped { ", with stamps" } else { "" };
+            format!("samples taken up to {} µs early{told}", 1e6 * own.jitter_s)
+        }),
         (own.commands_lost > 0).then(|| {
             let (most, every) = (own.commands_lost, own.lost_every_s);
             format!("at most {most} lost in a row of commands, every {every} s")
         }),
     ];
     format!("signals counted: {}", all.into_iter().flatten().collect::<Vec<_>>().join("; "))
+}
+
+/// Effects that a bound is made of, on the joint with the largest error and on the one with the largest torque step.
+fn parts(class: &ClassBound, gains: &Gains) -> Option<String> {
+    let (worst, _) = class.worst().filter(|_| !class.parts.is_empty())?;
+    let steps = class.torque_step_nm.iter().enumerate();
+    let (steepest, _) = steps.max_by(|a, b| a.1.total_cmp(b.1))?;
+    let name = |i: usize| gains.joints.get(i).map_or("", |joint| &joint.name);
+    let unit = unit_of("mrad", gains.slides(name(worst)));
+    let mut table = plain_table([
+        "the bounds are made of".to_owned(),
+        format!("|e| of {}\n{unit}", name(worst)),
+        format!("|Δτ| of {}\nN·m", name(steepest)),
+    ]);
+    let sum = |of: &dyn Fn(&phihat_design::ClassPart) -> f64| class.parts.iter().map(of).sum();
+    let error = |part: &phihat_design::ClassPart| part.error_bound_rad.get(worst).copied();
+    let step = |part: &phihat_design::ClassPart| part.torque_step_nm.get(steepest).copied();
+    let whole: [f64; 2] =
+        [sum(&|part| error(part).unwrap_or(0.0)), sum(&|part| step(part).unwrap_or(0.0))];
+    for part in &class.parts {
+        table.add_row([part.name.clone(), figure(error(part)? * MILLI, 3), figure(step(part)?, 3)]);
+    }
+    table.add_row(["together".to_owned(), figure(whole[0] * MILLI, 3), figure(whole[1], 3)]);
+    align(&mut table);
+    Some(table.to_string())
 }
 
 /// How fast one may go for an error.

@@ -1,9 +1,11 @@
 //! The least solution of (CM5): error and velocity bounds of the class from the sums at all postures.
 
+use phihat_certificate::ClassPart;
 use phihat_certificate::extremes::{Extremes as _, larger};
 
+use super::effect::{ClassEffect, ClassInputs};
 use super::extent::{Bent, ClassPaceLimits, Rates};
-use super::refusal::ClassRefusal;
+use super::imperfect::{LossSpan, cogging};
 use super::scene::ClassScene;
 use super::sums::{E, FREE, KINDS, PostureSums, STEP, V};
 use crate::square::product;
@@ -35,6 +37,8 @@ pub(super) struct Closed {
     pub(super) radius: f64,
     /// Index of the posture that sets the error of each joint.
     pub(super) at: Vec<usize>,
+    /// Parts of error and torque step, effect by effect.
+    pub(super) parts: Vec<ClassPart>,
 }
 
 /// The class at one pace, with its maxima.
@@ -43,11 +47,13 @@ pub(super) struct Problem<'a> {
     pub(super) pace: &'a ClassPaceLimits,
     pub(super) rates: &'a Rates,
     pub(super) bent: &'a Bent,
-    over: Over,
+    pub(super) over: Over,
+    /// ClassEffect of which less is tried, and the share of it.
+    tried: Option<(ClassEffect, f64)>,
 }
 
 /// Maxima over box and payloads, entry by entry: the part of the matrices that no posture changes.
-struct Over {
+pub(super) struct Over {
     /// `|M − its first order|`, `|2M' − D − its value|`, `|M' − D − its value|` per age² /2 or age.
     mass: Vec<f64>,
     twice: Vec<f64>,
@@ -58,8 +64,8 @@ struct Over {
     gravity: Vec<f64>,
     gradient: Vec<f64>,
     /// `Σ_c |∂_j D_c| v_c`, for each `j`, and `Σ_c |∂_b ∂_c M| v_c`, for each `b`.
-    coriolis: Vec<Vec<f64>>,
-    masses: Vec<Vec<f64>>,
+    pub(super) coriolis: Vec<Vec<f64>>,
+    pub(super) masses: Vec<Vec<f64>>,
 }
 
 impl Over {
@@ -119,54 +125,17 @@ struct Maps {
     on_velocity: [Vec<f64>; KINDS],
 }
 
-/// Part that does not close: errors of a motion, or changes of the command after commands that are lost; the spectral
-/// radius.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Unclosed {
-    Motion(f64),
-    Losses(f64),
-}
-
-impl Unclosed {
-    pub(super) fn radius(self) -> f64 {
-        match self {
-            Self::Motion(radius) | Self::Losses(radius) => radius,
-        }
-    }
-}
-
-impl From<Unclosed> for ClassRefusal {
-    fn from(own: Unclosed) -> Self {
-        match own {
-            Unclosed::Motion(radius) => Self::Open { radius },
-            Unclosed::Losses(radius) => Self::Losses { radius },
-        }
-    }
-}
-
-/// Inputs at bounds on error and velocity.
-struct ClassInputs {
-    torque: Vec<f64>,
-    ramp: Vec<f64>,
-    /// `|N| V`, `N` the change of inertia by the error.
-    shift: Vec<f64>,
-    /// Error of a reading, with what jitter adds to it.
-    reading: Vec<f64>,
-    /// Change of the command from one sample to the next.
-    change: Vec<f64>,
-}
-
-/// Bounds on error, velocity error, and the change of the command from one sample to the next.
+/// Bounds on error, velocity error, and the deviation of the torque that acts from a command that is lost.
 #[derive(Debug, Clone)]
 pub(super) struct ClosedBounds {
     pub(super) error: Vec<f64>,
     pub(super) velocity: Vec<f64>,
-    change: Vec<f64>,
+    pub(super) deviation: Vec<f64>,
 }
 
 impl ClosedBounds {
     fn lists(&mut self) -> [&mut Vec<f64>; 3] {
-        [&mut self.error, &mut self.velocity, &mut self.change]
+        [&mut self.error, &mut self.velocity, &mut self.deviation]
     }
 }
 
@@ -176,7 +145,24 @@ impl<'a> Problem<'a> {
         (pace, rates): (&'a ClassPaceLimits, &'a Rates),
         bent: &'a Bent,
     ) -> Self {
-        Self { scene, pace, rates, bent, over: Over::of(bent, pace) }
+        Self { scene, pace, rates, bent, over: Over::of(bent, pace), tried: None }
+    }
+
+    /// The same with less of an effect.
+    pub(super) fn with(&self, effect: ClassEffect, share: f64) -> Self {
+        let Self { scene, pace, rates, bent, .. } = *self;
+        let over = Over::of(bent, pace);
+        Self { scene, pace, rates, bent, over, tried: Some((effect, share)) }
+    }
+
+    /// Share of an effect that is counted.
+    pub(super) fn share(&self, effect: ClassEffect) -> f64 {
+        self.tried.filter(|(own, _)| *own == effect).map_or(1.0, |(_, share)| share)
+    }
+
+    /// Rows of lost commands, where they are counted.
+    fn rows(&self) -> Option<LossSpan> {
+        self.scene.rows.filter(|_| self.share(ClassEffect::Losses) > 0.0)
     }
 
     /// Matrices of a posture at this pace.
@@ -235,12 +221,12 @@ impl<'a> Problem<'a> {
 
     /// Largest deviation of what is fed forward from what the motion is: it is held over the sample, and is older than
     /// that where it comes through a supervisor.
-    fn held(&self, i: usize) -> f64 {
+    pub(super) fn held(&self, i: usize) -> f64 {
         self.scene.late * self.fed(i)
     }
 
     /// Rate of the torque of gravity that the robot adds at each sample \[N·m/s\], which is that of the sample.
-    fn moved_gravity(&self, i: usize, velocity: &[f64]) -> f64 {
+    pub(super) fn moved_gravity(&self, i: usize, velocity: &[f64]) -> f64 {
         let (n, bent) = (self.scene.n, self.bent);
         (0..n).map(|j| bent.added[i * n + j] * (self.pace.v[j] + velocity[j])).sum()
     }
@@ -256,63 +242,7 @@ impl<'a> Problem<'a> {
         (0..n).map(costs).collect()
     }
 
-    fn inputs(&self, boxed: &[bool], at: &ClosedBounds) -> ClassInputs {
-        let ClosedBounds { error, velocity, change } = at;
-        let (scene, rates, bent, n) = (self.scene, self.rates, self.bent, self.scene.n);
-        let row =
-            |m: &[f64], i: usize, x: &[f64]| -> f64 { (0..n).map(|k| m[i * n + k] * x[k]).sum() };
-        // Σ_c |list_c| y_c x.
-        let bilinear = |list: &[Vec<f64>], i: usize, y: &[f64], x: &[f64]| -> f64 {
-            list.iter().zip(y).map(|(m, y)| y * row(m, i, x)).sum()
-        };
-        let torque = |i: usize| {
-            let second = 0.5 * bilinear(&bent.gravity, i, error, error)
-                + bilinear(&self.over.coriolis, i, error, velocity)
-                + 0.5 * bilinear(&bent.coriolis, i, velocity, velocity);
-            let turning = bilinear(&bent.mass, i, velocity, velocity)
-                + bilinear(&self.over.masses, i, error, velocity);
-            let size = if boxed[i] { rates.size[i] } else { 0.0 };
-            let added = scene.period * self.moved_gravity(i, velocity);
-            scene.dry[i]
-                + self.sliding(i, velocity)
-                + added
-                + size
-                + self.held(i)
-                + scene.slope[i] * velocity[i]
-                + second
-                + turning
-        };
-        let ramp = |i: usize| {
-            let own = if boxed[i] { rates.slow[i] } else { rates.whole[i] + rates.jerk[i] };
-            own + scene.slope[i] * self.pace.a[i]
-        };
-        ClassInputs {
-            torque: (0..n).map(torque).collect(),
-            ramp: (0..n).map(ramp).collect(),
-            shift: (0..n).map(|i| bilinear(&bent.mass, i, error, velocity)).collect(),
-            reading: (0..n).map(|i| self.reading(i, velocity)).collect(),
-            change: change.clone(),
-        }
-    }
-
-    /// Largest speed of a joint.
-    fn speed(&self, i: usize, velocity: &[f64]) -> f64 {
-        self.pace.v[i] + velocity[i]
-    }
-
-    /// Force that the damping of bristles may add to the level at which a joint comes loose.
-    fn sliding(&self, i: usize, velocity: &[f64]) -> f64 {
-        let signals = &self.scene.signals;
-        let damped = signals.stiction_nm_s_rad[i] * self.speed(i, velocity);
-        larger(0.0, damped - signals.stiction_nm[i])
-    }
-
-    /// Largest error of a reading: of a sample that was taken early too.
-    fn reading(&self, i: usize, velocity: &[f64]) -> f64 {
-        self.scene.reading[i] + self.scene.signals.jitter_s * self.speed(i, velocity)
-    }
-
-    /// An output's bound in a frozen arm.
+    /// An output's bound in a frozen arm in which every command arrives.
     fn forced(&self, sums: &PostureSums, o: usize, inputs: &ClassInputs) -> Vec<f64> {
         let n = self.scene.n;
         let mut out = vec![0.0; n];
@@ -320,9 +250,18 @@ impl<'a> Problem<'a> {
         add(&mut out, &sums.ramp[o], &inputs.ramp);
         add(&mut out, &sums.reading[o], &inputs.reading);
         add(&mut out, &sums.start[o], &inputs.reading);
-        add(&mut out, &sums.lost[o], &inputs.change);
-        add(&mut out, &sums.lasting[o], &self.scene.start);
-        let impulse: Vec<f64> = self.scene.start.iter().map(|b| self.scene.before * b).collect();
+        add(&mut out, &sums.lasting[o], &inputs.start);
+        for (i, out) in out.iter_mut().enumerate() {
+            for (j, [size, rate]) in inputs.wave.iter().enumerate() {
+                let at = i * n + j;
+                let (any, smooth) = (
+                    sums.torque[o][at] * size,
+                    sums.lasting[o][at] * size + sums.ramp[o][at] * rate,
+                );
+                *out += if smooth < any { smooth } else { any };
+            }
+        }
+        let impulse: Vec<f64> = inputs.start.iter().map(|b| self.scene.before * b).collect();
         add(&mut out, &sums.impulse[o], &impulse);
         add(&mut out, &sums.slope[o], &inputs.shift);
         if o == E {
@@ -355,10 +294,66 @@ impl<'a> Problem<'a> {
         o: usize,
         (inputs, at): (&ClassInputs, &ClosedBounds),
     ) -> Vec<f64> {
+        let mut out = self.unlost((sums, maps), o, (inputs, at));
+        add(&mut out, &sums.lost[o], &inputs.deviation);
+        out
+    }
+
+    /// The same where every command arrives.
+    fn unlost(
+        &self,
+        (sums, maps): (&PostureSums, &Maps),
+        o: usize,
+        (inputs, at): (&ClassInputs, &ClosedBounds),
+    ) -> Vec<f64> {
         let mut out = self.forced(sums, o, inputs);
         add(&mut out, &maps.on_error[o], &at.error);
         add(&mut out, &maps.on_velocity[o], &at.velocity);
         out
+    }
+
+    /// Largest deviation of the torque that acts from a command that is lost, by (CM9): the changes over up to a row
+    /// before which rows have gone, and the answer to what the row has lost before.
+    fn deviation(
+        &self,
+        rows: LossSpan,
+        (all, maps): (&[PostureSums], &[Maps]),
+        (inputs, at): (&ClassInputs, &ClosedBounds),
+    ) -> Vec<f64> {
+        let n = self.scene.n;
+        // At each posture: the change over one sample, and the part of it that errors of readings make.
+        let single = |pair: (&PostureSums, &Maps)| {
+            let mut change = self.unlost(pair, STEP, (inputs, at));
+            add(&mut change, &pair.0.rows.earlier, &inputs.deviation);
+            change.iter_mut().enumerate().for_each(|(i, change)| *change += self.fed(i));
+            let mut read = vec![0.0; n];
+            add(&mut read, &pair.0.reading[STEP], &inputs.reading);
+            [change, read]
+        };
+        let changes: Vec<[Vec<f64>; 2]> = all.iter().zip(maps).map(single).collect();
+        let mut row: Vec<Vec<f64>> = Vec::with_capacity(rows.most);
+        for l in 1..=rows.most {
+            let times = l as f64;
+            let mut most = vec![0.0_f64; n];
+            for (sums, [change, read]) in all.iter().zip(&changes) {
+                let mut over = vec![0.0; n];
+                match l.checked_sub(2).and_then(|k| sums.rows.spans.get(k)) {
+                    Some(span) => add(&mut over, span, &inputs.reading),
+                    None => over.clone_from(read),
+                }
+                let mut grown = vec![0.0; n];
+                for (before, level) in row.iter().rev().zip(&sums.rows.levels) {
+                    add(&mut grown, level, before);
+                }
+                for (i, most) in most.iter_mut().enumerate() {
+                    let over = if over[i] < times * read[i] { over[i] } else { times * read[i] };
+                    *most = larger(*most, times * (change[i] - read[i]) + over + grown[i]);
+                }
+            }
+            row.push(most);
+        }
+        let largest = |i: usize| row.iter().map(|own| own[i]).largest();
+        (0..n).map(largest).collect()
     }
 
     /// The spectral radius of the largest matrices, posture by posture.
@@ -396,7 +391,7 @@ impl<'a> Problem<'a> {
             a.iter().zip(b).map(|(a, b)| (a - b).abs() / b.max(f64::MIN_POSITIVE)).largest()
         };
         let mut own =
-            ClosedBounds { error: vec![0.0; n], velocity: vec![0.0; n], change: vec![0.0; n] };
+            ClosedBounds { error: vec![0.0; n], velocity: vec![0.0; n], deviation: vec![0.0; n] };
         for _ in 0..ROUNDS {
             let mut next = self.next((all, maps), boxed, &own).0;
             for x in next.lists().into_iter().flatten() {
@@ -404,7 +399,7 @@ impl<'a> Problem<'a> {
             }
             let change =
                 larger(moved(&own.error, &next.error), moved(&own.velocity, &next.velocity));
-            let change = larger(change, moved(&own.change, &next.change));
+            let change = larger(change, moved(&own.deviation, &next.deviation));
             own = next;
             let lost = own.error.iter().copied().largest();
             if lost.is_nan() || lost > LOST {
@@ -418,7 +413,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Bounds from bounds, and the index of the posture that sets the error of each joint. Where no command is lost,
-    /// nothing depends on the commands' changes, which are then left at 0.
+    /// no torque deviates from a command.
     fn next(
         &self,
         summed: (&[PostureSums], &[Maps]),
@@ -428,11 +423,11 @@ impl<'a> Problem<'a> {
         let of = |o: usize| self.most(summed, boxed, o, at);
         let (error, places): (Vec<f64>, Vec<usize>) = of(E).into_iter().unzip();
         let velocity = of(V).into_iter().map(|(x, _)| x).collect();
-        let change = match self.scene.rows {
-            Some(_) => self.steps(summed, boxed, at),
+        let deviation = match self.rows() {
+            Some(rows) => self.deviation(rows, summed, (&self.inputs(boxed, at), at)),
             None => vec![0.0; self.scene.n],
         };
-        (ClosedBounds { error, velocity, change }, places)
+        (ClosedBounds { error, velocity, deviation }, places)
     }
 
     /// Largest change of the command from one sample to the next.
@@ -441,9 +436,9 @@ impl<'a> Problem<'a> {
         summed: (&[PostureSums], &[Maps]),
         boxed: &[bool],
         at: &ClosedBounds,
-    ) -> Vec<f64> {
-        let steps = self.most(summed, boxed, STEP, at);
-        steps.iter().enumerate().map(|(i, (x, _))| x + self.fed(i)).collect()
+    ) -> (Vec<f64>, Vec<usize>) {
+        let steps = self.most(summed, boxed, STEP, at).into_iter().enumerate();
+        steps.map(|(i, (x, place))| (x + self.fed(i), place)).unzip()
     }
 
     /// The largest value of an output over postures, joint by joint, and the posture's index.
@@ -467,13 +462,12 @@ impl<'a> Problem<'a> {
         most
     }
 
-    /// Solves (CM5) over some postures; what does not close where there is no solution.
-    pub(super) fn solve(&self, all: &[PostureSums]) -> Result<Closed, Unclosed> {
+    /// Solves (CM5) over some postures; the spectral radius of `max Θ` where there is no solution.
+    pub(super) fn solve(&self, all: &[PostureSums]) -> Result<Closed, f64> {
         let n = self.scene.n;
         let maps: Vec<Maps> = all.iter().map(|sums| self.maps(sums)).collect();
         let radius = Self::radius(&maps.iter().map(|own| &own.on_error[E]).collect::<Vec<_>>(), n);
-        let lost = Self::radius(&all.iter().map(|own| &own.lost[STEP]).collect::<Vec<_>>(), n);
-        let open = if lost >= radius { Unclosed::Losses(lost) } else { Unclosed::Motion(radius) };
+        let open = radius;
         let Some(first) = all.first() else { return Err(open) };
         let boxed = self.boxed(first);
         let resting: Vec<Maps> = all.iter().map(|sums| self.resting(sums)).collect();
@@ -486,7 +480,7 @@ impl<'a> Problem<'a> {
             let (next, places) = self.next(summed, &boxed, own);
             let holds = below(&next.error, &own.error)
                 && below(&next.velocity, &own.velocity)
-                && (self.scene.rows.is_none() || below(&next.change, &own.change));
+                && (self.rows().is_none() || below(&next.deviation, &own.deviation));
             holds.then_some(places)
         };
         let mut places = strict(&own);
@@ -496,14 +490,48 @@ impl<'a> Problem<'a> {
             places = strict(&own);
         }
         let inputs = self.inputs(&boxed, &own);
+        let (step, steepest) = self.steps(summed, &boxed, &own);
+        let at = places.ok_or(open)?;
+        let whole = [&own.error[..], &step[..]];
         Ok(Closed {
-            step: self.steps(summed, &boxed, &own),
+            parts: self.parts(&self.effects(summed, [&at, &steepest], (&boxed, &own)), whole),
+            step,
             torque: self.torques(summed, (&inputs, &own)),
-            at: places.ok_or(open)?,
+            at,
             bounds: own,
             frozen,
             radius,
         })
+    }
+
+    /// Parts of error and torque step of each joint at the posture that sets them, effect by effect.
+    fn effects(
+        &self,
+        (all, maps): (&[PostureSums], &[Maps]),
+        places: [&[usize]; 2],
+        (boxed, at): (&[bool], &ClosedBounds),
+    ) -> Vec<(ClassEffect, [Vec<f64>; 2])> {
+        let n = self.scene.n;
+        let part = |effect: ClassEffect, o: usize, i: usize, place: usize| {
+            let (Some(sums), Some(maps)) = (all.get(place), maps.get(place)) else { return 0.0 };
+            let inputs = self.inputs_of(effect, boxed, at);
+            let mut out = self.forced(sums, o, &inputs);
+            add(&mut out, &sums.lost[o], &inputs.deviation);
+            if effect == ClassEffect::Moving {
+                add(&mut out, &maps.on_error[o], &at.error);
+                add(&mut out, &maps.on_velocity[o], &at.velocity);
+            }
+            let fed = if effect == ClassEffect::Motion && o == STEP { self.fed(i) } else { 0.0 };
+            self.share(effect) * out[i] + fed
+        };
+        let lists = |effect: ClassEffect| {
+            let list = |k: usize| -> Vec<f64> {
+                let o = [E, STEP][k];
+                (0..n).map(|i| part(effect, o, i, places[k][i])).collect()
+            };
+            (effect, [list(0), list(1)])
+        };
+        ClassEffect::ALL.into_iter().map(lists).collect()
     }
 
     /// The largest torque of each joint: of the motion, of friction, and of the error.
@@ -526,6 +554,7 @@ impl<'a> Problem<'a> {
         for (i, most) in most.iter_mut().enumerate() {
             let friction =
                 scene.dry[i] + self.sliding(i, velocity) + scene.slope[i] * self.pace.v[i];
+            let friction = friction + cogging(&scene.signals, i, 0.0)[0];
             let added = scene.period * self.moved_gravity(i, velocity);
             *most += self.rates.torque[i] + friction + 2.0 * self.held(i) + scene.start[i] + added;
             // Where the part in the acceleration is a force, the law's answer to it stands in its place.

@@ -28,14 +28,14 @@ pub(super) fn paces(
             factor,
             error_bound_rad: closed.as_ref().ok().map(|c| largest(&c.bounds.error)),
             torque_step_nm: closed.as_ref().ok().map(|c| largest(&c.step)),
-            spectral_radius: closed.as_ref().map_or_else(|open| open.radius(), |c| c.radius),
+            spectral_radius: closed.as_ref().map_or_else(|radius| *radius, |c| c.radius),
         }
     })
 }
 
 impl ClassPaceLimits {
     /// The same motions, so many times as fast.
-    fn times(&self, factor: f64) -> Self {
+    pub(super) fn times(&self, factor: f64) -> Self {
         let scaled = |list: &[f64], factor: f64| list.iter().map(|x| factor * x).collect();
         Self {
             v: scaled(&self.v, factor),

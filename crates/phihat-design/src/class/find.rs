@@ -1,11 +1,12 @@
 //! The search for the postures that set a class bound, and its document.
 
 use phihat_certificate::extremes::Extremes as _;
-use phihat_certificate::{ClassBound, ClassPace, ClassWitness, Gains, TubePayloadSet};
+use phihat_certificate::{ClassBound, ClassPace, ClassPart, ClassWitness, Gains, TubePayloadSet};
 use phihat_model::evenly;
 use phihat_study::Study;
 
 use super::close::{Closed, INFLATED, Problem};
+use super::explain::explained;
 use super::extent::{Bent, ClassPaceLimits, Rates};
 use super::faster::paces;
 use super::refusal::ClassRefusal;
@@ -71,7 +72,13 @@ fn bound(study: &Study, gains: &Gains, effort: &Effort) -> Result<ClassBound, Cl
     );
     let mut all = all?;
     let problem = Problem::new(&scene, (&pace, &rates), &bent);
-    let mut closed = problem.solve(&all)?;
+    // In a search for gains nothing is tried.
+    let solved = |all: &[PostureSums]| {
+        problem.solve(all).map_err(|radius| {
+            if effort.paces { explained(&problem, all, radius) } else { ClassRefusal::open(radius) }
+        })
+    };
+    let mut closed = solved(&all)?;
     for share in effort.moves {
         let more = moved(&scene, &all, &closed, *share)?;
         let raised = |own: &PostureSums| {
@@ -82,7 +89,7 @@ fn bound(study: &Study, gains: &Gains, effort: &Effort) -> Result<ClassBound, Cl
         let taken: Vec<PostureSums> = more.into_iter().filter(raised).collect();
         if !taken.is_empty() {
             all.extend(taken);
-            closed = problem.solve(&all)?;
+            closed = solved(&all)?;
         }
     }
     let faster = if effort.paces { paces(&scene, &pace, (&bent, &all)) } else { Vec::new() };
@@ -158,6 +165,15 @@ fn written(list: &[f64]) -> Vec<f64> {
     list.iter().map(up).collect()
 }
 
+/// A part with as many digits as are of use.
+fn shown(part: &ClassPart) -> ClassPart {
+    ClassPart {
+        name: part.name.clone(),
+        error_bound_rad: written(&part.error_bound_rad),
+        torque_step_nm: written(&part.torque_step_nm),
+    }
+}
+
 fn document(
     study: &Study,
     (scene, pace): (&ClassScene<'_>, &ClassPaceLimits),
@@ -211,5 +227,6 @@ fn document(
         ),
         witnesses: setting.into_iter().filter_map(witness).collect(),
         paces: faster,
+        parts: closed.parts.iter().map(shown).collect(),
     }
 }

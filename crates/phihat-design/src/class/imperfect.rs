@@ -22,7 +22,7 @@ impl LossSpan {
         let Some(rows) = study.world.network.rows else { return Ok(None) };
         let samples = (rows.apart * 1e9 / study.control.period_ns as f64).floor();
         let most = rows.most as usize;
-        if samples <= f64::from(rows.most) {
+        if samples <= f64::from(rows.most) + f64::from(study.control.delay_samples) {
             let why = "rows of lost commands that touch (world.network.commands_lost_every_s)";
             return Err(ClassRefusal::Unsupported(why.to_owned()));
         }
@@ -32,21 +32,29 @@ impl LossSpan {
         Ok(Some(Self { most, apart }))
     }
 
-    /// The largest sum that rows of losses make of a response, per change of the command from sample to sample: of each
-    /// row `Σ l |c|`, `l` the number of the command in its row, at its worst age or a later one.
-    pub(super) fn sum(self, response: impl Fn(usize) -> f64, samples: usize) -> f64 {
+    /// The largest sums that rows of losses make of a response, per deviation of what is lost: of each row `Σ |c|`
+    /// over its commands, at its worst age or later. Of all rows, and of those before a row that begins now,
+    /// whose ages may be less by `delay` samples.
+    pub(super) fn sums(
+        self,
+        response: impl Fn(usize) -> f64,
+        (samples, delay): (usize, usize),
+    ) -> [f64; 2] {
         let first = |age: usize| -> f64 {
             let all = (0..self.most.min(age + 1)).filter(|before| age - before < samples);
-            all.map(|before| (before + 1) as f64 * response(age - before)).sum()
+            all.map(|before| response(age - before)).sum()
         };
-        let (mut total, mut most) = (0.0, 0.0);
+        let (mut total, mut earlier, mut most) = (0.0, 0.0, 0.0);
         for age in (0..samples + self.most).rev() {
             most = larger(most, first(age));
             if age % self.apart == 0 {
                 total += most;
             }
+            if (age + delay) % self.apart == 0 && age + delay > 0 {
+                earlier += most;
+            }
         }
-        total
+        [total, earlier]
     }
 }
 
@@ -58,19 +66,37 @@ pub(super) fn signals(study: &Study) -> ClassSignals {
         (0..n).map(|i| bristles.map_or(0.0, |own| value(own, i))).collect()
     };
     let rows = study.world.network.rows;
+    let cogs = study.world.drive.as_ref().filter(|own| own.cogging.iter().any(|x| *x > 0.0));
+    let of_drive = |value: &dyn Fn(&phihat_study::Drive, usize) -> f64| -> Vec<f64> {
+        cogs.map_or_else(Vec::new, |own| (0..n).map(|i| value(own, i)).collect())
+    };
     ClassSignals {
         stiction_nm: of(&|own, i| own.breakaway_ratio[i] * study.design.coulomb.1[i]),
         stiction_nm_s_rad: of(&|own, i| own.damping[i] * (1.0 + own.breakaway_ratio[i])),
+        cogging_nm: of_drive(&|own, i| own.cogging[i]),
+        cogging_per_turn: of_drive(&|own, i| f64::from(own.ripple_per_turn[i])),
         jitter_s: study.sensor.jitter,
+        stamped: study.sensor.jitter > 0.0 && study.sensor.stamps == SampleStamps::Taken,
         commands_lost: rows.map_or(0, |rows| rows.most),
         lost_every_s: rows.map_or(0.0, |rows| rows.apart),
     }
 }
 
-/// Level of a joint's dry friction, which sticks, with its cogging \[N·m\].
+/// Error of a reading by jitter \[rad\], at a speed of the reference and a velocity error.
+pub(super) fn misread(signals: &ClassSignals, speed: f64, error: f64) -> f64 {
+    signals.jitter_s * if signals.stamped { error } else { speed + error }
+}
+
+/// Largest cogging of a joint \[N·m\], and its largest rate at a speed \[N·m/s\]: that of `sin(n q)`.
+pub(super) fn cogging(signals: &ClassSignals, joint: usize, speed: f64) -> [f64; 2] {
+    let of = |list: &[f64]| list.get(joint).copied().unwrap_or(0.0);
+    let size = of(&signals.cogging_nm);
+    [size, size * of(&signals.cogging_per_turn) * speed]
+}
+
+/// Level of a joint's dry friction, which sticks \[N·m\].
 pub(super) fn loosening(study: &Study, signals: &ClassSignals, joint: usize) -> f64 {
-    let cogging = study.world.drive.as_ref().map_or(0.0, |drive| drive.cogging[joint]);
-    larger(study.design.coulomb.1[joint], signals.stiction_nm[joint]) + cogging
+    larger(study.design.coulomb.1[joint], signals.stiction_nm[joint])
 }
 
 /// Largest error of a reading before it is rounded \[rad\].
@@ -130,6 +156,7 @@ pub(super) fn imperfections(study: &Study) -> Study {
 #[cfg(test)]
 mod tests {
     use super::LossSpan;
+    use phihat_certificate::extremes::Extremes as _;
 
     #[test]
     fn rows_at_their_worst_are_those_of_a_search_over_all_of_them() {
@@ -137,7 +164,7 @@ mod tests {
         let response = [0.2_f64, 1.0, -0.8, 0.3, 0.5, -0.1, 0.0, 0.05];
         let at = |k: usize| response.get(k).copied().unwrap_or(0.0).abs();
         let rows = LossSpan { most: 2, apart: 3 };
-        let row = |start: usize| at(start) + start.checked_sub(1).map_or(0.0, |k| 2.0 * at(k));
+        let row = |start: usize| at(start) + start.checked_sub(1).map_or(0.0, at);
         let mut most = 0.0_f64;
         for a in 0..10 {
             for b in a + 3..13 {
@@ -146,7 +173,11 @@ mod tests {
                 }
             }
         }
-        let bound = rows.sum(at, response.len());
+        let [bound, earlier] = rows.sums(at, (response.len(), 0));
         assert!(bound >= most && bound < 1.6 * most, "{bound} {most}");
+        // The row at its worst is the one that is left out; a delay lets the earlier ones be younger.
+        let worst = (0..16).map(row).largest();
+        assert!((bound - earlier - worst).abs() < 1e-12, "{bound} {earlier} {worst}");
+        assert!(rows.sums(at, (response.len(), 1))[1] > earlier);
     }
 }

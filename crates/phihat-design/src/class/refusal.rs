@@ -31,20 +31,19 @@ pub enum ClassRefusal {
         joint: usize,
     },
     /// Inequality (CM5) has no solution: the class is too fast for these gains.
-    #[error(
-        "the class does not close: spectral radius {radius:.3} is not below 1; slower motion or stiffer gains"
-    )]
+    #[error("the class does not close: {words}")]
     Open {
         /// Spectral radius of `max Θ` over the postures.
         radius: f64,
+        /// Effects of which less would close it, by trying.
+        words: String,
     },
-    /// The same for lost commands: what a row of losses does to the commands is lost again with the next one.
-    #[error(
-        "lost commands do not close: a change of the command adds {radius:.3} of itself to others, not below 1; softer \
-         gains, or fewer commands lost in a row (world.network.commands_lost_max)"
-    )]
-    Losses {
-        /// Spectral radius of `Γ^L` for the change of the command.
-        radius: f64,
-    },
+}
+
+impl ClassRefusal {
+    /// A class that does not close over these postures, of which nothing is tried.
+    pub(super) fn open(radius: f64) -> Self {
+        let words = format!("spectral radius {radius:.3}");
+        Self::Open { radius, words }
+    }
 }

@@ -41,13 +41,16 @@ pub(super) struct ClassScene<'a> {
     pub(super) cases: Vec<PayloadCase>,
     /// `M̄` \[kg·m²\] per joint.
     pub(super) nominal: Vec<f64>,
-    /// Level of forces that may do anything in time \[N·m\]: dry friction or breakaway level, cogging, pushes, dry
-    /// friction fed forward.
+    /// Level of forces that may do anything in time \[N·m\]: dry friction or breakaway level, pushes, dry friction fed
+    /// forward.
     pub(super) dry: Vec<f64>,
+    /// Part of it that stiction is beyond dry friction \[N·m\].
+    pub(super) sticks: Vec<f64>,
     /// Largest slope of smooth friction \[N·m·s/rad\].
     pub(super) slope: Vec<f64>,
-    /// Largest error of a reading \[rad\].
+    /// Largest error of a reading \[rad\], and the part of it that is noise.
     pub(super) reading: Vec<f64>,
+    pub(super) noise: Vec<f64>,
     pub(super) fed: Option<FedForward>,
     /// The arm whose torque of gravity the robot adds at each sample.
     pub(super) added: Option<Model>,
@@ -61,6 +64,8 @@ pub(super) struct ClassScene<'a> {
     /// Stiction, jitter, lost commands; and their rows in samples.
     pub(super) signals: ClassSignals,
     pub(super) rows: Option<LossSpan>,
+    /// Samples from a command to its torque.
+    pub(super) delay: usize,
 }
 
 impl<'a> ClassScene<'a> {
@@ -77,19 +82,13 @@ impl<'a> ClassScene<'a> {
             (0..n).map(|i| LoopModel::from_study(study, i).with_choices_of(gains, study)).collect();
         covered(study, &models)?;
         let signals = signals(study);
+        let sticks = |i: usize| larger(0.0, signals.stiction_nm[i] - study.design.coulomb.1[i]);
+        let sticks: Vec<f64> = (0..n).map(sticks).collect();
         let mut dry: Vec<f64> = (0..n).map(|i| loosening(study, &signals, i)).collect();
         for push in &study.world.pushes {
             dry[push.joint] += push.torque.abs();
         }
         let fed = fed_forward(study, &mut dry)?;
-        let slope = |i: usize| {
-            let own = study.robot.joints[i].friction;
-            let acts =
-                if study.world.robot_friction { own } else { phihat_model::Friction::default() };
-            let bend =
-                acts.sigmoid.map_or(0.0, |s| 0.25 * (s.amplitude_nm * s.steepness_s_rad).abs());
-            acts.viscous.abs() + study.world.extra_viscous[i].abs() + bend
-        };
         let bits = study.sensor.encoder_bits.as_deref();
         let quantum =
             |i: usize| bits.map_or(0.0, |bits| crate::sampled::TorqueNoise::quantum(bits[i]));
@@ -118,12 +117,15 @@ impl<'a> ClassScene<'a> {
             records: &gains.joints,
             cases,
             nominal: gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect(),
-            slope: (0..n).map(slope).collect(),
+            slope: (0..n).map(|i| steepest(study, i)).collect(),
             reading: (0..n).map(reading).collect(),
+            noise: study.sensor.position_noise_max.clone(),
             models,
             dry,
+            sticks,
             fed,
             rows: LossSpan::of(study)?,
+            delay: delay as usize,
             signals,
         })
     }
@@ -206,6 +208,14 @@ pub(super) struct Room {
     added: Workspace<f64>,
     rest: Vec<f64>,
     torque: Vec<f64>,
+}
+
+/// Largest slope of a joint's smooth friction \[N·m·s/rad\].
+fn steepest(study: &Study, i: usize) -> f64 {
+    let own = study.robot.joints[i].friction;
+    let acts = if study.world.robot_friction { own } else { phihat_model::Friction::default() };
+    let bend = acts.sigmoid.map_or(0.0, |s| 0.25 * (s.amplitude_nm * s.steepness_s_rad).abs());
+    acts.viscous.abs() + study.world.extra_viscous[i].abs() + bend
 }
 
 /// Refuses studies that docs/theory/class.md does not cover.

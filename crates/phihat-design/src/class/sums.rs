@@ -46,8 +46,9 @@ pub(super) struct PostureSums {
     pub(super) start: AnswerMatrices,
     /// Largest `(age + T) |g'|`, and `|g|`, of `e`: the start's part in what moves.
     pub(super) start_moves: [Vec<f64>; 2],
-    /// Rows of lost commands, per change of the command from sample to sample.
+    /// Rows of lost commands, per deviation of what is lost.
     pub(super) lost: AnswerMatrices,
+    pub(super) rows: RowSums,
     /// `T Σ|g'|`.
     pub(super) slope: AnswerMatrices,
     /// `Σ age ∫|g|`.
@@ -62,6 +63,28 @@ pub(super) struct PostureSums {
     pub(super) twice: Vec<Vec<f64>>,
     /// Once integrated, of all but `e`.
     pub(super) once: [Vec<Vec<f64>>; KINDS],
+}
+
+/// Answers of the command by which a row of losses grows, row by row of the matrices.
+#[derive(Debug, Clone, Default)]
+pub(super) struct RowSums {
+    /// Change of the command from sample to sample by the rows before the one that begins.
+    pub(super) earlier: Vec<f64>,
+    /// Largest size of the command so many samples after a deviation, from 1 on.
+    pub(super) levels: Vec<Vec<f64>>,
+    /// Change of the command over so many samples, from 2 on, by errors of readings.
+    pub(super) spans: Vec<Vec<f64>>,
+}
+
+impl RowSums {
+    /// Adds the row of a joint.
+    fn extend(&mut self, row: Self) {
+        self.earlier.extend(row.earlier);
+        for (all, row) in [(&mut self.levels, row.levels), (&mut self.spans, row.spans)] {
+            all.resize(row.len(), Vec::new());
+            all.iter_mut().zip(row).for_each(|(all, row)| all.extend(row));
+        }
+    }
 }
 
 /// The posture's matrices side by side: row `l` of `[c][j]`.
@@ -133,6 +156,7 @@ impl PostureSums {
             impulse: each(),
             start: each(),
             lost: each(),
+            rows: RowSums::default(),
             start_moves: [Vec::new(), Vec::new()],
             slope: each(),
             aged: each(),
@@ -143,7 +167,8 @@ impl PostureSums {
             once: core::array::from_fn(|_| per_joint()),
         };
         for i in 0..n {
-            let row = JointSums::of((&linear, &horizon), (i, scene.period), scene.rows, &moving)?;
+            let rows = scene.rows.map(|rows| (rows, scene.delay));
+            let row = JointSums::of((&linear, &horizon), (i, scene.period), rows, &moving)?;
             own.push(i, row, &slopes);
         }
         Ok(own)
@@ -165,6 +190,7 @@ impl PostureSums {
         into(&mut self.impulse, row.impulse);
         into(&mut self.start, row.start);
         into(&mut self.lost, row.lost);
+        self.rows.extend(row.rows);
         into(&mut self.slope, row.slope);
         into(&mut self.aged, row.aged);
         into(&mut self.bent, row.bent);
@@ -243,6 +269,7 @@ struct JointSums {
     impulse: AnswerMatrices,
     start: AnswerMatrices,
     lost: AnswerMatrices,
+    rows: RowSums,
     begun: AnswerSizes,
     start_moves: [Vec<f64>; 2],
     slope: AnswerMatrices,
@@ -265,7 +292,7 @@ impl JointSums {
     fn of(
         (linear, horizon): (&Linear, &SumHorizon),
         (i, period): (usize, f64),
-        rows: Option<LossSpan>,
+        rows: Option<(LossSpan, usize)>,
         moving: &MovingSums,
     ) -> Result<Self, ClassRefusal> {
         let n = moving.mass.len().isqrt();
@@ -274,8 +301,12 @@ impl JointSums {
         let samples = 2 * horizon.samples + 1;
         let mut block: Vec<Lines> = vec![[0.0; 16]; n];
         let mut first = true;
+        let mut misread: Vec<f64> = Vec::new();
         let tails = linear.walk(i, (samples, horizon), |j, lines| {
             block[j] = *lines;
+            if rows.is_some() {
+                misread.push(lines[2 * OUTPUTS + PLACE[STEP]]);
+            }
             if j + 1 == n {
                 own.read(&block);
                 if !core::mem::take(&mut first) {
@@ -288,7 +319,9 @@ impl JointSums {
         });
         own.start = own.begun.beyond_readings(n);
         if let Some(rows) = rows {
-            own.lost = lost((linear, horizon.samples), i, rows);
+            (own.lost, own.rows) = lost((linear, horizon.samples), i, rows);
+            let later: Vec<f64> = tails.iter().map(|tail| tail[1][PLACE[STEP]]).collect();
+            own.rows.spans = (2..=rows.0.most).map(|l| changes_over(l, &misread, &later)).collect();
         }
         own.tails(i, &tails, samples)?;
         Ok(own)
@@ -311,6 +344,7 @@ impl JointSums {
             impulse: each(),
             start: each(),
             lost: each(),
+            rows: RowSums::default(),
             begun: AnswerSizes::default(),
             start_moves: [vec![0.0; n], vec![0.0; n]],
             slope: each(),
@@ -566,19 +600,48 @@ impl JointSums {
 
 /// Largest answers of joint `i` to rows of lost commands. Beyond twice the horizon of `N` samples the rows of each
 /// block of `N` answer with at most [`LEFT`] of the largest answer, and less from block to block.
-fn lost((linear, horizon): (&Linear, usize), i: usize, rows: LossSpan) -> AnswerMatrices {
-    let samples = 2 * horizon;
-    let mut answers: Vec<Vec<[f64; KINDS]>> = vec![Vec::with_capacity(samples); linear.joints()];
+fn lost(
+    (linear, horizon): (&Linear, usize),
+    i: usize,
+    (rows, delay): (LossSpan, usize),
+) -> (AnswerMatrices, RowSums) {
+    let (samples, n) = (2 * horizon, linear.joints());
+    let mut answers: Vec<Vec<[f64; KINDS]>> = vec![Vec::with_capacity(samples); n];
     linear.given_other(i, samples, |j, outputs| {
-        answers[j].push(PLACE.map(|place| outputs[place].abs()));
+        answers[j].push(PLACE.map(|place| outputs[place]));
     });
     let of = |o: usize, j: usize| {
-        let largest = answers[j].iter().map(|own| own[o]).fold(0.0, larger);
-        let row = 0.5 * (rows.most * (rows.most + 1)) as f64;
+        let largest = answers[j].iter().map(|own| own[o].abs()).fold(0.0, larger);
+        let row = rows.most as f64;
         let later = 2.0 * LEFT * largest * row * (horizon as f64 / rows.apart as f64 + 1.0);
-        rows.sum(|k| answers[j][k][o], samples) + later
+        rows.sums(|k| answers[j][k][o].abs(), (samples, delay)).map(|own| own + later)
     };
-    core::array::from_fn(|o| (0..linear.joints()).map(|j| of(o, j)).collect())
+    let each = |o: usize| -> Vec<f64> { (0..n).map(|j| of(o, j)[0]).collect() };
+    let level = |last: usize, j: usize| {
+        let steps = answers[j].iter().take(last + 1).map(|own| own[STEP]);
+        let levels = steps.scan(0.0, |sum, step| {
+            *sum += step;
+            Some(*sum)
+        });
+        levels.map(f64::abs).fold(0.0, larger)
+    };
+    let grown = RowSums {
+        earlier: (0..n).map(|j| of(STEP, j)[1]).collect(),
+        levels: (1..rows.most).map(|k| (0..n).map(|j| level(k, j)).collect()).collect(),
+        spans: Vec::new(),
+    };
+    (core::array::from_fn(each), grown)
+}
+
+/// `Σ_k |x_k + … + x_(k−l+1)|` for each joint of answers that follow each other joint by joint, with what comes after
+/// the last sample.
+fn changes_over(l: usize, answers: &[f64], later: &[f64]) -> Vec<f64> {
+    let n = later.len();
+    let samples = answers.len() / n.max(1);
+    let at = |k: usize, j: usize| if k < samples { answers[k * n + j] } else { 0.0 };
+    let over = |k: usize, j: usize| (k.saturating_sub(l - 1)..=k).map(|k| at(k, j)).sum::<f64>();
+    let sum = |j: usize| (0..samples + l).map(|k| over(k, j).abs()).sum::<f64>();
+    later.iter().enumerate().map(|(j, later)| sum(j) + l as f64 * later).collect()
 }
 
 /// The refutation of a posture.
