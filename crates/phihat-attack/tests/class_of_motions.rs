@@ -311,7 +311,7 @@ fn no_request_and_no_target_leaves_the_bound_of_a_supervised_arm() {
     let acting = ClassAgain { limits_acting: vec!["a limit".to_owned()], ..again.clone() };
     assert_eq!(verdict(acting), Verdict::NotProved);
     assert_eq!(
-        verdict(ClassAgain { first_only: vec!["a clause".to_owned()], ..again }),
+        verdict(ClassAgain { unkept: vec!["a clause".to_owned()], ..again }),
         Verdict::NotProved
     );
     let mut found = ClassRuns::default();

@@ -119,9 +119,12 @@ impl Certificate {
             let same = (own - quantum).abs() <= SAME * quantum;
             Refutation::unless(CLAIM, "quantum is that of the encoder", own, quantum, same)?;
         }
+        if let Some(phi) = &joint.phi {
+            let typed = matches!(study.design.phi, PhiSource::Typed { .. });
+            let same = typed == (phi.basis == PhiBasis::Typed);
+            Refutation::unless(CLAIM, "φ is typed where the study types it", 0.0, 1.0, same)?;
+        }
         if let (Some(phi), PhiSource::Typed { rate, jump }) = (&joint.phi, &study.design.phi) {
-            let typed = phi.basis == PhiBasis::Typed;
-            Refutation::unless(CLAIM, "φ is typed in the study", 0.0, 1.0, typed)?;
             for (what, own, right) in [
                 ("φ̇ is not below the one typed", phi.rate_nm_s, rate.get(i)),
                 ("jumps of φ are not below those typed", phi.jump_nm, jump.get(i)),

@@ -22,6 +22,7 @@ mod certificate;
 mod check;
 mod choices;
 mod class;
+mod clauses;
 mod coarser;
 mod continuous;
 mod coupled;

@@ -1,11 +1,13 @@
 //! The tube of a file, derived again from the study by the second method.
 
-use phihat_study::{Spec, Study};
+use phihat_study::Study;
 use serde::Serialize;
 
 use crate::check::agree::agrees;
+use crate::clauses::tube_clauses;
+use crate::extremes::smaller;
 use crate::tube::{self, JointBeside, TubeInputs, TubeReference, TubeRefusal};
-use crate::{Certificate, Gains, Refutation, Tube, TubePayloadSet};
+use crate::{Certificate, Gains, Refutation, Settle, Tube, TubePayloadSet};
 
 const CLAIM: &str = "tube";
 
@@ -19,9 +21,9 @@ pub struct TubeAgain {
     pub on_trust: Option<String>,
     /// Claimed beside derived, joint by joint; empty where it is on trust.
     pub joints: Vec<JointBeside>,
-    /// Clauses of the specification that the file's tube keeps and the second derivation does not: they rest on the
-    /// first alone.
-    pub first_only: Vec<String>,
+    /// Clauses of the study's specification that the wider of both tubes does not keep, but for those that the file
+    /// lists itself.
+    pub unkept: Vec<String>,
 }
 
 impl Certificate {
@@ -49,12 +51,12 @@ impl Certificate {
             Some(Ok(own)) => own,
             Some(Err(why)) => {
                 let on_trust = Some(why.to_string());
-                return Ok(Some(TubeAgain { on_trust, joints: vec![], first_only: vec![] }));
+                return Ok(Some(TubeAgain { on_trust, joints: vec![], unkept: vec![] }));
             }
         };
         let joints = tube::beside(claimed, &own)?;
-        let first_only = first_only(&study.spec, claimed, &own);
-        Ok(Some(TubeAgain { on_trust: None, joints, first_only }))
+        let unkept = tube_clauses(study, (claimed, &own), &self.unproved);
+        Ok(Some(TubeAgain { on_trust: None, joints, unkept }))
     }
 
     /// The tube that the second method derives for these gains, with the file's bins and settling time.
@@ -78,7 +80,12 @@ impl Certificate {
             bin_s: claimed.bin_s,
         };
         let own = tube::derive(&inputs, progress);
-        Some(own.map(|own| own.steady_from(claimed.settle_s)))
+        // A file may claim that the steady part begins later than the derived tube has it, and so leave errors out.
+        let steady = |own: Tube| {
+            let latest = Settle::of(study, Some(&own)).settle_s;
+            own.steady_from(smaller(claimed.settle_s, latest))
+        };
+        Some(own.map(steady))
     }
 
     /// Checks that what the tube says of the tip is of the study's arm along its motion; see [`crate::TubeTip::is_of`].
@@ -114,100 +121,5 @@ impl Certificate {
             agrees(CLAIM, "settling time is the study's", sides, SAME)?;
         }
         Ok(())
-    }
-}
-
-/// Clauses that one tube keeps and the other does not.
-fn first_only(spec: &Spec, claimed: &Tube, own: &Tube) -> Vec<String> {
-    let integral = |tube: &Tube, i: usize| -> f64 {
-        let joint = &tube.joints[i];
-        let bins = joint.error_low_rad.iter().zip(&joint.error_high_rad);
-        bins.map(|(low, high)| tube.bin_s * low.abs().max(high.abs())).sum()
-    };
-    let clauses: [BoundClause<'_>; 3] = [
-        ("spec.error_bound_rad", &spec.error_bound, &|tube, i| tube.joints[i].error_bound_rad),
-        ("spec.velocity_error_bound_rad_s", &spec.velocity_error_bound, &|tube, i| {
-            tube.joints[i].velocity_error_bound_rad_s
-        }),
-        ("spec.error_integral_bound_rad_s", &spec.error_integral_bound, &integral),
-    ];
-    let mut list = Vec::new();
-    for (key, limits, of) in clauses {
-        for (i, limit) in limits.iter().flatten().enumerate() {
-            let (first, second) = (of(claimed, i), of(own, i));
-            if first <= *limit && (second.is_nan() || second > *limit) {
-                let name = &claimed.joints[i].name;
-                list.push(format!("{key} = {limit} on {name}: {second:.4e} is derived here"));
-            }
-        }
-    }
-    list
-}
-
-/// Key of a clause, its limits, and what a tube says of a joint.
-type BoundClause<'a> = (&'static str, &'a Option<Vec<f64>>, &'a dyn Fn(&Tube, usize) -> f64);
-
-#[cfg(test)]
-mod tests {
-    use phihat_study::Spec;
-
-    use super::{Tube, first_only};
-    use crate::{TubeJoint, TubePayloadSet};
-
-    /// One joint, ten bins of 0.1 s, at this error throughout.
-    fn tube(error_bound_rad: f64) -> Tube {
-        let joint = TubeJoint {
-            name: "joint1".to_owned(),
-            error_low_rad: vec![-0.5 * error_bound_rad; 10],
-            error_high_rad: vec![error_bound_rad; 10],
-            velocity_low_rad_s: vec![0.0; 10],
-            velocity_high_rad_s: vec![0.0; 10],
-            error_bound_rad,
-            velocity_error_bound_rad_s: 0.0,
-            torque_max_nm: 1.0,
-            torque_step_nm: vec![1.0; 10],
-            torque_step_max_nm: 1.0,
-            torque_step_steady_max_nm: 1.0,
-        };
-        let (frame, com_m) = ("tip".to_owned(), [(0.0, 0.0); 3]);
-        Tube {
-            bin_s: 0.1,
-            duration_s: 1.0,
-            settle_s: 0.0,
-            slices: 1,
-            payload: TubePayloadSet { frame, mass_kg: (0.0, 0.0), com_m, gyration_m: 0.0 },
-            coulomb_nm: (vec![0.0], vec![0.0]),
-            quantum_rad: vec![0.0],
-            joints: vec![joint],
-            limits_silent: true,
-            tip: None,
-        }
-    }
-
-    #[test]
-    fn a_clause_rests_on_the_first_tube_where_that_alone_keeps_it() {
-        let spec = Spec {
-            error_bound: Some(vec![2.0]),
-            velocity_error_bound: None,
-            error_integral_bound: Some(vec![2.5]),
-            tip_error_bound: None,
-            settle: 0.0,
-            settle_stated: true,
-        };
-        // The integral of |e| over a second is the error.
-        for (claimed, derived, listed) in [
-            (1.0, 1.5, 0),
-            (1.0, 2.0, 0),
-            (1.0, 2.1, 1),
-            (2.0, 2.6, 2),
-            (1.0, f64::NAN, 2),
-            (2.1, 1.0, 0),
-            (2.1, 2.2, 0),
-            (2.6, 2.7, 0),
-        ] {
-            let list = first_only(&spec, &tube(claimed), &tube(derived));
-            assert_eq!(list.len(), listed, "{claimed} {derived}: {list:?}");
-            assert!(list.iter().all(|line| line.contains("joint1")), "{list:?}");
-        }
     }
 }

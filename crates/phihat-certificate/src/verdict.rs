@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::extremes::larger;
-use crate::{Certificate, ClassAgain, Gains, TubeAgain};
+use crate::{ArmBasis, Certificate, ClassAgain, Gains, PhiBasis, TubeAgain};
 
 /// Standing of a claim, from the weakest to the strongest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -61,13 +61,17 @@ impl Certificate {
     /// Bounds on the errors with their standing, after the derivations that were made from a study; joints without a
     /// bound are left out.
     ///
+    /// `studied`: a study was held against the file. A bound by peak gains is derived twice only
+    /// with one that types `φ` and the range of inertia: a file alone
+    /// may state any, and those from a reference, a simulation or a trace are not derived again.
+    ///
     /// Two derivations that bound the same error by `E₁` and `E₂` both show `|e| ≤ max(E₁, E₂)`: that is the bound
     /// which is derived twice.
     pub(crate) fn checked_bounds(
         &self,
         gains: &Gains,
-        tube: Option<&TubeAgain>,
-        class: Option<&ClassAgain>,
+        (tube, class): (Option<&TubeAgain>, Option<&ClassAgain>),
+        studied: bool,
     ) -> Vec<CheckedBound> {
         let joints = gains.joints.iter().enumerate();
         joints
@@ -76,9 +80,7 @@ impl Certificate {
                 let (error_bound_rad, verdict, basis) = match (&self.tube, &self.class) {
                     (Some(_), _) => tube_bound(claimed_rad, i, tube),
                     (None, Some(_)) => class_bound(claimed_rad, i, class),
-                    (None, None) => {
-                        (claimed_rad, Verdict::DerivedTwice, "peak gains times the stated φ".into())
-                    }
+                    (None, None) => self.own_bound(claimed_rad, i, studied),
                 };
                 Some(CheckedBound {
                     joint: record.name.clone(),
@@ -89,6 +91,25 @@ impl Certificate {
                 })
             })
             .collect()
+    }
+
+    /// Standing of a bound by peak gains, which rests on `φ` and on the range of inertia.
+    fn own_bound(&self, claimed: f64, joint: usize, studied: bool) -> Standing {
+        let phi = self.joints.get(joint).and_then(|joint| joint.phi.as_ref());
+        let typed = phi.is_some_and(|phi| phi.basis == PhiBasis::Typed);
+        if !studied {
+            return once(
+                claimed,
+                "φ and the range of inertia are on trust; --study STUDY states them",
+            );
+        }
+        if !typed || self.arm.basis != ArmBasis::Typed {
+            return once(
+                claimed,
+                "φ or the range of inertia is not typed, and not derived a second time",
+            );
+        }
+        (claimed, Verdict::DerivedTwice, "peak gains times the stated φ".into())
     }
 }
 

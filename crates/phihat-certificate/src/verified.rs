@@ -8,6 +8,9 @@ use crate::{
     JointCertificate, LoopModel, NotCounted, PhiBasis, Refutation, TubeAgain, Verdict,
 };
 
+/// Subject of the clause that no gains keep where joints bend.
+const BENDING: &str = "the error on joints that bend";
+
 /// One line of a checked certificate.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct VerifiedStatement {
@@ -47,6 +50,10 @@ pub struct Verified {
     pub assumptions: Vec<Assumption>,
     /// Effects in the study that the claims leave out, as the file says.
     pub not_counted: Vec<NotCounted>,
+    /// Clauses of the study's specification that bounds of joints by themselves do not keep; of a tube and a class
+    /// they stand there.
+    #[serde(skip)]
+    pub unkept: Vec<String>,
     /// Clauses of the specification that the file does not prove, and the reason where it bounds no error.
     pub not_proved: Vec<String>,
     /// True if the error of every joint has a bound. If false, the claims are about the loop alone.
@@ -109,6 +116,7 @@ impl Certificate {
             class: None,
             assumptions: self.assumptions(),
             not_counted: self.not_counted.clone(),
+            unkept: Vec::new(),
             not_proved: Vec::new(),
             bounded: self.without_bound().is_none(),
         };
@@ -119,11 +127,12 @@ impl Certificate {
     #[must_use]
     pub fn concluded(&self, mut verified: Verified, gains: &Gains) -> Verified {
         let (tube, class) = (verified.tube.as_ref(), verified.class.as_ref());
-        verified.error_bounds = self.checked_bounds(gains, tube, class);
+        verified.error_bounds =
+            self.checked_bounds(gains, (tube, class), !verified.derived.is_empty());
         verified.not_proved = self.not_proved();
-        let first_only = tube.map(|tube| &tube.first_only);
-        let all = first_only.into_iter().chain(class.map(|class| &class.first_only));
-        verified.not_proved.extend(all.flatten().cloned());
+        let by_tube = tube.map(|tube| &tube.unkept);
+        let all = by_tube.into_iter().chain(class.map(|class| &class.unkept));
+        verified.not_proved.extend(all.flatten().chain(&verified.unkept).cloned());
         let standing = verified.error_bounds.iter().map(|bound| bound.verdict).min();
         verified.verdict = if verified.bounded && verified.not_proved.is_empty() {
             standing.unwrap_or(Verdict::NotProved)
@@ -197,7 +206,12 @@ impl Certificate {
     /// Clauses that are not proved, and the reason where no error is bounded.
     fn not_proved(&self) -> Vec<String> {
         let why = self.without_bound().map(|why| format!("no bound on the error: {why}"));
-        why.into_iter().chain(self.unproved.iter().cloned()).collect()
+        let mut list: Vec<String> = why.into_iter().chain(self.unproved.iter().cloned()).collect();
+        // Bounds count no spring, whether the file says so or not.
+        if self.elastic.is_some() && !list.iter().any(|line| line.starts_with(BENDING)) {
+            list.push(format!("{BENDING}: bounds and tube are those of rigid joints"));
+        }
+        list
     }
 
     /// The bound for a class of motions, which rests on a search.

@@ -297,6 +297,7 @@ fn derived_again(
     share: &(dyn Fn(f64) + Sync),
 ) -> Result<Verified, Refutation> {
     verified.derived = certificate.derive(gains, study)?;
+    verified.unkept = certificate.clauses_of_joints(study);
     verified.tube = derived_tube((gains, certificate), study, share)?;
     verified.class = certificate.derive_class(gains, study, seed)?;
     Ok(certificate.concluded(verified, gains))

@@ -220,7 +220,7 @@ fn judged(case: &Case) -> Stop {
     let reserves = inertia.iter().map(|m| 0.5 * m * 0.2 * 0.2).sum();
     let at_end = trace.joints.iter().fold(0.0, |m: f64, j| m.max(j.dq.last().unwrap().abs()));
     let mut stop = Stop { reserves, at_end, ..Stop::default() };
-    let before = mode.len().saturating_sub((5.0 * rate_hz) as usize);
+    let before = trace.t_ns.partition_point(|t| *t + 5_000_000_000 < *trace.t_ns.last().unwrap());
     let way = |j: &JointTrace| (j.q[j.q.len() - 1] - j.q[before]).abs();
     stop.sinks = trace.joints.iter().map(way).fold(0.0, f64::max);
     let Some(at) = mode.iter().position(|mode| *mode == Mode::SafeStop) else { return stop };

@@ -13,6 +13,7 @@ use super::setting::{CLAIM, ClassSetting, bodies, models, rotors};
 use super::solve::{BoundProblem, PlayedPosture, Solution};
 use super::sums::PlayedSums;
 use crate::check::plausible::at_most;
+use crate::clauses::{LimitClause, listed};
 use crate::extremes::{Extremes as _, larger};
 use crate::loaded::loaded;
 use crate::parallel::{both, shared, threads};
@@ -90,8 +91,9 @@ pub struct ClassAgain {
     pub on_trust: Option<String>,
     /// Claimed beside derived, joint by joint; empty where it is on trust.
     pub joints: Vec<JointOfClass>,
-    /// Clauses of the specification that the file's bounds keep and the derived ones do not.
-    pub first_only: Vec<String>,
+    /// Clauses of the study's specification that the wider of both bounds does not keep, but for those that the file
+    /// lists itself.
+    pub unkept: Vec<String>,
     /// Limits of torque or torque rate that could act by the derived bounds, which are none then.
     pub limits_acting: Vec<String>,
     /// Postures at which kicks were played.
@@ -203,7 +205,7 @@ fn again((postures, bent_postures, points): (usize, usize, usize)) -> ClassAgain
     ClassAgain {
         on_trust: None,
         joints: Vec::new(),
-        first_only: Vec::new(),
+        unkept: Vec::new(),
         limits_acting: Vec::new(),
         postures,
         bent_postures,
@@ -230,17 +232,13 @@ fn beside(
         torque_nm: pair(&claimed.torque_nm, &own.torque, i),
     });
     let joints: Vec<JointOfClass> = joints.collect();
-    let [first_only, limits_acting] = first_only(&joints, certificate, study);
-    ClassAgain { joints, first_only, limits_acting, ..again(counts) }
+    let [unkept, limits_acting] = unkept(&joints, certificate, study);
+    ClassAgain { joints, unkept, limits_acting, ..again(counts) }
 }
 
-/// Clauses of the specification that the file's bounds keep and the derived ones do not; and limits of the arm that
-/// could act by the derived ones.
-fn first_only(
-    joints: &[JointOfClass],
-    certificate: &Certificate,
-    study: &Study,
-) -> [Vec<String>; 2] {
+/// Clauses of the specification that the wider bounds do not keep; and limits of the arm that could act by the derived
+/// ones.
+fn unkept(joints: &[JointOfClass], certificate: &Certificate, study: &Study) -> [Vec<String>; 2] {
     let of = |list: &Option<Vec<f64>>, i: usize| list.as_ref().and_then(|all| all.get(i)).copied();
     let beyond = |own: f64, limit: f64| own.is_nan() || own > limit;
     let [mut clauses, mut limits] = [Vec::new(), Vec::new()];
@@ -257,10 +255,9 @@ fn first_only(
             ),
             ("design.torque_step_max_nm", of(&design.torque_step_max, i), step),
         ] {
-            let first = |limit: &f64| pair.claimed <= *limit && beyond(pair.derived, *limit);
-            clauses.extend(limit.filter(first).map(|limit| {
-                let derived = pair.derived;
-                format!("{key} = {limit} on {name}: {derived:.4e} is derived here")
+            let sides = (pair.claimed, pair.derived);
+            clauses.extend(limit.and_then(|limit| {
+                LimitClause { key, limit, joint: Some(name.as_str()) }.unkept(sides)
             }));
         }
         let (torque, rate) = record.limits;
@@ -273,6 +270,7 @@ fn first_only(
             }));
         }
     }
+    clauses.retain(|line| !listed(line, &certificate.unproved));
     [clauses, limits]
 }
 
