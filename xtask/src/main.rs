@@ -15,6 +15,7 @@ mod dependencies;
 mod dist;
 mod exact;
 mod files;
+mod forge;
 mod franka;
 mod fuzz;
 mod gate;
@@ -53,6 +54,9 @@ const USAGE: &str = "usage:
   cargo xtask attack [N] [--seed S] [--jobs J] [--json FILE] [--alone]
                                N random studies that try to break what is certified about them (resumes);
                                one in twenty also in Pinocchio and MuJoCo, unless --alone
+  cargo xtask forge [N] [--seed S] [--derive-every K]
+                               N edits of the gains of each of three shipped studies (resumes): refused by `phihat \
+  verify`, or no more said
   cargo xtask fuzz [MINUTES]   documents and samples that nobody would write, against every reader and the core
   cargo xtask mutants [--shard K/N] [FILE …]
                                changes the core in one place at a time and counts what no test notices (hours; K from \
@@ -154,6 +158,7 @@ fn main() -> ExitCode {
             twice::run(&shell::root(), rest.first().map(String::as_str))
         }
         Some((verb, rest)) if verb == "attack" => attack::run(&shell::root(), rest),
+        Some((verb, rest)) if verb == "forge" => forge::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "fuzz" => fuzz::run(&shell::root(), rest.first()),
         Some((verb, rest)) if verb == "bench" => bench::run(rest),
         Some((verb, rest)) if verb == "verbs" => verbs::run(&shell::root(), rest),

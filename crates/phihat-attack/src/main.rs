@@ -9,7 +9,10 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
-use phihat_attack::{AttackRecord, AttackSummary, ClassRuns, NoRun, Trial, class_run, hostile_run};
+use phihat_attack::{
+    AttackRecord, AttackSummary, ClassRuns, Forger, ForgeryRecord, ForgerySummary, NoRun, Trial,
+    class_run, hostile_run,
+};
 use phihat_campaign::{Journal, RunEnded, run_all};
 
 /// Draws studies and tries to break what is certified about them.
@@ -69,12 +72,17 @@ struct AttackArguments {
     /// The gains of the class, with their certificate.
     #[arg(long, value_name = "FILE")]
     gains: Option<PathBuf>,
+    /// Edit a gains file in place of drawing studies: so many edits, each of which has to be refused or to say no more
+    /// than the file did. Of those that a second derivation alone can refuse, one in `--derive-every` is derived again.
+    #[arg(long, value_name = "STUDY", requires = "gains", conflicts_with = "class")]
+    forge: Option<PathBuf>,
 }
 
 fn main() -> ExitCode {
     let arguments = AttackArguments::parse();
-    let done = match (&arguments.class, &arguments.gains) {
-        (Some(study), Some(gains)) => attack_class(&arguments, study, gains),
+    let done = match (&arguments.class, &arguments.gains, &arguments.forge) {
+        (Some(study), Some(gains), _) => attack_class(&arguments, study, gains),
+        (_, Some(gains), Some(study)) => forge(&arguments, study, gains),
         _ => attack(&arguments),
     };
     match done {
@@ -142,6 +150,50 @@ fn attack_class(
         fs::write(path, format!("{all:#}\n")).map_err(|e| format!("{}: {e}", path.display()))?;
     }
     Ok(found.outside == 0)
+}
+
+/// Edits a gains file; returns true if no edit passed and said more than the file did.
+fn forge(arguments: &AttackArguments, study: &Path, gains: &Path) -> Result<bool, Box<dyn Error>> {
+    let study = phihat_session::read(study)?;
+    let text = fs::read_to_string(gains).map_err(|e| format!("{}: {e}", gains.display()))?;
+    let forger = Forger::new(&text, *study, arguments.seed, arguments.derive_every)?;
+    let folder = arguments.out.join(format!("forged-{}", arguments.seed));
+    fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let path = folder.join("journal.jsonl");
+    let journal = if arguments.fresh { Journal::afresh(&path) } else { Journal::open(&path) };
+    let (mut journal, program) = (journal?, program()?);
+    let file = fingerprint(text.as_bytes());
+    let places: Vec<u64> = (arguments.from..arguments.from + arguments.count).collect();
+    let (seed, every) = (arguments.seed, arguments.derive_every);
+    let id = |index: &u64| {
+        format!(
+            "{index} of {seed}, file {file:016x}, every {every} derived, program {program:016x}"
+        )
+    };
+    let ids: Vec<String> = places.iter().map(id).collect();
+    let bar = ProgressBar::new(arguments.count);
+    says_what_is_saved(&bar, &path);
+    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
+    let work = |place: usize| forger.forge(places[place]);
+    let jobs = arguments.jobs.unwrap_or_else(processors);
+    let done = run_all(&ids, &mut journal, jobs, &work, |progress| {
+        bar.set_position(progress.done as u64);
+    });
+    bar.finish_and_clear();
+    let (mut records, mut panics): (Vec<ForgeryRecord>, Vec<String>) = (Vec::new(), Vec::new());
+    for (index, ended) in places.iter().zip(done?) {
+        match ended {
+            RunEnded::With(record) => records.push(record),
+            RunEnded::Panicked(why) => panics.push(format!("edit {index}: {why}")),
+        }
+    }
+    let summary = ForgerySummary::of(gains, &forger, records, panics);
+    println!("{summary}");
+    if let Some(path) = &arguments.json {
+        let all = serde_json::json!({ "seed": seed, "derive_every": every, "forged": summary });
+        fs::write(path, format!("{all:#}\n")).map_err(|e| format!("{}: {e}", path.display()))?;
+    }
+    Ok(summary.is_clean())
 }
 
 /// Attacks the studies; returns true if no claim was broken.
@@ -240,12 +292,17 @@ fn report(
     Ok(summary.broken.is_empty() && summary.panics.is_empty())
 }
 
-/// A number that stands for this program: another build attacks other code, so what it did counts for itself (FNV-1a).
+/// A number that stands for this program: another build attacks other code, so what it did counts for itself.
 fn program() -> Result<u64, Box<dyn Error>> {
     let path = std::env::current_exe()?;
     let bytes = fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+    Ok(fingerprint(&bytes))
+}
+
+/// FNV-1a.
+fn fingerprint(bytes: &[u8]) -> u64 {
     let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
-    Ok(bytes.iter().fold(0xcbf2_9ce4_8422_2325, step))
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, step)
 }
 
 fn says_what_is_saved(bar: &ProgressBar, journal: &Path) {

@@ -9,5 +9,6 @@
 mod audited;
 mod class_of_motions;
 mod classes;
+mod forged;
 mod identified;
 mod ranges;
