@@ -127,27 +127,25 @@ enum Stronger {
 fn no_stronger(what: &str, before: &str, now: &str) -> bool {
     let (before, now) = (numbers(before), numbers(now));
     let has = |part: &str| what.contains(part);
-    let directions: Vec<Stronger> = if has("stable while the arm moves")
-        || has("forgets")
-        || has("margin")
-        || has("largest step")
-    {
-        vec![Stronger::Larger; now.len()]
-    } else if has("stable") && now.len() >= 2 {
-        // Low and high end of a range, then a modulus.
-        let first = [Stronger::Smaller, Stronger::Larger];
-        first.into_iter().chain(std::iter::repeat(Stronger::Larger)).take(now.len()).collect()
-    } else if has("change of torque")
-        || has("the same, rms")
-        || has("error per")
-        || has("inverse optimal")
-        || has("norm")
-        || has("ultimate bound")
-    {
-        vec![Stronger::Smaller; now.len()]
-    } else {
-        return false;
-    };
+    let directions: Vec<Stronger> =
+        if has("stable while the arm moves") || has("margin") || has("largest step") {
+            vec![Stronger::Larger; now.len()]
+        } else if has("stable") && now.len() >= 2 {
+            // Low and high end of a range, then a modulus.
+            let first = [Stronger::Smaller, Stronger::Larger];
+            first.into_iter().chain(std::iter::repeat(Stronger::Larger)).take(now.len()).collect()
+        } else if has("forgets")
+            || has("change of torque")
+            || has("the same, rms")
+            || has("error per")
+            || has("inverse optimal")
+            || has("norm")
+            || has("ultimate bound")
+        {
+            vec![Stronger::Smaller; now.len()]
+        } else {
+            return false;
+        };
     before.len() == now.len()
         && before.iter().zip(&now).zip(directions).all(|((before, now), direction)| match direction
         {
@@ -183,6 +181,9 @@ mod tests {
         assert!(!no_stronger(window, "μ in 0.5 … 2.0", "μ in 0.6 … 2.1"));
         assert!(no_stronger("phase margin", "40.0°", "39.0°") || numbers("40.0°").is_empty());
         assert!(!no_stronger("H-infinity norm", "≤ 2.0", "≤ 1.9"));
+        // An exponent.
+        assert!(no_stronger("every frozen posture forgets", "e^(−0.41 t)", "e^(−0.00 t)"));
+        assert!(!no_stronger("every frozen posture forgets", "e^(−0.41 t)", "e^(−0.42 t)"));
         assert!(!no_stronger("of another kind", "1.0", "1.0 "));
     }
 
