@@ -400,6 +400,15 @@ pub(crate) fn wrong(root: &Path) -> Result<Vec<String>, String> {
     Ok(wrong)
 }
 
+/// A crate, and all of ours that it may use on any way.
+pub(crate) fn may_reach(name: &'static str) -> BTreeSet<&'static str> {
+    let uses =
+        CRATES.into_iter().map(|(name, may, _)| (name, may.iter().copied().collect())).collect();
+    let mut all = reached(name, &uses);
+    all.insert(name);
+    all
+}
+
 /// All that a package uses, and what that uses.
 fn reached<'a>(from: &'a str, uses: &BTreeMap<&'a str, BTreeSet<&'a str>>) -> BTreeSet<&'a str> {
     let (mut reached, mut open) = (BTreeSet::new(), vec![from]);

@@ -10,10 +10,12 @@ use std::process::ExitCode;
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use phihat_attack::{
-    AttackRecord, AttackSummary, ClassRuns, Forger, ForgeryRecord, ForgerySummary, NoRun, Trial,
-    class_run, hostile_run,
+    AttackRecord, AttackSummary, ClassRuns, Forger, ForgerySummary, NoRun, Trial, class_run,
+    hostile_run,
 };
 use phihat_campaign::{Journal, RunEnded, run_all};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 /// Draws studies and tries to break what is certified about them.
 #[derive(Debug, Parser)]
@@ -158,35 +160,10 @@ fn forge(arguments: &AttackArguments, study: &Path, gains: &Path) -> Result<bool
     let text = fs::read_to_string(gains).map_err(|e| format!("{}: {e}", gains.display()))?;
     let forger = Forger::new(&text, *study, arguments.seed, arguments.derive_every)?;
     let folder = arguments.out.join(format!("forged-{}", arguments.seed));
-    fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let path = folder.join("journal.jsonl");
-    let journal = if arguments.fresh { Journal::afresh(&path) } else { Journal::open(&path) };
-    let (mut journal, program) = (journal?, program()?);
-    let file = fingerprint(text.as_bytes());
-    let places: Vec<u64> = (arguments.from..arguments.from + arguments.count).collect();
     let (seed, every) = (arguments.seed, arguments.derive_every);
-    let id = |index: &u64| {
-        format!(
-            "{index} of {seed}, file {file:016x}, every {every} derived, program {program:016x}"
-        )
-    };
-    let ids: Vec<String> = places.iter().map(id).collect();
-    let bar = ProgressBar::new(arguments.count);
-    says_what_is_saved(&bar, &path);
-    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
-    let work = |place: usize| forger.forge(places[place]);
-    let jobs = arguments.jobs.unwrap_or_else(processors);
-    let done = run_all(&ids, &mut journal, jobs, &work, |progress| {
-        bar.set_position(progress.done as u64);
-    });
-    bar.finish_and_clear();
-    let (mut records, mut panics): (Vec<ForgeryRecord>, Vec<String>) = (Vec::new(), Vec::new());
-    for (index, ended) in places.iter().zip(done?) {
-        match ended {
-            RunEnded::With(record) => records.push(record),
-            RunEnded::Panicked(why) => panics.push(format!("edit {index}: {why}")),
-        }
-    }
+    let file = fingerprint(text.as_bytes());
+    let id = |index: u64| format!("{index} of {seed}, file {file:016x}, every {every} derived");
+    let (records, panics) = saved(arguments, (&folder, "edit"), id, |index| forger.forge(index))?;
     let summary = ForgerySummary::of(gains, &forger, records, panics);
     println!("{summary}");
     if let Some(path) = &arguments.json {
@@ -199,11 +176,6 @@ fn forge(arguments: &AttackArguments, study: &Path, gains: &Path) -> Result<bool
 /// Attacks the studies; returns true if no claim was broken.
 fn attack(arguments: &AttackArguments) -> Result<bool, Box<dyn Error>> {
     let folder = arguments.out.join(format!("seed-{}", arguments.seed));
-    fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let path = folder.join("journal.jsonl");
-    let journal = if arguments.fresh { Journal::afresh(&path) } else { Journal::open(&path) };
-    let mut journal = journal?;
-    let program = program()?;
     let AttackArguments {
         seed,
         runs,
@@ -226,15 +198,32 @@ fn attack(arguments: &AttackArguments) -> Result<bool, Box<dyn Error>> {
         whole_every,
         python,
     };
-    let places: Vec<u64> = (arguments.from..arguments.from + arguments.count).collect();
-    let id = |index: &u64| {
+    let id = |index: u64| {
         format!(
             "{index} of {seed}, {runs} runs, {positions} by positions, {searched} searched, every {keep_every} asked \
-                {}, every {derive_every} derived, every {whole_every} whole, program {program:016x}",
+                {}, every {derive_every} derived, every {whole_every} whole",
             python.is_some()
         )
     };
-    let ids: Vec<String> = places.iter().map(id).collect();
+    let (records, panics) = saved(arguments, (&folder, "study"), id, |index| trial.attack(index))?;
+    report(arguments, &records, panics, &folder)
+}
+
+/// Results of some work for each index that was asked for, and those at which it panicked. Each result is saved in the
+/// folder as it comes, under a text that says what it depends on; the same command goes on from there.
+fn saved<R: Serialize + DeserializeOwned + Send>(
+    arguments: &AttackArguments,
+    (folder, what): (&Path, &str),
+    id: impl Fn(u64) -> String,
+    work: impl Fn(u64) -> R + Sync,
+) -> Result<(Vec<R>, Vec<String>), Box<dyn Error>> {
+    fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let path = folder.join("journal.jsonl");
+    let journal = if arguments.fresh { Journal::afresh(&path) } else { Journal::open(&path) };
+    let (mut journal, program) = (journal?, program()?);
+    let places: Vec<u64> = (arguments.from..arguments.from + arguments.count).collect();
+    let ids: Vec<String> =
+        places.iter().map(|index| format!("{}, program {program:016x}", id(*index))).collect();
     let bar = ProgressBar::new(arguments.count);
     if let Ok(style) = ProgressStyle::with_template(
         "attacking {wide_bar} {pos} of {len} · {elapsed} of about {duration}",
@@ -244,19 +233,18 @@ fn attack(arguments: &AttackArguments) -> Result<bool, Box<dyn Error>> {
     says_what_is_saved(&bar, &path);
     let processors = || std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = arguments.jobs.unwrap_or_else(processors);
-    let work = |place: usize| trial.attack(places[place]);
-    let done = run_all(&ids, &mut journal, jobs, &work, |progress| {
+    let done = run_all(&ids, &mut journal, jobs, &|place: usize| work(places[place]), |progress| {
         bar.set_position(progress.done as u64);
     });
     bar.finish_and_clear();
-    let (mut records, mut panics): (Vec<AttackRecord>, Vec<String>) = (Vec::new(), Vec::new());
+    let (mut records, mut panics) = (Vec::new(), Vec::new());
     for (index, ended) in places.iter().zip(done?) {
         match ended {
             RunEnded::With(record) => records.push(record),
-            RunEnded::Panicked(why) => panics.push(format!("study {index}: {why}")),
+            RunEnded::Panicked(why) => panics.push(format!("{what} {index}: {why}")),
         }
     }
-    report(arguments, &records, panics, &folder)
+    Ok((records, panics))
 }
 
 fn report(

@@ -5,6 +5,7 @@
 use std::path::Path;
 
 use phihat_attack::{Forger, ForgeryFate, ForgerySummary};
+use phihat_certificate::parallel::shared;
 use phihat_study::Study;
 
 const GAINS: &str = include_str!("../../phihat-certificate/tests/forged/two_joints.json");
@@ -19,23 +20,7 @@ fn no_edit_of_a_gains_file_passes_and_says_more() {
     let (count, every) =
         if std::env::var_os("PHIHAT_ALL").is_some() { (6_000, 4) } else { (500, 10) };
     let forger = Forger::new(GAINS, study(), 7, every).unwrap();
-    let next = std::sync::atomic::AtomicU64::new(0);
-    let records = std::sync::Mutex::new(Vec::new());
-    std::thread::scope(|scope| {
-        for _ in 0..2 {
-            scope.spawn(|| {
-                loop {
-                    let index = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-                    if index >= count {
-                        return;
-                    }
-                    let record = forger.forge(index);
-                    records.lock().unwrap().push(record);
-                }
-            });
-        }
-    });
-    let records = records.into_inner().unwrap();
+    let records = shared(count, |index| forger.forge(index as u64));
     let refused = records.iter().filter(|own| {
         matches!(own.fate, ForgeryFate::Refused | ForgeryFate::RefusedByStudy | ForgeryFate::Unread)
     });

@@ -46,17 +46,12 @@ pub(crate) fn tube_clauses(
     unproved: &[String],
 ) -> Vec<String> {
     let spec = &study.spec;
-    let integral = |tube: &Tube, i: usize| -> f64 {
-        let joint = &tube.joints[i];
-        let bins = joint.error_low_rad.iter().zip(&joint.error_high_rad);
-        bins.map(|(low, high)| tube.bin_s * low.abs().max(high.abs())).sum()
-    };
     let clauses: [JointClause<'_>; 4] = [
         ("spec.error_bound_rad", &spec.error_bound, &|tube, i| tube.joints[i].error_bound_rad),
         ("spec.velocity_error_bound_rad_s", &spec.velocity_error_bound, &|tube, i| {
             tube.joints[i].velocity_error_bound_rad_s
         }),
-        ("spec.error_integral_bound_rad_s", &spec.error_integral_bound, &integral),
+        ("spec.error_integral_bound_rad_s", &spec.error_integral_bound, &Tube::error_integral),
         ("design.torque_step_max_nm", &study.design.torque_step_max, &|tube, i| {
             tube.joints[i].torque_step_steady_max_nm
         }),
@@ -83,16 +78,13 @@ pub(crate) fn tube_clauses(
 /// lever arms.
 fn tip_error_mm(levers: &Tube, errors: &Tube) -> f64 {
     let Some(tip) = &levers.tip else { return f64::INFINITY };
-    let bins = errors.bins();
-    let before = |bin: &usize| (bin + 1) as f64 * errors.bin_s <= errors.settle_s + 1e-12;
-    let first = (0..bins).take_while(before).count().min(bins.saturating_sub(1));
     let off = |bin: usize| {
         let size = |joint: &crate::TubeJoint| {
             larger(joint.error_low_rad[bin].abs(), joint.error_high_rad[bin].abs())
         };
         tip.off(bin, &errors.joints.iter().map(size).collect::<Vec<_>>()).0
     };
-    1e3 * (first..bins).map(off).largest()
+    1e3 * (errors.first_steady()..errors.bins()).map(off).largest()
 }
 
 impl Certificate {

@@ -100,18 +100,30 @@ pub struct TubeJoint {
 }
 
 impl Tube {
+    /// The first bin that ends after the settling time; the last one where none does.
+    pub(crate) fn first_steady(&self) -> usize {
+        let bins = self.bins();
+        let before = |bin: &usize| (bin + 1) as f64 * self.bin_s <= self.settle_s + 1e-12;
+        (0..bins).take_while(before).count().min(bins.saturating_sub(1))
+    }
+
+    /// Largest `∫|e| dt` of a joint over the run, bin by bin \[rad·s\].
+    pub fn error_integral(&self, joint: usize) -> f64 {
+        let joint = &self.joints[joint];
+        let bins = joint.error_low_rad.iter().zip(&joint.error_high_rad);
+        bins.map(|(low, high)| self.bin_s * low.abs().max(high.abs())).sum()
+    }
+
     /// This tube, steady from a time \[s\] on: its largest errors are those of the bins that end later, of the last bin
     /// where none does.
     #[must_use]
     pub fn steady_from(mut self, settle_s: f64) -> Self {
-        let bins = self.bins();
-        let before = |bin: &usize| (bin + 1) as f64 * self.bin_s <= settle_s + 1e-12;
-        let first = (0..bins).take_while(before).count().min(bins.saturating_sub(1));
+        self.settle_s = settle_s;
+        let (first, bins) = (self.first_steady(), self.bins());
         let largest = |low: &[f64], high: &[f64]| {
             let ends = low.iter().zip(high).skip(first);
             ends.map(|(low, high)| larger(low.abs(), high.abs())).largest()
         };
-        self.settle_s = settle_s;
         for joint in &mut self.joints {
             joint.error_bound_rad = largest(&joint.error_low_rad, &joint.error_high_rad);
             joint.velocity_error_bound_rad_s =

@@ -12,7 +12,7 @@ pub fn section_poles(section: &FilterSection, rate_hz: f64) -> String {
     let told = |value: f64| number(value).replace('-', "−");
     if turn < 0.0 {
         // Both at once: |1 + w|² = 1 − c_1 + c_0.
-        let angle = f64::atan2((-turn).sqrt(), 1.0 - 0.5 * c1);
+        let angle = libm::atan2((-turn).sqrt(), 1.0 - 0.5 * c1);
         let decay = 0.5 * libm::log1p(c0 - c1) * rate_hz;
         return format!("{} ± {}j", told(decay), number(angle * rate_hz));
     }

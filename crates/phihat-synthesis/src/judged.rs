@@ -160,15 +160,10 @@ pub(crate) fn shares(study: &Study, tube: &Tube, unproved: &mut Vec<String>) -> 
         &|i| tube.joints[i].velocity_error_bound_rad_s,
         true,
     );
-    let integral = |i: usize| {
-        let joint = &tube.joints[i];
-        let bins = joint.error_low_rad.iter().zip(&joint.error_high_rad);
-        bins.map(|(low, high)| tube.bin_s * low.abs().max(high.abs())).sum()
-    };
     let steady = |i: usize| tube.joints[i].torque_step_steady_max_nm;
     clause("design.torque_step_max_nm", study.design.torque_step_max.as_ref(), &steady, false);
     let limits = spec.error_integral_bound.as_ref();
-    clause("spec.error_integral_bound_rad_s", limits, &integral, false);
+    clause("spec.error_integral_bound_rad_s", limits, &|i| tube.error_integral(i), false);
     if let Some(limit) = spec.tip_error_bound {
         let bound = tube.tip.as_ref().map_or(f64::INFINITY, |tip| tip.error_bound_m);
         if bound > limit {

@@ -3,7 +3,7 @@
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 use syn::{
-    Block, Expr, ExprBinary, ExprMethodCall, GenericArgument, ImplItemFn, Item, ItemFn,
+    Block, Expr, ExprBinary, ExprMethodCall, GenericArgument, ImplItemFn, Item, ItemFn, Path,
     PathArguments, PathSegment, Signature, TraitItemFn, Type,
 };
 
@@ -34,24 +34,16 @@ fn written_by_a_program(file: &str) -> bool {
 
 /// Places where an error is a `String`: nobody can tell its kind but by reading it.
 pub(super) fn errors_of_text(tree: &ModuleTree) -> Vec<String> {
-    let all = gathered(tree).into_iter();
-    all.flat_map(|(file, measured)| {
-        measured.texts.into_iter().map(move |line| format!("{file}:{line}"))
-    })
-    .collect()
+    places(tree, |measured| measured.texts)
 }
 
 /// Places where a condition has a `let` among others (Rust 1.88): the core compiles with an older compiler.
 pub(super) fn let_chains(tree: &ModuleTree) -> Vec<String> {
-    let all = gathered(tree).into_iter();
-    all.flat_map(|(file, measured)| {
-        measured.chains.into_iter().map(move |line| format!("{file}:{line}"))
-    })
-    .collect()
+    places(tree, |measured| measured.chains)
 }
 
-/// Functions that the standard library takes from the machine, whose last bits are another's elsewhere; `exp` and
-/// `sin_cos` are names of methods of this project's own vectors, too.
+/// Functions that the standard library takes from the machine, whose last bits are another's elsewhere. Methods `exp`
+/// and `sin_cos` are this project's own vectors', too.
 const OF_THE_MACHINE: [&str; 15] = [
     "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "exp_m1", "ln", "ln_1p", "log10", "log2",
     "powf", "cbrt", "hypot",
@@ -59,9 +51,14 @@ const OF_THE_MACHINE: [&str; 15] = [
 
 /// Places where a function of the machine's library is used.
 pub(super) fn of_the_machine(tree: &ModuleTree) -> Vec<String> {
+    places(tree, |measured| measured.of_the_machine)
+}
+
+/// File and line of each place that a module's figures list.
+fn places(tree: &ModuleTree, of: impl Fn(ModuleFigures) -> Vec<usize>) -> Vec<String> {
     let all = gathered(tree).into_iter();
     all.flat_map(|(file, measured)| {
-        measured.of_the_machine.into_iter().map(move |line| format!("{file}:{line}"))
+        of(measured).into_iter().map(move |line| format!("{file}:{line}"))
     })
     .collect()
 }
@@ -145,6 +142,16 @@ impl<'ast> Visit<'ast> for ModuleFigures {
         visit::visit_expr_method_call(self, call);
     }
 
+    fn visit_path(&mut self, path: &'ast Path) {
+        if let Some([number, function]) = path.segments.iter().collect::<Vec<_>>().get(..)
+            && number.ident == "f64"
+            && OF_THE_MACHINE.iter().chain(&["exp", "sin_cos"]).any(|name| function.ident == name)
+        {
+            self.of_the_machine.push(function.ident.span().start().line);
+        }
+        visit::visit_path(self, path);
+    }
+
     fn visit_path_segment(&mut self, segment: &'ast PathSegment) {
         if segment.ident == "Result"
             && let PathArguments::AngleBracketed(list) = &segment.arguments
@@ -193,8 +200,9 @@ mod tests {
 
     #[test]
     fn functions_of_the_machine_are_told_but_in_tests() {
-        let text = "fn a() {\n x.sin(); libm::sin(x);\n (x + 1.0)\n .powf(y); x.sqrt();\n}\n#[test] fn b() { x.ln(); }";
-        assert_eq!(of_the_machine(&alone(text)), ["lib.rs:2", "lib.rs:4"]);
+        let text = "fn a() {\n x.sin(); libm::sin(x);\n (x + 1.0)\n .powf(y); x.sqrt();\n all.map(f64::exp);\n}\n\
+                    #[test] fn b() { x.ln(); }";
+        assert_eq!(of_the_machine(&alone(text)), ["lib.rs:2", "lib.rs:4", "lib.rs:5"]);
     }
 
     #[test]

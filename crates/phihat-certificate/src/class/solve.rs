@@ -8,7 +8,7 @@ use super::sums::{
     RAMP, READING, SLOPE, SLOPE_AGED, SLOPE_BENT, STEP, SquareBlock, TORQUE, V,
 };
 use crate::Refutation;
-use crate::extremes::{Extremes as _, larger};
+use crate::extremes::{Extremes as _, larger, smaller};
 use crate::refutation::refuse;
 
 /// Iterations of the fixed point.
@@ -133,8 +133,9 @@ impl BoundProblem<'_> {
         if !still || !last.iter().zip(&own).take(needed).all(|(next, own)| below(next, own)) {
             return Err(open());
         }
-        let step = self.steps((all, &maps), bounds(&own));
-        let torque = self.torques((all, &maps), bounds(&own));
+        let (inputs, played) = (self.all_inputs(bounds(&own)), (all, &maps[..]));
+        let step = self.steps(played, (&inputs, bounds(&own)));
+        let torque = self.torques(played, (&inputs, bounds(&own)));
         let [error, velocity, _] = own;
         Ok(Solution { error, velocity, step, torque })
     }
@@ -146,16 +147,21 @@ impl BoundProblem<'_> {
         own: &[Vec<f64>; 3],
     ) -> [Vec<f64>; 3] {
         let at = bounds(own);
-        let [error, velocity] = [E, V].map(|o| self.most(played, o, at));
+        let inputs = self.all_inputs(at);
+        let [error, velocity] = [E, V].map(|o| self.most(played, o, (&inputs, at)));
         let deviation = match self.setting.rows {
-            Some(rows) => self.deviation(rows.most, played, at),
+            Some(rows) => self.deviation(rows.most, played, (&inputs, at)),
             None => vec![0.0; self.setting.n],
         };
         [error, velocity, deviation]
     }
 
     /// Largest change of the command from one sample to the next.
-    fn steps(&self, played: (&[PlayedPosture], &[PostureMaps]), at: AtBounds<'_>) -> Vec<f64> {
+    fn steps(
+        &self,
+        played: (&[PlayedPosture], &[PostureMaps]),
+        at: (&[BoundInputs], AtBounds<'_>),
+    ) -> Vec<f64> {
         let steps = self.most(played, STEP, at).into_iter().zip(&self.maxima.fed);
         steps.map(|(step, rate)| step + self.setting.period * rate).collect()
     }
@@ -165,18 +171,17 @@ impl BoundProblem<'_> {
         &self,
         most_lost: usize,
         (all, maps): (&[PlayedPosture], &[PostureMaps]),
-        at: AtBounds<'_>,
+        (inputs, at): (&[BoundInputs], AtBounds<'_>),
     ) -> Vec<f64> {
         let n = self.setting.n;
-        let inputs = self.all_inputs(at);
         let readings: Vec<f64> = inputs.iter().map(|input| input.reading).collect();
+        let single = |pair| self.output(pair, STEP, (inputs, at), LOST_BEFORE);
+        let singles: Vec<Vec<f64>> = all.iter().zip(maps).map(single).collect();
         let mut lost: Vec<Vec<f64>> = Vec::new();
         for l in 1..=most_lost {
             let mut largest = vec![0.0; n];
-            for pair in all.iter().zip(maps) {
-                let sums = &pair.0.sums;
+            for (PlayedPosture { sums, .. }, single) in all.iter().zip(&singles) {
                 let sizes = &sums.sizes[STEP];
-                let single = self.output(pair, STEP, (&inputs, at), LOST_BEFORE);
                 for i in 0..n {
                     let read = along(&sizes[READING], i, &readings);
                     // The command now against the one of l samples ago: of misreadings as one answer, of the rest
@@ -186,8 +191,7 @@ impl BoundProblem<'_> {
                         Some(over) => along(over, i, &readings),
                         None => read,
                     };
-                    let each = l as f64 * read;
-                    let mut own = l as f64 * rest + if over < each { over } else { each };
+                    let mut own = l as f64 * rest + smaller(over, l as f64 * read);
                     for (k, level) in sums.commands[0].iter().enumerate().take(l - 1) {
                         own += along(level, i, &lost[l - 2 - k]);
                     }
@@ -318,7 +322,7 @@ impl BoundProblem<'_> {
                 let (size, rate) = input.cogging;
                 let any = sizes[TORQUE][at] * size;
                 let smooth = sizes[LASTING][at] * size + sizes[RAMP][at] * rate;
-                sum += if smooth < any { smooth } else { any };
+                sum += smaller(smooth, any);
                 if o == E {
                     let moved = along(&self.bends.moved, j, &readings);
                     let begun = along(&self.bends.started, j, &readings);
@@ -338,13 +342,11 @@ impl BoundProblem<'_> {
         &self,
         (all, maps): (&[PlayedPosture], &[PostureMaps]),
         o: usize,
-        at: AtBounds<'_>,
+        at: (&[BoundInputs], AtBounds<'_>),
     ) -> Vec<f64> {
-        let n = self.setting.n;
-        let inputs = self.all_inputs(at);
-        let mut most = vec![0.0; n];
+        let mut most = vec![0.0; self.setting.n];
         for pair in all.iter().zip(maps) {
-            let own = self.output(pair, o, (&inputs, at), LOST);
+            let own = self.output(pair, o, at, LOST);
             most.iter_mut().zip(own).for_each(|(most, own)| *most = larger(*most, own));
         }
         most
@@ -354,13 +356,12 @@ impl BoundProblem<'_> {
     fn torques(
         &self,
         (all, maps): (&[PlayedPosture], &[PostureMaps]),
-        at: AtBounds<'_>,
+        at: (&[BoundInputs], AtBounds<'_>),
     ) -> Vec<f64> {
         let (setting, maxima, n) = (self.setting, self.maxima, self.setting.n);
-        let inputs = self.all_inputs(at);
         let mut most = vec![0.0; n];
         for pair in all.iter().zip(maps) {
-            let free = self.output(pair, FREE, (&inputs, at), LOST);
+            let free = self.output(pair, FREE, at, LOST);
             for (i, most) in most.iter_mut().enumerate() {
                 *most = larger(*most, along(&pair.0.mass, i, &free));
             }

@@ -23,10 +23,8 @@ impl TubeTip {
             at_most(CLAIM, "lever arm < ∞", *lever, f64::MAX)?;
         }
         // Bins that end by the settling time are none of the steady part; the last one always is.
-        let steady = |bin: &usize| (bin + 1) as f64 * tube.bin_s > tube.settle_s + 1e-12;
-        let first = (0..bins).find(steady).unwrap_or(bins.saturating_sub(1));
         let (mut off, mut turned) = (0.0_f64, 0.0_f64);
-        for bin in first..bins {
+        for bin in tube.first_steady()..bins {
             let mut sums = (0.0, 0.0);
             for (i, joint) in tube.joints.iter().enumerate() {
                 let most = joint.error_low_rad[bin].abs().max(joint.error_high_rad[bin].abs());

@@ -258,7 +258,7 @@ fn start(limits: &ErrorLimits, m: usize) -> DVector<f64> {
     let b = estimator(m - 1, omega * omega, 1.0);
     let k_tilde = 2.0 * limits.phi_max / x[m + 1] + 2.0 * b.last().copied().unwrap_or(0.0);
     let head = [k_tilde, omega * omega, 2.0 * omega];
-    DVector::from_iterator(m + 2, head.into_iter().chain(b).map(f64::ln))
+    DVector::from_iterator(m + 2, head.into_iter().chain(b).map(libm::log))
 }
 
 fn gains(y: &DVector<f64>, feedback: Feedback) -> MinimalGains {

@@ -1,7 +1,6 @@
 //! The least solution of (CM5): error and velocity bounds of the class from the sums at all postures.
 
-use phihat_certificate::ClassPart;
-use phihat_certificate::extremes::{Extremes as _, larger};
+use phihat_certificate::extremes::{Extremes as _, larger, smaller};
 
 use super::effect::{ClassEffect, ClassInputs};
 use super::extent::{Bent, ClassPaceLimits, Rates};
@@ -35,10 +34,9 @@ pub(super) struct Closed {
     pub(super) frozen: Vec<f64>,
     /// Spectral radius of `max Θ`.
     pub(super) radius: f64,
-    /// Index of the posture that sets the error of each joint.
+    /// Indices of the postures that set the error, and the torque step, of each joint.
     pub(super) at: Vec<usize>,
-    /// Parts of error and torque step, effect by effect.
-    pub(super) parts: Vec<ClassPart>,
+    pub(super) steepest: Vec<usize>,
 }
 
 /// The class at one pace, with its maxima.
@@ -48,7 +46,7 @@ pub(super) struct Problem<'a> {
     pub(super) rates: &'a Rates,
     pub(super) bent: &'a Bent,
     pub(super) over: Over,
-    /// ClassEffect of which less is tried, and the share of it.
+    /// Effect of which less is tried, and the share of it.
     tried: Option<(ClassEffect, f64)>,
 }
 
@@ -232,7 +230,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Joints whose inertia term is a force of any course, in place of one with a rate: where that costs less.
-    fn boxed(&self, sums: &PostureSums) -> Vec<bool> {
+    pub(super) fn boxed(&self, sums: &PostureSums) -> Vec<bool> {
         let n = self.scene.n;
         let costs = |i: usize| {
             let (ramp, force) = (sums.ramp[E][i * n + i], sums.torque[E][i * n + i]);
@@ -258,7 +256,7 @@ impl<'a> Problem<'a> {
                     sums.torque[o][at] * size,
                     sums.lasting[o][at] * size + sums.ramp[o][at] * rate,
                 );
-                *out += if smooth < any { smooth } else { any };
+                *out += smaller(smooth, any);
             }
         }
         let impulse: Vec<f64> = inputs.start.iter().map(|b| self.scene.before * b).collect();
@@ -346,7 +344,7 @@ impl<'a> Problem<'a> {
                     add(&mut grown, level, before);
                 }
                 for (i, most) in most.iter_mut().enumerate() {
-                    let over = if over[i] < times * read[i] { over[i] } else { times * read[i] };
+                    let over = smaller(over[i], times * read[i]);
                     *most = larger(*most, times * (change[i] - read[i]) + over + grown[i]);
                 }
             }
@@ -420,11 +418,12 @@ impl<'a> Problem<'a> {
         boxed: &[bool],
         at: &ClosedBounds,
     ) -> (ClosedBounds, Vec<usize>) {
-        let of = |o: usize| self.most(summed, boxed, o, at);
+        let inputs = self.inputs(boxed, at);
+        let of = |o: usize| self.most(summed, o, (&inputs, at));
         let (error, places): (Vec<f64>, Vec<usize>) = of(E).into_iter().unzip();
         let velocity = of(V).into_iter().map(|(x, _)| x).collect();
         let deviation = match self.rows() {
-            Some(rows) => self.deviation(rows, summed, (&self.inputs(boxed, at), at)),
+            Some(rows) => self.deviation(rows, summed, (&inputs, at)),
             None => vec![0.0; self.scene.n],
         };
         (ClosedBounds { error, velocity, deviation }, places)
@@ -434,10 +433,9 @@ impl<'a> Problem<'a> {
     fn steps(
         &self,
         summed: (&[PostureSums], &[Maps]),
-        boxed: &[bool],
-        at: &ClosedBounds,
+        at: (&ClassInputs, &ClosedBounds),
     ) -> (Vec<f64>, Vec<usize>) {
-        let steps = self.most(summed, boxed, STEP, at).into_iter().enumerate();
+        let steps = self.most(summed, STEP, at).into_iter().enumerate();
         steps.map(|(i, (x, place))| (x + self.fed(i), place)).unzip()
     }
 
@@ -445,14 +443,12 @@ impl<'a> Problem<'a> {
     fn most(
         &self,
         (all, maps): (&[PostureSums], &[Maps]),
-        boxed: &[bool],
         o: usize,
-        at: &ClosedBounds,
+        at: (&ClassInputs, &ClosedBounds),
     ) -> Vec<(f64, usize)> {
-        let inputs = self.inputs(boxed, at);
         let mut most = vec![(0.0_f64, 0_usize); self.scene.n];
         for (place, pair) in all.iter().zip(maps).enumerate() {
-            let out = self.output(pair, o, (&inputs, at));
+            let out = self.output(pair, o, at);
             for (most, out) in most.iter_mut().zip(out) {
                 if out.is_nan() || out > most.0 {
                     *most = (out, place);
@@ -467,13 +463,12 @@ impl<'a> Problem<'a> {
         let n = self.scene.n;
         let maps: Vec<Maps> = all.iter().map(|sums| self.maps(sums)).collect();
         let radius = Self::radius(&maps.iter().map(|own| &own.on_error[E]).collect::<Vec<_>>(), n);
-        let open = radius;
-        let Some(first) = all.first() else { return Err(open) };
+        let Some(first) = all.first() else { return Err(radius) };
         let boxed = self.boxed(first);
         let resting: Vec<Maps> = all.iter().map(|sums| self.resting(sums)).collect();
-        let frozen = self.least((all, &resting), &boxed, 1.0).ok_or(open)?.error;
+        let frozen = self.least((all, &resting), &boxed, 1.0).ok_or(radius)?.error;
         let summed = (all, &maps[..]);
-        let mut own = self.least(summed, &boxed, 1.0).ok_or(open)?;
+        let mut own = self.least(summed, &boxed, 1.0).ok_or(radius)?;
         own.lists().into_iter().flatten().for_each(|x| *x *= INFLATED);
         let below = |own: &[f64], most: &[f64]| own.iter().zip(most).all(|(own, most)| own < most);
         let strict = |own: &ClosedBounds| {
@@ -486,52 +481,47 @@ impl<'a> Problem<'a> {
         let mut places = strict(&own);
         if places.is_none() {
             // Where what is of second order in them is most of a bound, another 1 % of it is more than 1 %.
-            own = self.least(summed, &boxed, INFLATED).ok_or(open)?;
+            own = self.least(summed, &boxed, INFLATED).ok_or(radius)?;
             places = strict(&own);
         }
         let inputs = self.inputs(&boxed, &own);
-        let (step, steepest) = self.steps(summed, &boxed, &own);
-        let at = places.ok_or(open)?;
-        let whole = [&own.error[..], &step[..]];
+        let (step, steepest) = self.steps(summed, (&inputs, &own));
         Ok(Closed {
-            parts: self.parts(&self.effects(summed, [&at, &steepest], (&boxed, &own)), whole),
             step,
             torque: self.torques(summed, (&inputs, &own)),
-            at,
+            at: places.ok_or(radius)?,
+            steepest,
             bounds: own,
             frozen,
             radius,
         })
     }
 
-    /// Parts of error and torque step of each joint at the posture that sets them, effect by effect.
-    fn effects(
+    /// Part of error and torque step of each joint that one effect makes, at the postures that set them.
+    pub(super) fn effect(
         &self,
-        (all, maps): (&[PostureSums], &[Maps]),
-        places: [&[usize]; 2],
-        (boxed, at): (&[bool], &ClosedBounds),
-    ) -> Vec<(ClassEffect, [Vec<f64>; 2])> {
-        let n = self.scene.n;
-        let part = |effect: ClassEffect, o: usize, i: usize, place: usize| {
-            let (Some(sums), Some(maps)) = (all.get(place), maps.get(place)) else { return 0.0 };
-            let inputs = self.inputs_of(effect, boxed, at);
+        effect: ClassEffect,
+        all: &[PostureSums],
+        (closed, boxed): (&Closed, &[bool]),
+    ) -> [Vec<f64>; 2] {
+        let at = &closed.bounds;
+        let inputs = self.inputs_of(effect, boxed, at);
+        let part = |o: usize, (i, place): (usize, &usize)| {
+            let Some(sums) = all.get(*place) else { return 0.0 };
             let mut out = self.forced(sums, o, &inputs);
             add(&mut out, &sums.lost[o], &inputs.deviation);
             if effect == ClassEffect::Moving {
+                let maps = self.maps(sums);
                 add(&mut out, &maps.on_error[o], &at.error);
                 add(&mut out, &maps.on_velocity[o], &at.velocity);
             }
             let fed = if effect == ClassEffect::Motion && o == STEP { self.fed(i) } else { 0.0 };
-            self.share(effect) * out[i] + fed
+            out[i] + fed
         };
-        let lists = |effect: ClassEffect| {
-            let list = |k: usize| -> Vec<f64> {
-                let o = [E, STEP][k];
-                (0..n).map(|i| part(effect, o, i, places[k][i])).collect()
-            };
-            (effect, [list(0), list(1)])
+        let list = |o: usize, places: &[usize]| -> Vec<f64> {
+            places.iter().enumerate().map(|place| part(o, place)).collect()
         };
-        ClassEffect::ALL.into_iter().map(lists).collect()
+        [list(E, &closed.at), list(STEP, &closed.steepest)]
     }
 
     /// The largest torque of each joint: of the motion, of friction, and of the error.

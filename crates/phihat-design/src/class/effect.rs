@@ -1,6 +1,6 @@
 //! Effects that a class bound is made of, and inputs of the frozen loop.
 
-/// ClassEffect that adds to a bound.
+/// Effect that adds to a bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ClassEffect {
     Quantum,

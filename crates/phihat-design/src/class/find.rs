@@ -1,7 +1,7 @@
 //! The search for the postures that set a class bound, and its document.
 
 use phihat_certificate::extremes::Extremes as _;
-use phihat_certificate::{ClassBound, ClassPace, ClassPart, ClassWitness, Gains, TubePayloadSet};
+use phihat_certificate::{ClassBound, ClassPart, ClassWitness, Gains, TubePayloadSet};
 use phihat_model::evenly;
 use phihat_study::Study;
 
@@ -92,8 +92,12 @@ fn bound(study: &Study, gains: &Gains, effort: &Effort) -> Result<ClassBound, Cl
             closed = solved(&all)?;
         }
     }
-    let faster = if effort.paces { paces(&scene, &pace, (&bent, &all)) } else { Vec::new() };
-    Ok(document(study, (&scene, &pace), (&rates, &bent), (&all, &closed), faster))
+    let mut found = document(study, (&scene, &pace), (&rates, &bent), (&all, &closed));
+    if effort.paces {
+        found.paces = paces(&scene, &pace, (&bent, &all));
+        found.parts = problem.parts(&all, &closed).iter().map(shown).collect();
+    }
+    Ok(found)
 }
 
 /// The first postures.
@@ -179,7 +183,6 @@ fn document(
     (scene, pace): (&ClassScene<'_>, &ClassPaceLimits),
     (rates, bent): (&Rates, &Bent),
     (all, closed): (&[PostureSums], &Closed),
-    faster: Vec<ClassPace>,
 ) -> ClassBound {
     let set = &study.design.payload;
     let names = &study.robot.joints;
@@ -226,7 +229,7 @@ fn document(
             bent.postures
         ),
         witnesses: setting.into_iter().filter_map(witness).collect(),
-        paces: faster,
-        parts: closed.parts.iter().map(shown).collect(),
+        paces: Vec::new(),
+        parts: Vec::new(),
     }
 }

@@ -3,9 +3,10 @@
 use phihat_certificate::ClassPart;
 use phihat_certificate::extremes::larger;
 
-use super::close::{ClosedBounds, Problem};
+use super::close::{Closed, ClosedBounds, Problem};
 use super::effect::{ClassEffect, ClassInputs, bilinear};
 use super::imperfect::{cogging, misread};
+use super::sums::PostureSums;
 
 impl Problem<'_> {
     /// All inputs, with the share of an effect that is tried.
@@ -98,25 +99,24 @@ impl Problem<'_> {
         larger(0.0, damped - signals.stiction_nm[i])
     }
 
-    /// Parts of bounds on error and torque step, whose sums they are.
-    pub(super) fn parts(
-        &self,
-        effects: &[(ClassEffect, [Vec<f64>; 2])],
-        whole: [&[f64]; 2],
-    ) -> Vec<ClassPart> {
-        let n = self.scene.n;
-        let list = |k: usize, effect: usize| -> Vec<f64> {
+    /// Parts of the bounds on error and torque step, whose sums they are, effect by effect.
+    pub(super) fn parts(&self, all: &[PostureSums], closed: &Closed) -> Vec<ClassPart> {
+        let Some(first) = all.first() else { return Vec::new() };
+        let boxed = self.boxed(first);
+        let found = ClassEffect::ALL.map(|effect| self.effect(effect, all, (closed, &boxed)));
+        let whole = [&closed.bounds.error, &closed.step];
+        let list = |k: usize, own: &[Vec<f64>; 2]| -> Vec<f64> {
             let part = |i: usize| {
-                let sum: f64 = effects.iter().map(|(_, own)| own[k][i]).sum();
+                let sum: f64 = found.iter().map(|own| own[k][i]).sum();
                 // What the solution is larger than what it gives again is shared among all.
-                effects[effect].1[k][i] * whole[k][i] / larger(sum, f64::MIN_POSITIVE)
+                own[k][i] * whole[k][i] / larger(sum, f64::MIN_POSITIVE)
             };
-            (0..n).map(part).collect()
+            (0..self.scene.n).map(part).collect()
         };
-        let each = effects.iter().enumerate().map(|(at, (effect, _))| ClassPart {
+        let each = ClassEffect::ALL.iter().zip(&found).map(|(effect, own)| ClassPart {
             name: effect.name().to_owned(),
-            error_bound_rad: list(0, at),
-            torque_step_nm: list(1, at),
+            error_bound_rad: list(0, own),
+            torque_step_nm: list(1, own),
         });
         each.filter(|part| part.error_bound_rad.iter().any(|x| *x > 0.0)).collect()
     }
