@@ -35,6 +35,7 @@ mod shown;
 mod stops;
 mod theory;
 mod tools;
+mod trusted;
 mod twice;
 mod venv;
 mod verbs;
@@ -69,6 +70,8 @@ const USAGE: &str = "usage:
   cargo xtask theory           one PDF of docs/theory, target/theory/theory.pdf
   cargo xtask packages         packs every library crate and builds each from its package alone (minutes)
   cargo xtask arrows           writes which crate may use which into ARCHITECTURE.md
+  cargo xtask trusted [FOLDER] lines of code that each claim rests on, into docs/theory/exact.md; those of \
+  another checkout
   cargo xtask bench [--quick] [--keep]
                                dynamics, core and closed loop, side by side with Pinocchio and MuJoCo; --keep puts a \
                                line into
@@ -128,6 +131,9 @@ fn main() -> ExitCode {
         Some((verb, _)) if verb == "dist" => dist::run(&shell::root()),
         Some((verb, _)) if verb == "theory" => theory::pdf(&shell::root()),
         Some((verb, _)) if verb == "arrows" => arrows::bless(&shell::root()),
+        Some((verb, rest)) if verb == "trusted" => {
+            trusted::run(&shell::root(), rest.first().map(String::as_str))
+        }
         Some((verb, rest)) if verb == "bless" => match rest.first().map(String::as_str) {
             None => bless::run(&shell::root()),
             Some("book") => book::bless(&shell::root()),

@@ -3,6 +3,7 @@
 mod circles;
 mod figures;
 mod names;
+mod reach;
 mod repeated;
 mod tree;
 mod uses;
@@ -10,6 +11,7 @@ mod uses;
 use std::fs;
 use std::path::Path;
 
+pub(crate) use reach::SourceLines;
 use tree::ModuleTree;
 
 /// Everything that the rules do not allow, over every crate of the workspace.
@@ -38,6 +40,12 @@ pub(crate) fn wrong(root: &Path) -> Result<Vec<String>, String> {
     wrong.extend(figures::median(lines));
     wrong.extend(repeated::wrong(types));
     Ok(wrong)
+}
+
+/// Lines of code of every crate, and who uses whom in it.
+pub(crate) fn source_lines(root: &Path) -> Result<Vec<SourceLines>, String> {
+    let of = |(name, tree): (String, ModuleTree)| SourceLines::of(name, &tree);
+    Ok(crates(root)?.into_iter().map(of).collect())
 }
 
 /// One line, and the places, if something is there that no crate has.

@@ -13,6 +13,8 @@ pub(super) struct ModuleTree {
 /// A file of a crate.
 pub(super) struct File {
     pub(super) lines: usize,
+    /// Those that are neither blank, nor a comment, nor of the tests at the end.
+    pub(super) code: usize,
 }
 
 /// A module: the file that it is in, and what stands in it.
@@ -39,7 +41,7 @@ impl ModuleTree {
     ) -> Result<(), String> {
         let text = read(name).ok_or_else(|| format!("{name} cannot be read"))?;
         let parsed = syn::parse_file(&text).map_err(|e| format!("{name}: {e}"))?;
-        self.files.insert(name.to_owned(), File { lines: text.lines().count() });
+        self.files.insert(name.to_owned(), File { lines: text.lines().count(), code: code(&text) });
         self.module(name, folder, path, parsed.items, read)
     }
 
@@ -75,6 +77,12 @@ impl ModuleTree {
         self.modules.insert(path, Module { file: file.to_owned(), items: kept });
         Ok(())
     }
+}
+
+/// Lines of code before the tests of a file.
+fn code(text: &str) -> usize {
+    let lines = text.lines().map(str::trim).take_while(|line| *line != "#[cfg(test)]");
+    lines.filter(|line| !line.is_empty() && !line.starts_with("//")).count()
 }
 
 /// Returns true if the attribute is `cfg(test)` or `test`, alone or among others.

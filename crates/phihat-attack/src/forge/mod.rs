@@ -2,6 +2,7 @@
 
 mod edits;
 mod rule;
+mod truth;
 
 use std::fmt;
 use std::path::Path;
@@ -15,6 +16,7 @@ use serde_json::Value;
 use crate::Dice;
 use edits::{Leaves, edited};
 use rule::more;
+use truth::varies_stably;
 
 /// End of an edited file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -119,7 +121,8 @@ impl Forger {
             CheckEnded::Printed(said) => said,
             CheckEnded::Refused(why) => return Ok((ForgeryFate::Refused, why)),
         };
-        let more_alone = more(&self.alone, &alone);
+        let holds = |own: &Value| varies_stably(&gains, own);
+        let more_alone = more(&self.alone, &alone, &holds);
         if let Some(why) = self.quick(&gains) {
             // Of a file alone, a better verdict is a forgery whatever a study would say.
             let ranked = more_alone.filter(|more| more.headline);
@@ -135,7 +138,7 @@ impl Forger {
             CheckEnded::Printed(said) => said,
             CheckEnded::Refused(why) => return Ok((ForgeryFate::RefusedByStudy, why)),
         };
-        let found = more_alone.or_else(|| more(&self.studied, &studied));
+        let found = more_alone.or_else(|| more(&self.studied, &studied, &holds));
         let other = path.starts_with("/joints/");
         Ok(match found {
             Some(more) if other && !more.headline => (ForgeryFate::OtherLaw, more.words),

@@ -19,7 +19,10 @@ const ROUNDING: f64 = 1e-6;
 const DRAWN: f64 = 0.05;
 
 /// Statement that an edited file makes and the file did not; `None`: nothing.
-pub(super) fn more(honest: &Value, edited: &Value) -> Option<More> {
+///
+/// `holds`: true of a statement that is so by a criterion that shares no code with the check. A file may be edited into a
+/// stronger truth.
+pub(super) fn more(honest: &Value, edited: &Value, holds: &dyn Fn(&Value) -> bool) -> Option<More> {
     let headline = |words: String| More { headline: true, words };
     if rank(&edited["verdict"]) > rank(&honest["verdict"]) {
         return Some(headline(format!("{} for {}", edited["verdict"], honest["verdict"])));
@@ -44,9 +47,9 @@ pub(super) fn more(honest: &Value, edited: &Value) -> Option<More> {
             });
         }
     }
-    let words = ["proved", "derived_twice"]
-        .into_iter()
-        .find_map(|key| list(edited, key).find_map(|own| statement_more(honest, key, own)));
+    let words = ["proved", "derived_twice"].into_iter().find_map(|key| {
+        list(edited, key).filter(|own| !holds(own)).find_map(|own| statement_more(honest, key, own))
+    });
     words.map(|words| More { headline: false, words })
 }
 
@@ -155,7 +158,7 @@ fn no_stronger(what: &str, before: &str, now: &str) -> bool {
 }
 
 /// Numbers of a text, in their order.
-fn numbers(text: &str) -> Vec<f64> {
+pub(super) fn numbers(text: &str) -> Vec<f64> {
     let words = text.split(|c: char| !(c.is_ascii_alphanumeric() || "+-.−".contains(c)));
     words
         .filter_map(|word| word.replace('−', "-").parse::<f64>().ok().filter(|x| x.is_finite()))
@@ -164,8 +167,12 @@ fn numbers(text: &str) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{more, no_stronger, numbers};
-    use serde_json::json;
+    use super::{no_stronger, numbers};
+    use serde_json::{Value, json};
+
+    fn more(honest: &Value, edited: &Value) -> Option<super::More> {
+        super::more(honest, edited, &|_| false)
+    }
 
     #[test]
     fn numbers_are_those_of_the_text() {
@@ -209,6 +216,7 @@ mod tests {
         let mut other = honest.clone();
         other["proved"] = json!([{ "joint": null, "what": "stable", "value": "μ in 0.1 … 9.0" }]);
         assert!(more(&honest, &other).is_some());
+        assert!(super::more(&honest, &other, &|_| true).is_none());
         let mut other = honest.clone();
         other["error_bounds"][0]["joint"] = json!("two");
         assert!(more(&honest, &other).is_some());
