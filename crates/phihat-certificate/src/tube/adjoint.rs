@@ -14,7 +14,7 @@
 use phihat_model::{Lanes, Scalar as _};
 
 use super::frame::Frame;
-use super::lanes::{WIDE, combine, eight, gather, put};
+use super::lanes::{WIDE, add_products, combine, eight, gather, put};
 use super::law::LinearLoop;
 
 /// Sizes of the boxes of one sample.
@@ -116,9 +116,10 @@ impl Weights {
         }
     }
 
-    /// Adds the effect of torques of at most `u` in this sample to every row.
-    pub(super) fn add_torques(&self, u: &[f64], sums: &mut [f64]) {
-        add_sizes(&self.u, u, sums);
+    /// Adds the effect of torques in this sample to every row, for as many outputs as `sums` has times the rows: at most
+    /// `u`, by joint and, next to each other, by output.
+    pub(super) fn add_torques(&self, (u, outputs): (&[f64], usize), sums: &mut [f64]) {
+        add_products((u, outputs), (&self.u, self.most.len()), sums);
     }
 
     /// Adds the effect of the boxes of this sample to every row, but for that of their torques along straight weights.

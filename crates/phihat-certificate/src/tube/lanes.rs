@@ -11,14 +11,25 @@ pub(super) type LaneColumn<'a> = &'a [(usize, f64)];
 /// `out_s = Σ_t flow_ts from_t`, each entry a row; `flow` has as many columns as `out` has rows.
 pub(super) fn combine(flow: &[f64], from: &[f64], rows: usize, out: &mut [f64]) {
     let columns = out.len() / rows;
+    out.fill(0.0);
+    add_products((flow, columns), (from, rows), out);
+}
+
+/// Adds `Σ_t flow_ts from_t` to each row `s` of `out`, `flow` with a stride from one `t` to the next.
+pub(super) fn add_products(
+    (flow, stride): (&[f64], usize),
+    (from, rows): (&[f64], usize),
+    out: &mut [f64],
+) {
+    let columns = out.len() / rows;
     let mut s = 0;
     while s < columns {
         let four = columns - s >= 4;
         for at in (0..rows).step_by(WIDE) {
             if four {
-                sums::<4>((flow, columns, s), (from, rows, at), out);
+                sums::<4>((flow, stride, s), (from, rows, at), out);
             } else {
-                sums::<1>((flow, columns, s), (from, rows, at), out);
+                sums::<1>((flow, stride, s), (from, rows, at), out);
             }
         }
         s += if four { 4 } else { 1 };
@@ -27,12 +38,12 @@ pub(super) fn combine(flow: &[f64], from: &[f64], rows: usize, out: &mut [f64]) 
 
 /// `S` outputs from column `s` on, over the lanes from `at` on: independent sums.
 fn sums<const S: usize>(
-    (flow, columns, s): (&[f64], usize, usize),
+    (flow, stride, s): (&[f64], usize, usize),
     (from, rows, at): (&[f64], usize, usize),
     out: &mut [f64],
 ) {
-    let mut sum = [Lanes::default(); S];
-    for (factors, from) in flow.chunks_exact(columns).zip(from.chunks_exact(rows)) {
+    let mut sum: [Lanes; S] = core::array::from_fn(|c| eight(out, (s + c) * rows + at));
+    for (factors, from) in flow.chunks_exact(stride).zip(from.chunks_exact(rows)) {
         let Some(factors) = factors.get(s..).and_then(|row| row.first_chunk::<S>()) else {
             continue;
         };
@@ -68,12 +79,34 @@ pub(super) fn gather<'a>(
 ) {
     let into = out.chunks_exact_mut(rows).chain(read.chunks_exact_mut(rows));
     for (terms, into) in columns.zip(into) {
-        for at in (0..rows).step_by(WIDE) {
-            let mut sum = Lanes::default();
-            for (row, factor) in terms {
-                sum += eight(from, row * rows + at) * Lanes::splat(*factor);
-            }
-            put(sum, into, at);
+        let mut blocks = into.chunks_exact_mut(4 * WIDE);
+        let mut at = 0;
+        for block in &mut blocks {
+            gathered::<4>(terms, (from, rows, at), block);
+            at += 4 * WIDE;
         }
+        for block in blocks.into_remainder().chunks_exact_mut(WIDE) {
+            gathered::<1>(terms, (from, rows, at), block);
+            at += WIDE;
+        }
+    }
+}
+
+/// One sparse sum over `S` lanes from `at` on.
+fn gathered<const S: usize>(
+    terms: LaneColumn<'_>,
+    (from, rows, at): (&[f64], usize, usize),
+    into: &mut [f64],
+) {
+    let mut sum = [Lanes::default(); S];
+    for (row, factor) in terms {
+        let first = row * rows + at;
+        let Some(from) = from.get(first..first + S * WIDE) else { continue };
+        for (sum, from) in sum.iter_mut().zip(from.as_chunks::<WIDE>().0) {
+            *sum += Lanes::from(*from) * Lanes::splat(*factor);
+        }
+    }
+    for (sum, into) in sum.into_iter().zip(into.as_chunks_mut::<WIDE>().0) {
+        *into = sum.into();
     }
 }

@@ -50,19 +50,20 @@ struct Anchor {
 struct SharedSums {
     /// Sums that are the same for all of them, by row.
     common: Vec<f64>,
-    /// Sums of torques, for the output so many samples after the first, by row: friction of a joint that reverses is
-    /// large for a few samples, and counts in those alone.
-    torques: Vec<Vec<f64>>,
+    /// Sums of torques, by row, for one output after the other: friction of a joint that reverses is large for a few
+    /// samples, and counts in those alone.
+    torques: Vec<f64>,
 }
 
 impl SharedSums {
     fn none(rows: usize, outputs: usize) -> Self {
-        Self { common: vec![0.0; rows], torques: vec![vec![0.0; rows]; outputs] }
+        Self { common: vec![0.0; rows], torques: vec![0.0; rows * outputs] }
     }
 
     /// Largest sum of any of the outputs, by row.
     fn largest(&self) -> Vec<f64> {
-        let torques = |row: usize| self.torques.iter().map(|sums| sums[row]).largest();
+        let rows = self.common.len();
+        let torques = |row: usize| self.torques.iter().skip(row).step_by(rows).copied().largest();
         self.common.iter().enumerate().map(|(row, common)| common + torques(row)).collect()
     }
 }
@@ -222,6 +223,7 @@ impl<'a> CheckedSweep<'a> {
         let anchor = self.anchors.iter().rev().find(old_enough);
         let stop = anchor.map_or(0, |a| a.at);
         let reach = if shared { self.shared } else { 1 };
+        let mut torques = vec![0.0; self.setting.n * reach];
         let mut sums = SharedSums::none(back.rows, reach);
         for sample in (stop..from).rev() {
             let at = self.window_of[sample];
@@ -238,9 +240,11 @@ impl<'a> CheckedSweep<'a> {
             } else {
                 let boxes = if shared { &self.dilated[sample] } else { &self.raw[sample] };
                 weights.add_rest(boxes, frame, self.setting.period, &mut sums.common);
-                for (shift, sums) in sums.torques.iter_mut().enumerate() {
-                    weights.add_torques(&self.known(sample + shift, shift).u, sums);
+                for shift in 0..reach {
+                    let u = &self.known(sample + shift, shift).u;
+                    torques[shift..].iter_mut().step_by(reach).zip(u).for_each(|(to, u)| *to = *u);
                 }
+                weights.add_torques((&torques, reach), &mut sums.torques);
             }
         }
         if let Some(anchor) = anchor {
@@ -326,7 +330,8 @@ impl<'a> CheckedSweep<'a> {
         guess: &RoundGuess,
     ) -> Vec<f64> {
         let mut sums = history.clone();
-        sums.torques.truncate(frame.len);
+        sums.torques.truncate(frame.len * sums.common.len());
+        let mut torques = vec![0.0; self.setting.n * frame.len];
         let shared = frame.len > 1;
         let shift = if shared {
             let own = &boxes[0];
@@ -338,16 +343,18 @@ impl<'a> CheckedSweep<'a> {
         for (weights, at) in near {
             let own = self.past.get(*at).map_or(frame, |past| &past.frame);
             let mut cover = Boxes::none(self.setting.n, self.setting.hand);
-            for (later, sums) in sums.torques.iter_mut().enumerate() {
+            for later in 0..frame.len {
                 let sample = weights.sample + later;
                 let here = match sample.checked_sub(frame.first) {
                     None => self.known(sample, later),
                     Some(own) if later == 0 => &boxes[own],
                     Some(own) => &moved[own],
                 };
-                weights.add_torques(&here.u, sums);
+                let to = torques[later..].iter_mut().step_by(frame.len);
+                to.zip(&here.u).for_each(|(to, u)| *to = *u);
                 cover.cover(here);
             }
+            weights.add_torques((&torques, frame.len), &mut sums.torques);
             weights.add_rest(&cover, own, self.setting.period, &mut sums.common);
         }
         sums.largest()
