@@ -131,9 +131,7 @@ fn main() -> ExitCode {
         Some((verb, _)) if verb == "dist" => dist::run(&shell::root()),
         Some((verb, _)) if verb == "theory" => theory::pdf(&shell::root()),
         Some((verb, _)) if verb == "arrows" => arrows::bless(&shell::root()),
-        Some((verb, rest)) if verb == "trusted" => {
-            trusted::run(&shell::root(), rest.first().map(String::as_str))
-        }
+        Some((verb, rest)) if verb == "trusted" => trusted::run(&shell::root(), rest),
         Some((verb, rest)) if verb == "bless" => match rest.first().map(String::as_str) {
             None => bless::run(&shell::root()),
             Some("book") => book::bless(&shell::root()),

@@ -72,8 +72,8 @@ const BEGIN: &str = "<!-- trusted base, by cargo xtask trusted -->";
 const END: &str = "<!-- end of trusted base -->";
 
 /// Writes the table into its page, and prints it; that of another checkout is printed alone.
-pub(crate) fn run(root: &Path, folder: Option<&str>) -> Result<(), String> {
-    if let Some(folder) = folder {
+pub(crate) fn run(root: &Path, words: &[String]) -> Result<(), String> {
+    if let Some(folder) = words.first() {
         print!("{}", table(Path::new(folder), true)?);
         return Ok(());
     }

@@ -1,5 +1,7 @@
 //! The tube as data: an envelope that a study's run keeps from its start.
 
+use core::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use crate::TubeTip;
@@ -56,6 +58,33 @@ pub struct TubePayloadSet {
     pub com_m: [(f64, f64); 3],
     /// Radius of gyration \[m\]: no second moment about the centre of mass is larger than mass times its square.
     pub gyration_m: f64,
+}
+
+/// In words: `0 … 1 kg on panda_link8, centre of mass in ±0.05 × ±0.05 × 0 … 0.1 m, radius of gyration up to 0.05 m`.
+impl fmt::Display for TubePayloadSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (low, high) = self.mass_kg;
+        if high <= 0.0 {
+            return f.write_str("none");
+        }
+        let range = |(low, high): (f64, f64)| match high - low {
+            width if width <= 0.0 => format!("{low}"),
+            _ if low.to_bits() == (-high).to_bits() => format!("±{high}"),
+            _ => format!("{low} … {high}"),
+        };
+        let [x, y, z] = self.com_m.map(range);
+        write!(
+            f,
+            "{} kg on {}, centre of mass in {x} × {y} × {z} m",
+            range((low, high)),
+            self.frame
+        )?;
+        if self.gyration_m > 0.0 {
+            write!(f, ", radius of gyration up to {} m", self.gyration_m)
+        } else {
+            f.write_str(", a point mass")
+        }
+    }
 }
 
 impl From<&phihat_study::PayloadSet> for TubePayloadSet {

@@ -175,11 +175,7 @@ impl Certificate {
         list.push(whole("length of the run", format!("{} s", self.duration_s)));
         if let Some(tube) = &self.tube {
             let (set, coulomb) = (&tube.payload, &tube.coulomb_nm);
-            let mass = format!("{} … {} kg on {}", set.mass_kg.0, set.mass_kg.1, set.frame);
-            list.push(whole(
-                "payload of the tube",
-                format!("{mass}, centre of mass in {:?} m; {} slices", set.com_m, tube.slices),
-            ));
+            list.push(whole("payload of the tube", format!("{set}; {} slices", tube.slices)));
             let levels = format!("{:?} … {:?} N·m", coulomb.0, coulomb.1);
             list.push(whole("dry friction of the tube", levels));
             let found = "found along the study's own motion; this file cannot show it, only that it agrees with itself";
@@ -222,13 +218,7 @@ impl Certificate {
             |what: &str, value: String| VerifiedStatement { joint: None, what: what.into(), value };
         let mut list = vec![
             whole("bound for every motion of the class", class.source.clone()),
-            whole(
-                "payload of the class",
-                format!(
-                    "{} … {} kg on {}, centre of mass in {:?} m",
-                    set.mass_kg.0, set.mass_kg.1, set.frame, set.com_m
-                ),
-            ),
+            whole("payload of the class", set.to_string()),
             whole("forces of any course in the class", format!("{:?} N·m", class.force_nm)),
         ];
         for (joint, (error, velocity)) in self

@@ -54,7 +54,7 @@ fn attack(name: &str, case: &Case, tube: &Tube) {
 
 fn set(frame: &str, mass: (f64, f64), reach: f64) -> PayloadSet {
     let com = [(-reach, reach), (-reach, reach), (0.02, 0.02 + reach)];
-    PayloadSet { frame: frame.to_owned(), mass, com, gyration: 0.0 }
+    PayloadSet { frame: frame.to_owned(), mass, com, gyration: 0.0, place_stated: true }
 }
 
 fn sines(n: usize) -> String {

@@ -233,9 +233,8 @@ fn scope(certificate: &Certificate, record: &Record<'_>) -> Vec<String> {
 }
 
 fn payload(set: &phihat_design::TubePayloadSet) -> String {
-    let (low, high) = set.mass_kg;
-    if high > 0.0 {
-        format!("payload {} … {} kg on {}", stated(low), stated(high), line(&set.frame))
+    if set.mass_kg.1 > 0.0 {
+        format!("payload {}", line(&set.to_string()))
     } else {
         "no payload".to_owned()
     }

@@ -53,7 +53,7 @@ pub(crate) static DESIGN: FormatSection = FormatSection {
             shape: Shape::Intervals { count: 3, bounds: NumberBounds::within(10.0) },
             need: Need::Optional(
                 "the frame's origin, and what lies between it and the centre of \
-                  mass of `[world.payload]`",
+                  mass of `[world.payload]`; the certificate lists that as an assumption",
             ),
             doc: "Where the payload's centre of mass can be: a box `[[low, high], [low, high], [low, high]]` in \
                   the axes of `payload_frame`. That of `[world.payload]` must be inside.",

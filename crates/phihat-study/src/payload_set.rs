@@ -24,6 +24,9 @@ pub struct PayloadSet {
     pub com: [(f64, f64); 3],
     /// `|Σ_ij| ≤ m · gyration²` \[m\]; 0: point masses.
     pub gyration: f64,
+    /// True if the study states where the centre of mass can be; else it is where the world's payload is, or the frame's
+    /// origin, and that is an assumption.
+    pub place_stated: bool,
 }
 
 impl PayloadSet {
@@ -86,6 +89,7 @@ pub(crate) fn read(
         mass,
         com: com(node, world)?,
         gyration: gyration(node, world)?,
+        place_stated: node.has("payload_com_m"),
     })
 }
 

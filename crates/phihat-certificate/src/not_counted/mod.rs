@@ -8,7 +8,9 @@ mod list;
 mod world;
 
 use phihat_model::{Robot, Rotor};
-use phihat_study::{Control, Fault, JointSprings, ReferenceRequest, Sensor, Study};
+use phihat_study::{Control, Fault, JointSprings, PayloadSet, ReferenceRequest, Sensor, Study};
+
+use crate::TubePayloadSet;
 
 pub use list::{LeftOut, NotCounted};
 use list::{List, text};
@@ -36,7 +38,8 @@ impl NotCounted {
             // What is asked for.
             spec: _,
             gains: _,
-            design: _,
+            // But for where its payload is.
+            design,
             control,
             sensor,
             world,
@@ -52,6 +55,7 @@ impl NotCounted {
         control_counts(control);
         list.rotors(robot);
         list.springs(springs);
+        list.payload_place(&design.payload);
         let class = matches!(reference, ReferenceRequest::Any { .. });
         list.sensor(sensor, class);
         list.world(world, class);
@@ -110,6 +114,14 @@ impl List {
             };
             let value = format!("{} to {}", ends(Rotor::Least), ends(Rotor::Most));
             self.add("robot.armature_kg_m2", value, LeftOut::TubeBesideValue);
+        }
+    }
+
+    /// A payload of which only the mass is stated.
+    fn payload_place(&mut self, set: &PayloadSet) {
+        if set.mass.1 > 0.0 && !set.place_stated {
+            let value = format!("not stated: {}", TubePayloadSet::from(set));
+            self.add("design.payload_com_m", value, LeftOut::Assumed);
         }
     }
 

@@ -118,6 +118,7 @@ fn payloads() -> PayloadSet {
         mass: (1.0, 3.0),
         com: [(-1.0, 3.0), (0.0, 1.0), (0.5, 0.5)],
         gyration: 0.5,
+        place_stated: true,
     }
 }
 

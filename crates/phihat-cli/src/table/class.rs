@@ -40,12 +40,10 @@ pub(crate) fn class(gains: &Gains) -> Option<String> {
     let mut lines = vec![
         table.to_string(),
         format!(
-            "any motion of the class, for as long as it lasts, {}: payload {} … {} kg on {}, no limit acts; spectral \
+            "any motion of the class, for as long as it lasts, {}: payload {}, no limit acts; spectral \
                 radius {:.3} (closes below 1); {} postures, {}",
             start(class),
-            class.payload.mass_kg.0,
-            class.payload.mass_kg.1,
-            class.payload.frame,
+            class.payload,
             class.spectral_radius,
             class.postures,
             class.source

@@ -197,9 +197,9 @@ fn proved(certificate: &Certificate) -> String {
     }
     match &certificate.tube {
         Some(tube) => format!(
-            "the specification is kept by every run in the tube: payload {} … {} kg on {}, dry friction as stated, \
+            "the specification is kept by every run in the tube: payload {}, dry friction as stated, \
                 from t = 0, no limit acts",
-            tube.payload.mass_kg.0, tube.payload.mass_kg.1, tube.payload.frame
+            tube.payload
         ),
         None if certificate.class.as_ref().is_some_and(|class| class.is_supervised()) => {
             "the specification is kept by every motion of the class while the supervisor holds or tracks".to_owned()

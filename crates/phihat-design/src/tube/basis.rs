@@ -223,7 +223,7 @@ mod tests {
     use super::Slice;
 
     fn set(mass: (f64, f64), com: [(f64, f64); 3]) -> PayloadSet {
-        PayloadSet { frame: "tool".to_owned(), mass, com, gyration: 0.02 }
+        PayloadSet { frame: "tool".to_owned(), mass, com, gyration: 0.02, place_stated: true }
     }
 
     /// Ends of a slice's box along an axis, for a set whose box has its middle there.
