@@ -24,8 +24,8 @@ pub struct PayloadSet {
     pub com: [(f64, f64); 3],
     /// `|Σ_ij| ≤ m · gyration²` \[m\]; 0: point masses.
     pub gyration: f64,
-    /// True if the study states where the centre of mass can be; else it is where the world's payload is, or the frame's
-    /// origin, and that is an assumption.
+    /// True if the study states where the centre of mass can be; else it is assumed where the world's payload is, or at
+    /// the frame's origin.
     pub place_stated: bool,
 }
 

@@ -20,8 +20,8 @@ const DRAWN: f64 = 0.05;
 
 /// Statement that an edited file makes and the file did not; `None`: nothing.
 ///
-/// `holds`: true of a statement that is so by a criterion that shares no code with the check. A file may be edited into a
-/// stronger truth.
+/// `holds`: true of a statement that is so by a criterion that shares no code with the check. A file may be edited
+/// into a stronger truth.
 pub(super) fn more(honest: &Value, edited: &Value, holds: &dyn Fn(&Value) -> bool) -> Option<More> {
     let headline = |words: String| More { headline: true, words };
     if rank(&edited["verdict"]) > rank(&honest["verdict"]) {

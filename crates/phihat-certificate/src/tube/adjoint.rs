@@ -116,8 +116,8 @@ impl Weights {
         }
     }
 
-    /// Adds the effect of torques in this sample to every row, for as many outputs as `sums` has times the rows: at most
-    /// `u`, by joint and, next to each other, by output.
+    /// Adds the effect of torques in this sample to every row, for so many outputs one after the other: at most `u`, by
+    /// joint and, next to each other, by output.
     pub(super) fn add_torques(&self, (u, outputs): (&[f64], usize), sums: &mut [f64]) {
         add_products((u, outputs), (&self.u, self.most.len()), sums);
     }
