@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use phihat_certificate::extremes::Extremes as _;
+use phihat_certificate::parallel::{both, threads};
 use phihat_certificate::tube::TubeReference;
 use phihat_certificate::{Certificate, Refutation, TubeAgain, Verdict, Verified};
 use phihat_design::Gains;
@@ -122,23 +123,26 @@ pub fn verify(
         }
         return Err(SessionError::at(&path, "these gains carry no certificate"));
     };
-    let mut runs = None;
-    let claims = match (certificate.verified(&gains), &study) {
-        (Ok(verified), Some(study)) => {
-            again(verified, (&gains, certificate), (study, checked.seed()), stage)?.map(
-                |(verified, kept)| {
-                    runs = kept;
-                    verified
-                },
-            )
+    // Two that do not wait for each other.
+    let rigid = || study.as_ref().and_then(|study| rigid_joints(study, &gains));
+    let (rigid_joints, claims) = both(threads(), rigid, || -> Result<Again, SessionError> {
+        match (certificate.verified(&gains), &study) {
+            (Ok(verified), Some(study)) => {
+                let about = (&gains, certificate);
+                Ok(again(verified, about, (study, checked.seed()), stage)?)
+            }
+            (claims, _) => Ok(claims.map(|verified| (verified, None))),
         }
-        (claims, _) => claims,
-    };
+    });
+    let mut runs = None;
+    let claims = claims?.map(|(verified, kept)| {
+        runs = kept;
+        verified
+    });
     let claims = claims.map(|mut verified| {
         in_own_units(&mut verified, &gains);
         verified
     });
-    let rigid_joints = study.as_ref().and_then(|study| rigid_joints(study, &gains));
     Ok(Verification { record, claims: Some(claims), runs, sliding: gains.sliding, rigid_joints })
 }
 

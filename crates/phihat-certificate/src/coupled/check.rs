@@ -5,6 +5,7 @@ use core::f64::consts::TAU;
 use super::document::{CoupledGains, FrozenPosture};
 use super::played::{OUTPUTS, PlayedRuns};
 use crate::extremes::Extremes as _;
+use crate::parallel::shared;
 use crate::{JointRecord, LoopModel, Matrix, Refutation};
 
 const CLAIM: &str = "coupled gains";
@@ -35,8 +36,9 @@ impl CoupledGains {
         let n = loops.len();
         self.shape(n)?;
         let mut reached = vec![vec![0.0_f64; n]; self.matrices().len()];
-        for witness in &self.witnesses {
-            let found = played(loops, witness).map_err(|why| why.on(&witness.source))?;
+        let all = shared(self.witnesses.len(), |at| played(loops, &self.witnesses[at]));
+        for (witness, found) in self.witnesses.iter().zip(all) {
+            let found = found.map_err(|why| why.on(&witness.source))?;
             for (kind, ((name, claimed), found)) in self.matrices().iter().zip(&found).enumerate() {
                 for i in 0..n {
                     for j in 0..n {
