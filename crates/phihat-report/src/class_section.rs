@@ -1,7 +1,7 @@
 //! The bound for every motion of a class on the page, joint by joint.
 
 use maud::{Markup, html};
-use phihat_design::ClassBound;
+use phihat_design::{ClassBound, ClassPart};
 use phihat_sim::JointMetrics;
 
 use crate::class::{CLASS_CLAUSES, ClassClause, ClassRun};
@@ -25,6 +25,44 @@ pub(crate) fn class(record: &Record<'_>) -> Markup {
             " (spectral radius; below 1 the class closes). " (run.sentence()) "."
         }
         (bounds(class, &record.metrics.joints))
+        @if !class.parts.is_empty() {
+            (parts((class, "|e|", "mrad", MILLI), &record.metrics.joints, &|part| &part.error_bound_rad))
+            (parts((class, "|Δτ|", "N·m", 1.0), &record.metrics.joints, &|part| &part.torque_step_nm))
+        }
+    }
+}
+
+/// Parts of the bound on one figure, effect by effect, and their sum.
+fn parts(
+    (class, symbol, unit, scale): (&ClassBound, &str, &str, f64),
+    joints: &[JointMetrics],
+    of: &dyn Fn(&ClassPart) -> &Vec<f64>,
+) -> Markup {
+    let at = |part: &ClassPart, i: usize| of(part).get(i).copied().unwrap_or(f64::NAN);
+    let sum = |i: usize| class.parts.iter().map(|part| at(part, i)).sum::<f64>();
+    let cell = |value: f64, joint: &JointMetrics| {
+        html! { td { (number(scale * value)) (own_unit(unit, joint.slides)) } }
+    };
+    html! {
+        div.scroll tabindex="0" role="region" aria-label={ "Table: parts of the class bound on " (symbol) } {
+            table {
+                caption { span { "What the class bound on " (symbol) " is made of" } }
+                thead { tr {
+                    th scope="col" { "effect " span.unit { "[" (unit) "]" } }
+                    @for joint in joints { th scope="col" { (line(&joint.name)) } }
+                } }
+                tbody {
+                    @for part in &class.parts { tr {
+                        th scope="row" { (line(&part.name)) }
+                        @for (i, joint) in joints.iter().enumerate() { (cell(at(part, i), joint)) }
+                    } }
+                    tr {
+                        th scope="row" { "together" }
+                        @for (i, joint) in joints.iter().enumerate() { (cell(sum(i), joint)) }
+                    }
+                }
+            }
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 //! than the document, if a run beyond it were not called so, or if a run that it says nothing of were held against it.
 #![allow(clippy::float_cmp, reason = "in a test a panic is the report")]
 
-use phihat_design::{ClassBound, ClassPace, TubePayloadSet, Verdict};
+use phihat_design::{ClassBound, ClassPace, ClassPart, TubePayloadSet, Verdict};
 use phihat_report::{RecordedBound, figures, page};
 use roxmltree::Document;
 use scraper::{Html, Selector};
@@ -204,9 +204,38 @@ fn other_paces_are_drawn_and_those_without_a_bound_are_named() {
 }
 
 #[test]
+fn parts_of_a_bound_stand_in_rows_with_their_sum() {
+    let mut fixture = of_class();
+    let part = |name: &str, error: f64| ClassPart {
+        name: name.to_owned(),
+        error_bound_rad: vec![error, 2.0 * error, 0.0],
+        torque_step_nm: vec![0.25; 3],
+    };
+    class(&mut fixture).parts = vec![part("the motion", 1e-4), part("dry friction", 2e-4)];
+    let page = Html::parse_document(&page(&fixture.record()));
+    let text = |td: scraper::ElementRef<'_>| td.text().collect::<String>().parse().unwrap();
+    let row = |label: &str, head: &str| -> Vec<f64> {
+        let select = |css: &str| Selector::parse(css).unwrap();
+        let table = page.select(&select(&format!("[aria-label='{label}'] tr"))).find(|row| {
+            row.select(&select("th")).next().is_some_and(|th| th.inner_html().contains(head))
+        });
+        table.unwrap().select(&select("td")).map(text).collect()
+    };
+    let error = "Table: parts of the class bound on |e|";
+    assert_eq!(row(error, "dry friction"), [0.2, 0.4, 0.0]);
+    assert_eq!(row(error, "together"), [0.3, 0.6, 0.0]);
+    assert_eq!(row("Table: parts of the class bound on |Δτ|", "together"), [0.5, 0.5, 0.5]);
+}
+
+#[test]
 fn lists_of_another_length_break_no_page() {
     let mut fixture = of_class();
     let class = class(&mut fixture);
+    class.parts = vec![ClassPart {
+        name: "a <part>".to_owned(),
+        error_bound_rad: Vec::new(),
+        torque_step_nm: vec![f64::NAN],
+    }];
     class.error_bound_rad.truncate(1);
     class.box_rad.0.clear();
     class.speed_max_rad_s = vec![f64::NAN; 9];
