@@ -51,6 +51,20 @@ impl<const W: usize> Lane<W> {
         out
     }
 
+    /// `|self|`.
+    #[expect(clippy::inline_always, reason = "one instruction each")]
+    #[inline(always)]
+    pub(crate) fn size(&self) -> Self {
+        Self(core::array::from_fn(|c| self.0[c].abs()))
+    }
+
+    /// The larger of both.
+    #[expect(clippy::inline_always, reason = "one instruction each")]
+    #[inline(always)]
+    pub(crate) fn larger(&self, x: &Self) -> Self {
+        Self(core::array::from_fn(|c| if self.0[c] < x.0[c] { x.0[c] } else { self.0[c] }))
+    }
+
     /// Run by run.
     #[inline]
     pub(crate) fn of(one: impl FnMut(usize) -> f64) -> Self {

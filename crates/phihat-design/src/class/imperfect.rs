@@ -31,31 +31,6 @@ impl LossSpan {
         let apart = usize::try_from(whole).unwrap_or(usize::MAX);
         Ok(Some(Self { most, apart }))
     }
-
-    /// The largest sums that rows of losses make of a response, per deviation of what is lost: of each row `Σ |c|`
-    /// over its commands, at its worst age or later. Of all rows, and of those before a row that begins now,
-    /// whose ages may be less by `delay` samples.
-    pub(super) fn sums(
-        self,
-        response: impl Fn(usize) -> f64,
-        (samples, delay): (usize, usize),
-    ) -> [f64; 2] {
-        let first = |age: usize| -> f64 {
-            let all = (0..self.most.min(age + 1)).filter(|before| age - before < samples);
-            all.map(|before| response(age - before)).sum()
-        };
-        let (mut total, mut earlier, mut most) = (0.0, 0.0, 0.0);
-        for age in (0..samples + self.most).rev() {
-            most = larger(most, first(age));
-            if age % self.apart == 0 {
-                total += most;
-            }
-            if (age + delay) % self.apart == 0 && age + delay > 0 {
-                earlier += most;
-            }
-        }
-        [total, earlier]
-    }
 }
 
 /// Stiction, jitter and lost commands of a study.
@@ -151,33 +126,4 @@ pub(super) fn imperfections(study: &Study) -> Study {
         own.world.drive = None;
     }
     own
-}
-
-#[cfg(test)]
-mod tests {
-    use super::LossSpan;
-    use phihat_certificate::extremes::Extremes as _;
-
-    #[test]
-    fn rows_at_their_worst_are_those_of_a_search_over_all_of_them() {
-        // A response that swings, and every pair of rows of two commands at least three samples apart.
-        let response = [0.2_f64, 1.0, -0.8, 0.3, 0.5, -0.1, 0.0, 0.05];
-        let at = |k: usize| response.get(k).copied().unwrap_or(0.0).abs();
-        let rows = LossSpan { most: 2, apart: 3 };
-        let row = |start: usize| at(start) + start.checked_sub(1).map_or(0.0, at);
-        let mut most = 0.0_f64;
-        for a in 0..10 {
-            for b in a + 3..13 {
-                for c in b + 3..16 {
-                    most = most.max(row(a) + row(b) + row(c));
-                }
-            }
-        }
-        let [bound, earlier] = rows.sums(at, (response.len(), 0));
-        assert!(bound >= most && bound < 1.6 * most, "{bound} {most}");
-        // The row at its worst is the one that is left out; a delay lets the earlier ones be younger.
-        let worst = (0..16).map(row).largest();
-        assert!((bound - earlier - worst).abs() < 1e-12, "{bound} {earlier} {worst}");
-        assert!(rows.sums(at, (response.len(), 1))[1] > earlier);
-    }
 }

@@ -6,12 +6,14 @@
 //!    `imperfect`: stiction, cogging, noise, jitter, lost commands.
 //! 2. `slopes`: `M`, `∂M` and the gradient of gravity at a posture.
 //! 3. `extent`: maxima over box and payloads (torque rates, second derivatives), searched.
-//! 4. `sums`: sums over the impulse responses of the loop frozen at a posture.
+//! 4. `sums`: sums over the impulse responses of the loop frozen at a posture; `answers`, `starts`, `rows`: what they
+//!    take of each sample, joints that answer side by side.
 //! 5. `close`: the least solution of (CM5) over all postures; `effect`, `parts`: its inputs, effect by effect;
 //!    `explain`: what would have to be less.
 //! 6. `find`: the search for the postures that set the bound, and the document; `faster`: other paces.
 //! 7. `demand`: what a search for gains reckons with.
 
+mod answers;
 mod close;
 mod demand;
 mod effect;
@@ -22,8 +24,10 @@ mod find;
 mod imperfect;
 mod parts;
 mod refusal;
+mod rows;
 mod scene;
 mod slopes;
+mod starts;
 mod sums;
 
 pub use demand::ClassDemand;

@@ -3,21 +3,21 @@
 use phihat_certificate::Refutation;
 use phihat_certificate::extremes::larger;
 
-use super::imperfect::LossSpan;
+use super::answers::{SparseColumns, WideSums};
 use super::refusal::ClassRefusal;
+use super::rows::LostRows;
 use super::scene::ClassScene;
 use super::slopes::Slopes;
-use crate::coupled::linear::{LEFT, Linear, Lines, OUTPUTS, SumHorizon};
+use crate::coupled::abreast::AbreastTails;
+use crate::coupled::linear::{LEFT, Linear, SumHorizon};
+use crate::lanes::WIDE;
 
 /// Outputs: `e`, `ė`, change of the commanded torque per sample, `ë` without the force itself.
 pub(super) const E: usize = 0;
 pub(super) const V: usize = 1;
 pub(super) const STEP: usize = 2;
 pub(super) const FREE: usize = 3;
-pub(super) const KINDS: usize = 4;
-
-/// Place of each output in [`Lines`].
-const PLACE: [usize; KINDS] = [0, 1, 3, 2];
+pub(super) use crate::coupled::abreast::KINDS;
 
 /// Largest share of a sum over time that its tail may be: rounding of the step response.
 const FADED: f64 = 1e-5;
@@ -87,13 +87,14 @@ impl RowSums {
     }
 }
 
-/// The posture's matrices side by side: row `l` of `[c][j]`.
-struct MovingSums {
+/// The posture's matrices, those of all joints' speeds side by side: column `c n + j`.
+pub(super) struct MovingSums {
     /// `∂_c M`, `2 ∂_c M − D_c`, `∂_c M − D_c`.
-    blocks: [Vec<f64>; 3],
-    gravity: Vec<f64>,
-    mass: Vec<f64>,
-    inverse: Vec<f64>,
+    pub(super) blocks: [SparseColumns; 3],
+    pub(super) gravity_columns: SparseColumns,
+    pub(super) mass_columns: SparseColumns,
+    /// `M^{-1}`, row by row.
+    pub(super) inverse: Vec<f64>,
 }
 
 impl MovingSums {
@@ -110,20 +111,17 @@ impl MovingSums {
                 }
             }
         }
-        Self { blocks, gravity: slopes.gravity.clone(), mass: slopes.mass.clone(), inverse }
-    }
-}
-
-/// `out += weight · |row · block|`.
-fn add_product(out: &mut [f64], scratch: &mut [f64], weight: f64, (row, block): (&[f64], &[f64])) {
-    scratch.fill(0.0);
-    for (value, line) in row.iter().zip(block.chunks_exact(scratch.len())) {
-        for (sum, entry) in scratch.iter_mut().zip(line) {
-            *sum += value * entry;
+        Self {
+            blocks: blocks.map(|block| SparseColumns::of(&block, n * n)),
+            gravity_columns: SparseColumns::of(&slopes.gravity, n),
+            mass_columns: SparseColumns::of(&slopes.mass, n),
+            inverse,
         }
     }
-    for (out, sum) in out.iter_mut().zip(scratch.iter()) {
-        *out += weight * sum.abs();
+
+    /// Number of joints.
+    pub(super) fn joints(&self) -> usize {
+        self.inverse.len().isqrt()
     }
 }
 
@@ -166,10 +164,13 @@ impl PostureSums {
             twice: per_joint(),
             once: core::array::from_fn(|_| per_joint()),
         };
-        for i in 0..n {
-            let rows = scene.rows.map(|rows| (rows, scene.delay));
-            let row = JointSums::of((&linear, &horizon), (i, scene.period), rows, &moving)?;
-            own.push(i, row, &slopes);
+        for first in (0..n).step_by(WIDE) {
+            for (c, row) in JointSums::abreast(scene, (&linear, &horizon), first, &moving)?
+                .into_iter()
+                .enumerate()
+            {
+                own.push(first + c, row, &slopes);
+            }
         }
         Ok(own)
     }
@@ -209,291 +210,68 @@ impl PostureSums {
     }
 }
 
-/// Sizes of the answers since the start, sample by sample, joint by joint.
-#[derive(Default)]
-struct AnswerSizes {
-    /// After an error of one reading; the first at its own sample.
-    readings: Vec<[f64; KINDS]>,
-    /// After a start of the arm off by an angle, over each interval.
-    arms: Vec<[f64; KINDS]>,
-    /// After a start of the law with a reading off by an angle, from the sample after it.
-    laws: Vec<[f64; KINDS]>,
-}
-
-impl AnswerSizes {
-    /// `max_k (|s_k| − Σ_{m>k+1} |n_m|)`: of readings that have not come yet nothing is to be seen at sample `k + 1`.
-    ///
-    /// What comes after the last sample is counted as [`LEFT`] of the largest answer. Times between samples see two
-    /// neighbours: each answer is the largest of three.
-    fn beyond_readings(&self, n: usize) -> AnswerMatrices {
-        let samples = (self.arms.len() / n).min(self.laws.len() / n);
-        let near = |list: &[[f64; KINDS]], k: usize, j: usize, o: usize| {
-            let around = k.saturating_sub(1)..(k + 2).min(samples);
-            around.map(|k| list[k * n + j][o]).fold(0.0, larger)
-        };
-        let beyond = |o: usize, j: usize| -> f64 {
-            let of_joint = || self.readings.iter().skip(j).step_by(n).map(|sizes| sizes[o]);
-            let mut left: f64 = of_joint().sum();
-            let mut seen = of_joint();
-            left -= seen.next().unwrap_or(0.0);
-            let (mut most, mut largest) = (0.0, 0.0);
-            for (k, reading) in (0..samples).zip(seen) {
-                left -= reading;
-                let own = near(&self.arms, k, j, o) + near(&self.laws, k, j, o);
-                most = larger(most, own - larger(left, 0.0));
-                largest = larger(largest, own);
-            }
-            larger(most, LEFT * largest)
-        };
-        core::array::from_fn(|o| (0..n).map(|j| beyond(o, j)).collect())
-    }
-}
-
 /// Sums of one joint that answers.
-struct JointSums {
-    n: usize,
-    period: f64,
-    /// Samples after which products are bounded by products of sizes.
-    long: usize,
-    /// Node of the kernels, from 0.
-    node: usize,
-    last: AnswerMatrices,
-    /// `g'` of the interval before, and its `ë`.
-    last_slope: Vec<f64>,
+pub(super) struct JointSums {
+    pub(super) n: usize,
+    pub(super) period: f64,
     /// Step responses.
-    whole: AnswerMatrices,
-    torque: AnswerMatrices,
-    ramp: AnswerMatrices,
-    reading: AnswerMatrices,
-    lasting: AnswerMatrices,
-    impulse: AnswerMatrices,
-    start: AnswerMatrices,
-    lost: AnswerMatrices,
-    rows: RowSums,
-    begun: AnswerSizes,
-    start_moves: [Vec<f64>; 2],
-    slope: AnswerMatrices,
-    aged: AnswerMatrices,
-    bent: AnswerMatrices,
-    turned: Vec<f64>,
-    gravity: AnswerMatrices,
-    twice: Vec<f64>,
-    once: [Vec<f64>; KINDS],
-    /// Sizes for what is left to bound by sizes: of `e` `Σ age|δ|`, of others `Σ age T|g'|`; `T Σ|g'|`; `∫|g|`.
-    late_age: AnswerMatrices,
-    late_slope: AnswerMatrices,
-    late_torque: AnswerMatrices,
+    pub(super) whole: AnswerMatrices,
+    pub(super) torque: AnswerMatrices,
+    pub(super) ramp: AnswerMatrices,
+    pub(super) reading: AnswerMatrices,
+    pub(super) lasting: AnswerMatrices,
+    pub(super) impulse: AnswerMatrices,
+    pub(super) start: AnswerMatrices,
+    pub(super) lost: AnswerMatrices,
+    pub(super) rows: RowSums,
+    pub(super) start_moves: [Vec<f64>; 2],
+    pub(super) slope: AnswerMatrices,
+    pub(super) aged: AnswerMatrices,
+    pub(super) bent: AnswerMatrices,
+    pub(super) turned: Vec<f64>,
+    pub(super) gravity: AnswerMatrices,
+    pub(super) twice: Vec<f64>,
+    pub(super) once: [Vec<f64>; KINDS],
+    /// Sizes for what is left to bound by sizes: of `e` `Σ age|δ|`, of others `Σ age T|g'|`; of `e` `T Σ|g'|`; `∫|g|`.
+    pub(super) late_age: AnswerMatrices,
+    pub(super) late_slope: Vec<f64>,
+    pub(super) late_torque: AnswerMatrices,
     /// `Σ (2 age + T) T|α|` and `T Σ|α|`, `α` the `ë` of `g'`: what lies between samples.
-    chords: [Vec<f64>; 2],
-    scratch: Vec<f64>,
+    pub(super) chords: [Vec<f64>; 2],
 }
+
+/// What the sums of one joint that answers leave out, of torque and reading, per joint on which they act.
+type JointTails = [Vec<[f64; KINDS]>; 2];
 
 impl JointSums {
-    fn of(
+    /// The sums of up to [`WIDE`] joints that answer.
+    fn abreast(
+        scene: &ClassScene<'_>,
         (linear, horizon): (&Linear, &SumHorizon),
-        (i, period): (usize, f64),
-        rows: Option<(LossSpan, usize)>,
+        first: usize,
         moving: &MovingSums,
-    ) -> Result<Self, ClassRefusal> {
-        let n = moving.mass.len().isqrt();
-        let mut own = Self::empty(n, period, horizon.samples);
+    ) -> Result<Vec<Self>, ClassRefusal> {
+        let n = scene.n;
         // One more than twice: the first change after the last node is then among the rest.
         let samples = 2 * horizon.samples + 1;
-        let mut block: Vec<Lines> = vec![[0.0; 16]; n];
-        let mut first = true;
-        let mut misread: Vec<f64> = Vec::new();
-        let tails = linear.walk(i, (samples, horizon), |j, lines| {
-            block[j] = *lines;
-            if rows.is_some() {
-                misread.push(lines[2 * OUTPUTS + PLACE[STEP]]);
-            }
-            if j + 1 == n {
-                own.read(&block);
-                if !core::mem::take(&mut first) {
-                    own.take(i, &block, moving);
-                }
-            }
-        });
-        linear.start(i, samples, |_, outputs| {
-            own.begun.laws.push(PLACE.map(|place| outputs[place].abs()));
-        });
-        own.start = own.begun.beyond_readings(n);
-        if let Some(rows) = rows {
-            (own.lost, own.rows) = lost((linear, horizon.samples), i, rows);
-            let later: Vec<f64> = tails.iter().map(|tail| tail[1][PLACE[STEP]]).collect();
-            own.rows.spans = (2..=rows.0.most).map(|l| changes_over(l, &misread, &later)).collect();
+        let rows = scene.rows.map(|rows| LostRows::new(n, rows, (scene.delay, horizon.samples)));
+        let given = rows.is_some();
+        let mut all = WideSums::new(moving, first, (scene.period, horizon.samples), rows);
+        let tails = linear.walk_abreast(first, (samples, horizon), given, |shown| all.take(shown));
+        if let Some(rows) = all.rows() {
+            rows.end();
         }
-        own.tails(i, &tails, samples)?;
-        Ok(own)
-    }
-
-    fn empty(n: usize, period: f64, long: usize) -> Self {
-        let each = || -> AnswerMatrices { core::array::from_fn(|_| vec![0.0; n]) };
-        Self {
-            n,
-            period,
-            long,
-            node: 0,
-            last: each(),
-            last_slope: vec![0.0; n],
-            whole: each(),
-            torque: each(),
-            ramp: each(),
-            reading: each(),
-            lasting: each(),
-            impulse: each(),
-            start: each(),
-            lost: each(),
-            rows: RowSums::default(),
-            begun: AnswerSizes::default(),
-            start_moves: [vec![0.0; n], vec![0.0; n]],
-            slope: each(),
-            aged: each(),
-            bent: each(),
-            turned: vec![0.0; n],
-            gravity: each(),
-            twice: vec![0.0; n * n],
-            once: core::array::from_fn(|_| vec![0.0; n * n]),
-            late_age: each(),
-            late_slope: each(),
-            late_torque: each(),
-            chords: [vec![0.0; n], vec![0.0; n]],
-            scratch: vec![0.0; n * n],
-        }
-    }
-
-    fn read(&mut self, block: &[Lines]) {
-        for (j, lines) in block.iter().enumerate() {
-            let sizes = PLACE.map(|place| lines[2 * OUTPUTS + place].abs());
-            for (sum, size) in self.reading.iter_mut().zip(sizes) {
-                sum[j] += size;
-            }
-            self.begun.readings.push(sizes);
-        }
-    }
-
-    /// One more node `g(kT)` of the kernels, which are straight between nodes.
-    fn take(&mut self, i: usize, block: &[Lines], moving: &MovingSums) {
-        let (n, t, k) = (self.n, self.period, self.node);
-        let now: AnswerMatrices =
-            core::array::from_fn(|o| block.iter().map(|lines| lines[OUTPUTS + PLACE[o]]).collect());
-        let own = &moving.inverse[i * n..(i + 1) * n];
-        // Trapezes: the first node is the end of one interval only.
-        let half = if k == 0 { 0.5 } else { 1.0 };
-        for o in 0..KINDS {
-            for j in 0..n {
-                let size = now[o][j].abs();
-                self.torque[o][j] += half * t * size;
-                self.aged[o][j] += half * t * size * (k as f64 + 2.0) * t;
-                if k > 0 {
-                    self.whole[o][j] += 0.5 * t * (now[o][j] + self.last[o][j]);
-                }
-                // What is left of a torque that goes on moves the arm.
-                let net = self.whole[o][j] + if o == FREE { own[j] } else { 0.0 };
-                self.ramp[o][j] += half * t * net.abs();
-                self.lasting[o][j] = larger(self.lasting[o][j], net.abs());
-                self.impulse[o][j] = larger(self.impulse[o][j], size);
-            }
-        }
-        let early = k < self.long;
-        for o in 0..KINDS {
-            let pair = (&now[o][..], &moving.gravity[..]);
-            if early && o != FREE {
-                add_product(&mut self.gravity[o], &mut self.scratch[..n], half * t, pair);
-            }
-            if early && (o == V || o == STEP) {
-                let pair = (&now[o][..], &moving.blocks[2][..]);
-                add_product(&mut self.once[o], &mut self.scratch, half * t, pair);
-            }
-            if !early || o == FREE {
-                for j in 0..n {
-                    self.late_torque[o][j] += half * t * now[o][j].abs();
-                }
-            }
-        }
-        for j in 0..n {
-            self.start_moves[1][j] = larger(self.start_moves[1][j], now[E][j].abs());
-        }
-        if k > 0 {
-            self.interval(k - 1, &now, moving);
-        }
-        self.last = now;
-        self.node += 1;
-    }
-
-    /// The interval that is `m` samples old at its young end: slope `g' = H_m M^{-1}` of the kernels.
-    fn interval(&mut self, m: usize, now: &AnswerMatrices, moving: &MovingSums) {
-        let (n, t) = (self.n, self.period);
-        let (age, older) = (m as f64 * t, (m as f64 + 1.0) * t);
-        let early = m < self.long;
-        self.begun.arms.extend(core::iter::repeat_n([0.0; KINDS], n));
-        for o in 0..KINDS {
-            let slope: Vec<f64> =
-                now[o].iter().zip(&self.last[o]).map(|(a, b)| (a - b) / t).collect();
-            for j in 0..n {
-                let size = slope[j].abs();
-                self.slope[o][j] += t * size;
-                if o != E {
-                    self.bent[o][j] += 0.5 * (older + t) * (older + t) * t * size;
-                }
-            }
-            let answer =
-                |j: usize| -> f64 { (0..n).map(|l| slope[l] * moving.mass[l * n + j]).sum() };
-            if o == FREE {
-                for j in 0..n {
-                    self.chords[0][j] += (age + older + 2.0 * t) * slope[j].abs();
-                    self.chords[1][j] += t * slope[j].abs();
-                    self.late_age[o][j] += older * t * slope[j].abs();
-                }
-            }
-            for (j, arms) in self.begun.arms.iter_mut().rev().take(n).rev().enumerate() {
-                arms[o] = answer(j).abs();
-            }
-            if o == FREE {
-                continue;
-            }
-            if o != E {
-                if early {
-                    let pair = (&slope[..], &moving.blocks[0][..]);
-                    add_product(&mut self.once[o], &mut self.scratch, older * t, pair);
-                } else {
-                    for j in 0..n {
-                        self.late_age[o][j] += older * t * slope[j].abs();
-                    }
-                }
-                continue;
-            }
-            self.of_error((m, early), &slope, moving);
-            self.last_slope = slope;
-        }
-    }
-
-    /// The same of `e`, which is integrated twice: its slope, and how it jumps there.
-    fn of_error(&mut self, (m, early): (usize, bool), slope: &[f64], moving: &MovingSums) {
-        let (n, t) = (self.n, self.period);
-        let age = m as f64 * t;
-        let jump: Vec<f64> = if m == 0 {
-            vec![0.0; n]
-        } else {
-            slope.iter().zip(&self.last_slope).map(|(a, b)| a - b).collect()
+        let joint = |c: usize| {
+            let list = |which: usize| -> Vec<[f64; KINDS]> {
+                let of = |tail: &AbreastTails| tail[which].map(|own| own[c]);
+                tails.iter().map(of).collect()
+            };
+            let tails: JointTails = [list(0), list(1)];
+            let mut own = all.joint(c, &tails[1]);
+            own.tails(first + c, &tails, samples)?;
+            Ok(own)
         };
-        for j in 0..n {
-            let middle = age + 0.5 * t;
-            self.bent[E][j] += 0.5 * middle * middle * jump[j].abs();
-            self.turned[j] += (age + t) * t * slope[j].abs();
-            self.start_moves[0][j] = larger(self.start_moves[0][j], (age + t) * slope[j].abs());
-        }
-        if early {
-            let (jumps, slopes) =
-                ((&jump[..], &moving.blocks[0][..]), (slope, &moving.blocks[1][..]));
-            add_product(&mut self.twice, &mut self.scratch, age, jumps);
-            add_product(&mut self.twice, &mut self.scratch, t, slopes);
-        } else {
-            for j in 0..n {
-                self.late_age[E][j] += age * jump[j].abs();
-                self.late_slope[E][j] += t * slope[j].abs();
-            }
-        }
+        (0..WIDE.min(n - first)).map(joint).collect()
     }
 
     /// Adds what comes after the last sample. With `‖A^N‖ < ε` after the horizon of `N` samples, sums from `2N` on are
@@ -501,27 +279,27 @@ impl JointSums {
     fn tails(
         &mut self,
         i: usize,
-        tails: &[[[f64; OUTPUTS]; 2]],
+        [torques, readings]: &JointTails,
         samples: usize,
     ) -> Result<(), ClassRefusal> {
         let t = self.period;
         // Ages from 2N on, in blocks of N with ε each: 3 N, and 9 N², with room for the rest of the row.
         let age = 1.6 * samples as f64 * t;
-        for (j, tail) in tails.iter().enumerate() {
-            for (o, place) in PLACE.into_iter().enumerate() {
-                let torque = LEFT * tail[0][place];
+        for (j, (torque, reading)) in torques.iter().zip(readings).enumerate() {
+            for o in 0..KINDS {
+                let torque = LEFT * torque[o];
                 let slope = 2.0 * torque / t;
-                self.reading[o][j] += tail[1][place];
+                self.reading[o][j] += reading[o];
                 self.torque[o][j] += torque;
                 self.late_torque[o][j] += torque;
                 self.aged[o][j] += age * torque;
                 self.slope[o][j] += slope;
                 self.impulse[o][j] = larger(self.impulse[o][j], slope);
                 self.late_age[o][j] += if o == E { age * 2.0 * slope / t } else { age * slope };
-                self.late_slope[o][j] += slope;
                 self.bent[o][j] += 0.5 * age * age * if o == E { 2.0 * slope / t } else { slope };
                 if o == E {
                     self.turned[j] += age * slope;
+                    self.late_slope[j] += slope;
                 }
                 if o == FREE {
                     self.chords[0][j] += 2.0 * age * slope / t;
@@ -562,7 +340,7 @@ impl JointSums {
                         ((2.0 * dm[l * n + j] - d).abs(), (dm[l * n + j] - d).abs());
                     let at = c * n + j;
                     self.twice[at] += self.late_age[E][l] * m
-                        + self.late_slope[E][l] * twice
+                        + self.late_slope[l] * twice
                         + eighth * (self.chords[0][l] * m + self.chords[1][l] * twice);
                     for o in V..KINDS {
                         self.once[o][at] += self.late_age[o][l] * m + self.late_torque[o][l] * once;
@@ -596,52 +374,6 @@ impl JointSums {
             self.gravity[E][j] += eighth * self.gravity[FREE][j];
         }
     }
-}
-
-/// Largest answers of joint `i` to rows of lost commands. Beyond twice the horizon of `N` samples the rows of each
-/// block of `N` answer with at most [`LEFT`] of the largest answer, and less from block to block.
-fn lost(
-    (linear, horizon): (&Linear, usize),
-    i: usize,
-    (rows, delay): (LossSpan, usize),
-) -> (AnswerMatrices, RowSums) {
-    let (samples, n) = (2 * horizon, linear.joints());
-    let mut answers: Vec<Vec<[f64; KINDS]>> = vec![Vec::with_capacity(samples); n];
-    linear.given_other(i, samples, |j, outputs| {
-        answers[j].push(PLACE.map(|place| outputs[place]));
-    });
-    let of = |o: usize, j: usize| {
-        let largest = answers[j].iter().map(|own| own[o].abs()).fold(0.0, larger);
-        let row = rows.most as f64;
-        let later = 2.0 * LEFT * largest * row * (horizon as f64 / rows.apart as f64 + 1.0);
-        rows.sums(|k| answers[j][k][o].abs(), (samples, delay)).map(|own| own + later)
-    };
-    let each = |o: usize| -> Vec<f64> { (0..n).map(|j| of(o, j)[0]).collect() };
-    let level = |last: usize, j: usize| {
-        let steps = answers[j].iter().take(last + 1).map(|own| own[STEP]);
-        let levels = steps.scan(0.0, |sum, step| {
-            *sum += step;
-            Some(*sum)
-        });
-        levels.map(f64::abs).fold(0.0, larger)
-    };
-    let grown = RowSums {
-        earlier: (0..n).map(|j| of(STEP, j)[1]).collect(),
-        levels: (1..rows.most).map(|k| (0..n).map(|j| level(k, j)).collect()).collect(),
-        spans: Vec::new(),
-    };
-    (core::array::from_fn(each), grown)
-}
-
-/// `Σ_k |x_k + … + x_(k−l+1)|` for each joint of answers that follow each other joint by joint, with what comes after
-/// the last sample.
-fn changes_over(l: usize, answers: &[f64], later: &[f64]) -> Vec<f64> {
-    let n = later.len();
-    let samples = answers.len() / n.max(1);
-    let at = |k: usize, j: usize| if k < samples { answers[k * n + j] } else { 0.0 };
-    let over = |k: usize, j: usize| (k.saturating_sub(l - 1)..=k).map(|k| at(k, j)).sum::<f64>();
-    let sum = |j: usize| (0..samples + l).map(|k| over(k, j).abs()).sum::<f64>();
-    later.iter().enumerate().map(|(j, later)| sum(j) + l as f64 * later).collect()
 }
 
 /// The refutation of a posture.

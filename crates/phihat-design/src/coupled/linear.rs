@@ -13,7 +13,7 @@ use crate::sampled::sample::{Input, SampledLoop};
 pub(crate) const OUTPUTS: usize = 5;
 
 /// Outputs that are changes from sample to sample.
-const CHANGES: [usize; 2] = [3, 4];
+pub(super) const CHANGES: [usize; 2] = [3, 4];
 
 /// Outputs after a torque impulse at an interval's start, at its end, and after an encoder's error; one left over.
 pub(crate) type Lines = [f64; 16];
@@ -55,34 +55,34 @@ impl GivenOther {
 #[derive(Debug, Clone)]
 pub(crate) struct SumHorizon {
     pub(crate) samples: usize,
-    power: DMatrix<f64>,
+    pub(super) power: DMatrix<f64>,
 }
 
 /// The joints `i` with their laws and loops on one constant matrix `M`: `M q̈ = τ − d`.
 pub(crate) struct Linear {
     a: DMatrix<f64>,
     /// Columns of `a`, sparse.
-    columns: Vec<Vec<(usize, f64)>>,
+    pub(super) columns: Vec<Vec<(usize, f64)>>,
     /// Output rows of each joint on the state.
-    rows: Vec<Vec<[f64; OUTPUTS]>>,
+    pub(super) rows: Vec<Vec<[f64; OUTPUTS]>>,
     /// State after a unit torque impulse on each joint at an interval's start and at its end, sparse.
-    kicks: Vec<[Vec<(usize, f64)>; 2]>,
+    pub(super) kicks: Vec<[Vec<(usize, f64)>; 2]>,
     /// State after a unit error of each encoder, sparse.
-    readings: Vec<Vec<(usize, f64)>>,
+    pub(super) readings: Vec<Vec<(usize, f64)>>,
     /// Outputs of joint `i` at the very sample of encoder `j`'s error, `direct[j][i]`.
-    direct: Vec<Vec<[f64; OUTPUTS]>>,
+    pub(super) direct: Vec<Vec<[f64; OUTPUTS]>>,
     /// State at the sample after a start with a reading 1 rad off, of laws from positions, sparse.
-    starts: Vec<Vec<(usize, f64)>>,
-    given: Vec<GivenOther>,
-    period: f64,
+    pub(super) starts: Vec<Vec<(usize, f64)>>,
+    pub(super) given: Vec<GivenOther>,
+    pub(super) period: f64,
 }
 
 /// An interval in which the drive of a joint is given 1 N·m more than was commanded.
-struct GivenOther {
+pub(super) struct GivenOther {
     /// State after it, sparse.
-    after: Vec<(usize, f64)>,
+    pub(super) after: Vec<(usize, f64)>,
     /// Outputs of each joint in it.
-    meanwhile: Vec<[f64; OUTPUTS]>,
+    pub(super) meanwhile: Vec<[f64; OUTPUTS]>,
 }
 
 impl Linear {
@@ -205,60 +205,6 @@ impl Linear {
         self.given.len()
     }
 
-    /// Shows joint `i`'s outputs at each sample after a start of each joint's law with a reading 1 rad off.
-    pub(crate) fn start(
-        &self,
-        i: usize,
-        samples: usize,
-        visit: impl FnMut(usize, &[f64; OUTPUTS]),
-    ) {
-        let inputs: Vec<_> = self.starts.iter().map(|start| &start[..]).collect();
-        self.after(i, samples, &inputs, visit);
-    }
-
-    /// Shows joint `i`'s outputs from the sample on at which the drive of each joint is given 1 N·m more than was
-    /// commanded, for one interval; where no drive lags.
-    pub(crate) fn given_other(
-        &self,
-        i: usize,
-        samples: usize,
-        mut visit: impl FnMut(usize, &[f64; OUTPUTS]),
-    ) {
-        for (j, given) in self.given.iter().enumerate() {
-            visit(j, &given.meanwhile[i]);
-        }
-        let inputs: Vec<_> = self.given.iter().map(|given| &given.after[..]).collect();
-        self.after(i, samples.saturating_sub(1), &inputs, visit);
-    }
-
-    /// Shows joint `i`'s outputs at each sample from a state for each joint on.
-    fn after(
-        &self,
-        i: usize,
-        samples: usize,
-        inputs: &[&[(usize, f64)]],
-        mut visit: impl FnMut(usize, &[f64; OUTPUTS]),
-    ) {
-        let mut now: Vec<Outputs> = self.rows[i].iter().map(abreast).collect();
-        let mut next = now.clone();
-        let mut before = vec![Outputs::ZERO; inputs.len()];
-        for _ in 0..samples {
-            for (j, (input, before)) in inputs.iter().zip(&mut before).enumerate() {
-                let own = along(&now, input);
-                let mut outputs: [f64; OUTPUTS] = core::array::from_fn(|o| own[o]);
-                for o in CHANGES {
-                    outputs[o] -= before[o];
-                }
-                *before = own;
-                visit(j, &outputs);
-            }
-            for (next, column) in next.iter_mut().zip(&self.columns) {
-                *next = along(&now, column);
-            }
-            core::mem::swap(&mut now, &mut next);
-        }
-    }
-
     /// Shows joint `i`'s outputs after a unit of each input, for so many samples, at least those of the
     /// horizon; gives what the sums leave out, per input:
     /// `Σ_{k≥N} |c A^k b| ≤ Σ_{k<N} ‖c A^k‖₁ ‖A^N b‖_∞/(1 − ‖A^N‖_∞)`; for changes with `c (A − I)` for `c`,
@@ -376,6 +322,6 @@ fn sparse(x: impl IntoIterator<Item = f64>) -> Vec<(usize, f64)> {
     x.into_iter().enumerate().filter(|(_, value)| *value != 0.0).collect()
 }
 
-fn norm_inf(a: &DMatrix<f64>) -> f64 {
+pub(super) fn norm_inf(a: &DMatrix<f64>) -> f64 {
     a.row_iter().map(|row| row.iter().map(|v| v.abs()).sum()).largest()
 }

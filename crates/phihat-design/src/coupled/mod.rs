@@ -2,6 +2,7 @@
 //!
 //! [`FindCoupledGains::find`] sums impulse responses of the whole arm's loop, at [`Postures`] that are looked for.
 
+pub(crate) mod abreast;
 mod at_posture;
 mod find;
 pub(crate) mod linear;
