@@ -38,6 +38,7 @@ mod proposed;
 mod proposed_designed;
 mod robust;
 mod slotine_li;
+mod suboptimal;
 mod super_twisting;
 mod switching;
 mod task_space;
@@ -84,6 +85,7 @@ pub const RIVALS: &[Entry] = &[
     Entry::of::<disturbance_observer::DisturbanceObserver>(),
     Entry::of::<adrc::Adrc>(),
     Entry::of::<super_twisting::SuperTwisting>(),
+    Entry::of::<suboptimal::Suboptimal>(),
     Entry::of::<funnel::Hackl>(),
     Entry::of::<funnel::Berger>(),
     Entry::of::<time_delay::TimeDelay>(),
