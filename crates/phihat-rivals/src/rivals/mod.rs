@@ -15,6 +15,7 @@ mod fat_lumped;
 mod feedforward_pd;
 mod filtered_regressor;
 mod finite_time;
+mod franka_ros;
 mod funnel;
 mod fuzzy;
 mod h_infinity_pid;
@@ -56,6 +57,7 @@ pub const RIVALS: &[Entry] = &[
     Entry::of::<pd_plus::PdPlus>(),
     Entry::of::<feedforward_pd::FeedforwardPd>(),
     Entry::of::<makers_stack::MakersStack>(),
+    Entry::of::<franka_ros::FrankaRos>(),
     Entry::of::<effort_pid::EffortPid>(),
     Entry::of::<computed_torque::ComputedTorque>(),
     Entry::of::<computed_torque_integral::ComputedTorqueIntegral>(),

@@ -25,9 +25,9 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # Guarantee
 ///
-/// With `M̂ = M`, `σ = σ̇ = 0` after a finite time when all that acts on a joint's `σ̇` but `v` (what the model lacks, per
-/// unit of inertia, and the slope of the transient) changes at most at the rate `Φ`, and `W > 2 Φ`. This is the published
-/// rule `W Γ_m > max(Φ/α*, 4Φ/(3 − α* Γ_M/Γ_m))` at `α* = 1`, `Γ_m = Γ_M = 1`.
+/// With `M̂ = M`, `σ = σ̇ = 0` after a finite time when all that acts on a joint's `σ̇` but `v` (what the model
+/// lacks, per unit of inertia, and the slope of the transient) changes at most at the rate `Φ`, and `W > 2 Φ`. This
+/// is the published rule `W Γ_m > max(Φ/α*, 4Φ/(3 − α* Γ_M/Γ_m))` at `α* = 1`, `Γ_m = Γ_M = 1`.
 ///
 /// # Not claimed
 ///
