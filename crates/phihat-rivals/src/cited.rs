@@ -51,7 +51,7 @@ pub const WITHOUT_ROW: &[Cited] = &[
         reference: "[19]",
         source: "Qin, Léonard, Abba, IEEE T-CST 24(6), 2016",
         subject: "correction of the path of an industrial robot in friction stir welding by state estimators",
-        reason: "no torque law: it corrects what the position loop of the robot is asked for, by an observer of \
+        reason: "no torque law: it corrects the reference of the robot's position loop, by an observer of \
             flexible joints (the authors' open papers: hdl.handle.net/10985/8178 and hdl.handle.net/10985/8755)",
     },
 ];

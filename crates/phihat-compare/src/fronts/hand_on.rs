@@ -3,7 +3,7 @@
 use super::record::{AtCap, Restart};
 use crate::protocol::better;
 
-/// Hands the gains of every search of one law on from its tightest cap to its loosest.
+/// Hands the gains of every search of one law on, from the tightest cap to the loosest.
 ///
 /// What keeps a cap keeps every looser one, so a law's result under a looser cap is at least its result under a
 /// tighter one. Where a search's gains under the looser cap are worse in the validation worlds than its gains under
@@ -15,14 +15,14 @@ pub(super) fn hand_on(points: &mut [AtCap]) {
     for pair in order.windows(2) {
         let &[tight, loose] = pair else { continue };
         let (cap, tighter) = (points[tight].cap, points[tight].restarts.clone());
-        for own in &mut points[loose].restarts {
-            let same = tighter.iter().find(|other| other.restart == own.restart);
-            if let Some(other) = same.filter(|other| is_better(other, own)) {
-                *own = Restart {
+        for looser in &mut points[loose].restarts {
+            let same = tighter.iter().find(|other| other.restart == looser.restart);
+            if let Some(other) = same.filter(|other| is_better(other, looser)) {
+                *looser = Restart {
                     from_cap: other.from_cap.or(Some(cap)),
-                    evaluations: own.evaluations,
-                    history: std::mem::take(&mut own.history),
-                    widened: own.widened,
+                    evaluations: looser.evaluations,
+                    history: std::mem::take(&mut looser.history),
+                    widened: looser.widened,
                     ..other.clone()
                 };
             }
@@ -78,8 +78,8 @@ mod tests {
         points.iter().map(|p| (p.restarts[0].values[0], p.restarts[0].from_cap)).collect()
     }
 
-    /// Caps in any order: the best in validation goes up to every looser cap, with the cap that it is from, and a
-    /// looser cap's own better gains stay.
+    /// Caps in any order: the best in validation goes up to every looser cap, with the cap that it is from, and better
+    /// gains of a looser cap stay.
     #[test]
     fn a_looser_cap_is_at_least_its_tighter_one() {
         let points = law(&[

@@ -21,7 +21,7 @@ pub(super) fn verdict(fronts: &Fronts) -> Markup {
         div.verdict {
             p { strong { "At a cap of " (stated(100.0 * cap)) " % of the torque limit on noise" } }
             ul.verdicts { @for tier in Tier::ALL { (sentence(fronts, tier, cap)) } }
-            (told(band))
+            (chance(band))
         }
     }
 }
@@ -89,12 +89,12 @@ fn last_of_ours<'a>(known: &[Placed<'a>]) -> Option<&'a LawRecord> {
     known.last().map(|(law, _)| *law).filter(|law| law.ours && known.len() > 1)
 }
 
-fn told(band: Option<Placebo>) -> Markup {
+fn chance(band: Option<Placebo>) -> Markup {
     html! { p { @match band.filter(|band| band.pairs > 0) {
         Some(band) => { "One law under two names, tuned and measured as two (" (band.pairs) " pairs): ratios of errors \
             from "
             (number(1.0 / band.factor)) " to " (number(band.factor)) " are no difference." }
-        None => { "No law was held against itself: nothing says how far apart chance puts two laws, and 10 % stands \
+        None => { "No law was compared with itself: nothing says how far apart chance puts two laws, and 10 % stands \
             for it." }
     } } }
 }
@@ -102,8 +102,8 @@ fn told(band: Option<Placebo>) -> Markup {
 /// Numbers of laws of a tier that are better, worse, and no different.
 fn counts(fronts: &Fronts, tier: Tier, cap: f64) -> (usize, usize, usize) {
     let of = |standing: Standing| {
-        let asked = fronts.versus.iter().filter(|one| one.tier == tier);
-        asked.filter(|one| one.cap.total_cmp(&cap).is_eq() && one.standing == standing).count()
+        let those = fronts.versus.iter().filter(|one| one.tier == tier);
+        those.filter(|one| one.cap.total_cmp(&cap).is_eq() && one.standing == standing).count()
     };
     (of(Standing::Better), of(Standing::Worse), of(Standing::Alike))
 }

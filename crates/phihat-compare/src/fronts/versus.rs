@@ -71,8 +71,8 @@ pub(super) fn at<'a>(points: &'a [AtCap], law: &str, cap: f64) -> Option<&'a AtC
 /// Errors in the test worlds, a row per tuning that keeps every constraint.
 pub(super) fn table(point: &AtCap) -> Option<ErrorTable> {
     point.chosen.as_ref()?;
-    let kept = point.restarts.iter().filter(|restart| restart.feasible());
-    ErrorTable::new(kept.map(errors).collect()).ok()
+    let feasible = point.restarts.iter().filter(|restart| restart.feasible());
+    ErrorTable::new(feasible.map(errors).collect()).ok()
 }
 
 pub(super) fn errors(restart: &Restart) -> Vec<f64> {
