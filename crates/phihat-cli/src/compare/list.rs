@@ -36,10 +36,12 @@ pub(super) fn rivals(as_json: bool) -> Result<(), Failure> {
     println!("{}", table.wrapped(WIDTH));
     println!("Free scalars: {UNITS}.");
     println!("`phihat compare --rival ID` shows one.");
-    println!("Cited by the paper among its control methods, without a row:");
+    println!("Cited by the paper among its control methods, without a row here:");
+    let mut works = self::table(["work", "source", "subject", "why no row"]);
     for cited in WITHOUT_ROW {
-        println!("  {} {}: {}; {}.", cited.reference, cited.source, cited.subject, cited.reason);
+        works.add_row([cited.reference, cited.source, cited.subject, cited.reason]);
     }
+    println!("{}", works.wrapped(WIDTH));
     Ok(())
 }
 
