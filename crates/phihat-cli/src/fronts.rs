@@ -214,7 +214,7 @@ fn row(fronts: &Fronts, point: &AtCap) -> [String; 6] {
         let word = match one.standing {
             Standing::Better => "better",
             Standing::Worse => "worse",
-            Standing::Alike => "alike",
+            Standing::Alike => "no difference",
         };
         format!("{:.2}, {word}", one.ratio.ratio)
     });

@@ -100,6 +100,9 @@ fn rivals_are_listed_and_shown() {
     assert!(ids.contains(&"pd") && ids.contains(&"proposed-2"), "{ids:?}");
     let table = phihat(&folder, &["compare", "--list"]);
     assert!(ids.iter().all(|id| table.out.contains(id)), "{}", table.out);
+    for work in ["[3]", "[16]", "[17]", "[18]", "[19]"] {
+        assert!(table.out.contains(work), "{work}: {}", table.out);
+    }
     let card = phihat(&folder, &["compare", "--rival", "computed-torque"]);
     assert_eq!(card.code, 0);
     for told in ["grade: A", "not model free", "bandwidth", "rad/s", "source:", "default"] {

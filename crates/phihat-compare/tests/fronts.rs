@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use phihat_campaign::Shard;
 use phihat_campaign::statistics::{Bootstrap, ErrorTable, ratio};
-use phihat_compare::fronts::{Fronts, FrontsAnswer, FrontsOptions, Restart, Tier};
+use phihat_compare::fronts::{AtCap, Fronts, FrontsAnswer, FrontsOptions, Restart, Tier, Timing};
 
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
@@ -54,6 +54,7 @@ fn parts_and_interruptions_leave_the_same_bytes() {
     };
     let (fronts, exact) = whole(&options(all.clone(), &only, 1));
     assert_eq!(fronts.laws.len(), 4);
+    looser_is_no_worse(&fronts);
     let mut parts = options(own.clone(), &only, 1);
     for part in 1..=3 {
         let shard = Some(Shard { part, of: 3 });
@@ -120,7 +121,45 @@ fn every_law_follows_and_chance_is_inside_its_band() {
         let own = own.unwrap();
         assert!(own.ratio <= band.factor && own.ratio >= 1.0 / band.factor, "{own:?} {band:?}");
     }
-    assert!(page.len() > 20_000 && !String::from_utf8(page).unwrap().contains("NaN"));
+    let page = String::from_utf8(page).unwrap();
+    assert!(page.len() > 20_000 && !page.contains("NaN"));
+    // Designed gains are in the head wherever they stand, and so is what laws know of the loop's time.
+    let (head, rest) = page.split_once("</header>").unwrap();
+    assert!(head.contains("By design, not tuned: "), "{head}");
+    assert!(rest.contains("Handed delay and preview too: "));
+    knows_no_more(&fronts);
+}
+
+/// Every law is compared with one of ours that is handed no more, and there are laws of either kind.
+fn knows_no_more(fronts: &Fronts) {
+    let law = |id: &str| fronts.laws.iter().find(|law| law.id == id).unwrap();
+    for versus in &fronts.versus {
+        let (theirs, ours) = (law(&versus.law), law(&versus.ours));
+        assert!(ours.tier <= theirs.tier && ours.timing.within(theirs.timing), "{versus:?}");
+    }
+    assert!(fronts.laws.iter().any(|law| law.timing == Timing::default() && law.ours));
+    assert!(fronts.laws.iter().any(|law| law.timing != Timing::default() && !law.ours));
+}
+
+/// The result of the chosen gains in the validation worlds is no worse under a looser cap.
+fn looser_is_no_worse(fronts: &Fronts) {
+    let mut pairs = 0;
+    for law in &fronts.laws {
+        let mut points: Vec<_> = fronts
+            .points
+            .iter()
+            .filter(|point| point.law == law.id && point.chosen.is_some())
+            .collect();
+        points.sort_by(|a, b| a.cap.total_cmp(&b.cap));
+        let cost = |point: &AtCap| {
+            let chosen = point.chosen.as_ref().unwrap().restart;
+            let restart = point.restarts.iter().find(|restart| restart.restart == chosen);
+            restart.unwrap().validation.unwrap().cost()
+        };
+        assert!(points.windows(2).all(|pair| cost(pair[1]) <= cost(pair[0])), "{}", law.id);
+        pairs += points.len().saturating_sub(1);
+    }
+    assert!(pairs > 0, "no law has gains under two caps");
 }
 
 /// Options that cannot be used are reported.

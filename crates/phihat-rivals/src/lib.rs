@@ -18,6 +18,7 @@ mod adaptation;
 mod basis;
 mod card;
 mod choice;
+mod cited;
 mod claim;
 mod error;
 mod facts;
@@ -43,6 +44,7 @@ mod tuning;
 
 pub use card::{Card, Grade, Tick, Ticks};
 pub use choice::{Chosen, SensedChoice};
+pub use cited::{Cited, WITHOUT_ROW};
 pub use claim::{Condition, DeclaredArm};
 pub use error::RivalRefusal;
 pub use facts::{

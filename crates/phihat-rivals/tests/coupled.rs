@@ -84,6 +84,28 @@ fn chen_lee_feng_with_the_true_model_loses_its_functional() {
     falls(&values, "chen-lee-feng");
 }
 
+/// With the true model nothing but the transient is left, from the start: `ė + λ e = s(0) (1 + 2x)(1 − x)²`.
+#[test]
+fn integral_suboptimal_with_the_true_model_is_on_its_transient_from_the_start() {
+    let bench = displaced();
+    let entry = rival("integral-suboptimal").unwrap();
+    let tuning = bench.published(entry);
+    let [lambda, _, transient] = tuning.values().unwrap();
+    let run = bench.run(entry, &tuning);
+    let s = |step: usize, joint: usize| {
+        let [e, de] = error(&bench, &run, step, joint);
+        de + lambda * e
+    };
+    for (step, t) in run.t.iter().enumerate() {
+        let x = (t / transient).min(1.0);
+        for joint in 0..3 {
+            let exact = s(0, joint) * (1.0 + 2.0 * x) * (1.0 - x).powi(2);
+            let found = s(step, joint);
+            assert!((found - exact).abs() < 0.1, "joint {joint} at {t}: {found}, {exact}");
+        }
+    }
+}
+
 #[test]
 fn nric_with_the_true_model_is_computed_torque() {
     let mut bench = displaced();

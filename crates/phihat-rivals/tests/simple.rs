@@ -156,3 +156,36 @@ fn a_rival_is_handed_only_what_it_declares() {
     assert_eq!(answers[0], answers[1]);
     assert!(!entry.needs.torque && entry.needs.derivatives == 1);
 }
+
+/// Stiffness, damping, filter and limit of the torque's change are those of the shipped files, played again beside the
+/// law; gravity is outside of the limit.
+#[test]
+fn the_shipped_impedance_is_that_of_its_files() {
+    let stiffness = [600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0];
+    let damping = [50.0, 50.0, 50.0, 20.0, 20.0, 20.0, 10.0];
+    let mut bench = Bench::arm("panda").exact();
+    bench.start.iter_mut().for_each(|q| *q += 0.05);
+    bench.duration = 0.5;
+    let entry = rival("franka-ros-impedance").unwrap();
+    let run = bench.run(entry, &bench.published(entry));
+    let mut ws = phihat_model::Workspace::new(&bench.plant);
+    let (mut filtered, mut sent, mut limited) = ([0.0; 7], [0.0; 7], 0);
+    for (step, t) in run.t.iter().enumerate() {
+        let (mut gravity, mut bias) = ([0.0; 7], [0.0; 7]);
+        bench.plant.gravity_torque(&mut ws, &run.q[step], &mut gravity);
+        bench.plant.bias(&mut ws, &run.q[step], &run.dq[step], &mut bias);
+        for i in 0..7 {
+            filtered[i] = 0.01 * filtered[i] + 0.99 * run.dq[step][i];
+            let rate = filtered[i] - bench.reference(i, *t)[1];
+            let wanted = bias[i] - gravity[i] - stiffness[i] * run.e[step][i] - damping[i] * rate;
+            let change: f64 = wanted - sent[i];
+            limited += i32::from(step > 0 && change.abs() > 1.0);
+            sent[i] += if step > 0 { change.clamp(-1.0, 1.0) } else { change };
+            let found = run.tau[step][i] - gravity[i];
+            assert!((found - sent[i]).abs() < 1e-8, "joint {i} at {t}: {found}, {}", sent[i]);
+        }
+    }
+    assert!(limited > 0 && run.complete(&bench));
+    let planar = Bench::arm("planar3r");
+    assert!(entry.build(&planar.published(entry), &planar.supply).is_err());
+}

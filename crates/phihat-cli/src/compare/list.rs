@@ -5,7 +5,7 @@ use phihat_compare::{
     CompareError, DEFAULTS, Mark, NOT_TUNED, RivalRecord, UNITS, model_free_in_full,
 };
 
-use phihat_rivals::{Entry, RIVALS, rival as find};
+use phihat_rivals::{Entry, RIVALS, WITHOUT_ROW, rival as find};
 
 use crate::failure::Failure;
 use crate::table::Fitted;
@@ -36,6 +36,12 @@ pub(super) fn rivals(as_json: bool) -> Result<(), Failure> {
     println!("{}", table.wrapped(WIDTH));
     println!("Free scalars: {UNITS}.");
     println!("`phihat compare --rival ID` shows one.");
+    println!("Cited by the paper among its control methods, without a row here:");
+    let mut works = self::table(["work", "source", "subject", "why no row"]);
+    for cited in WITHOUT_ROW {
+        works.add_row([cited.reference, cited.source, cited.subject, cited.reason]);
+    }
+    println!("{}", works.wrapped(WIDTH));
     Ok(())
 }
 

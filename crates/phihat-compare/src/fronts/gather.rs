@@ -2,24 +2,23 @@
 
 use phihat_campaign::RunEnded;
 use phihat_campaign::statistics::{
-    Bootstrap, ErrorTable, FrontPoint, Placebo, Ratio, Spread, Standing, critical_difference, holm,
-    hypervolume, placebo, quantile, ranks, ratio, standing,
+    Bootstrap, ErrorTable, FrontPoint, Placebo, Ratio, Spread, critical_difference, hypervolume,
+    placebo, quantile, ranks, ratio,
 };
 use phihat_session::Dice;
 
 use super::extent::FrontsExtent;
+use super::hand_on::hand_on;
 use super::job::{Job, JobRecord, NamedLaw, SearchedLaw};
 use super::record::{
-    AtCap, ChosenGains, FRONTS_FORMAT, Fronts, LawRecord, Ordered, Restart, Versus, Volume,
+    AtCap, ChosenGains, FRONTS_FORMAT, Fronts, LawRecord, Ordered, Restart, Volume,
 };
-use super::tier::Tier;
+use super::tier::{Tier, Timing};
+use super::versus::{FAILED_RAD, against_ours, at, correct, error, errors, table};
 use crate::arm_case::ArmCase;
 use crate::protocol::{AssessedRun, better};
 
-/// Error of a run that did not follow, where laws are compared \[rad\]: larger than that of any run that did.
-pub(super) const FAILED_RAD: f64 = 1.0;
-
-/// Its noise over the torque limit: above every cap.
+/// Noise of a run that did not follow, over the torque limit: above every cap.
 const DEAFENING: f64 = 1e30;
 
 /// The level of ranks that differ.
@@ -48,6 +47,7 @@ pub(super) fn fronts(
             point.restarts.push(restart);
         }
     }
+    points.chunks_mut(caps.len().max(1)).for_each(hand_on);
     for point in &mut points {
         point.chosen = chosen(point);
     }
@@ -80,6 +80,7 @@ fn record(arm: &ArmCase, law: &NamedLaw) -> LawRecord {
         id: law.id(),
         title: card.title.to_owned(),
         tier: Tier::of(&law.entry.needs),
+        timing: Timing::of(&law.entry.needs),
         needs: law.entry.needs.to_string(),
         ours: id.starts_with("proposed"),
         designed: law.entry.scalars.is_empty(),
@@ -101,6 +102,7 @@ fn restarts(restart: u64, ended: RunEnded<JobRecord>, caps: usize) -> Vec<Restar
         widened: 0,
         at_end: Vec::new(),
         test: Vec::new(),
+        from_cap: None,
     };
     let of = |found: SearchedLaw| Restart {
         restart,
@@ -113,6 +115,7 @@ fn restarts(restart: u64, ended: RunEnded<JobRecord>, caps: usize) -> Vec<Restar
         widened: found.widened,
         at_end: found.at_end,
         test: found.test,
+        from_cap: None,
     };
     match ended {
         RunEnded::With(JobRecord::Searched(found)) => found.into_iter().map(of).collect(),
@@ -157,25 +160,6 @@ impl ChosenGains {
     }
 }
 
-fn at<'a>(points: &'a [AtCap], law: &str, cap: f64) -> Option<&'a AtCap> {
-    points.iter().find(|point| point.law == law && point.cap.total_cmp(&cap).is_eq())
-}
-
-/// Errors in the test worlds, a row per tuning that keeps every constraint.
-fn table(point: &AtCap) -> Option<ErrorTable> {
-    point.chosen.as_ref()?;
-    let kept = point.restarts.iter().filter(|restart| restart.feasible());
-    ErrorTable::new(kept.map(errors).collect()).ok()
-}
-
-fn errors(restart: &Restart) -> Vec<f64> {
-    restart.test.iter().copied().map(error).collect()
-}
-
-fn error(tried: Option<AssessedRun>) -> f64 {
-    tried.map_or(FAILED_RAD, |tried| tried.error_rms_rad)
-}
-
 /// Placebo band at a cap, from laws compared with themselves.
 fn band(laws: &[LawRecord], points: &[AtCap], cap: f64) -> Placebo {
     let pair = |law: &LawRecord| {
@@ -184,52 +168,6 @@ fn band(laws: &[LawRecord], points: &[AtCap], cap: f64) -> Placebo {
         ratio(&again, &first, Bootstrap::default()).ok()
     };
     placebo(&laws.iter().filter_map(pair).collect::<Vec<Ratio>>())
-}
-
-/// Every law of a tier against ours that knows no more, not yet corrected.
-fn against_ours(laws: &[LawRecord], points: &[AtCap], cap: f64) -> Vec<Versus> {
-    let mut found = Vec::new();
-    for tier in Tier::ALL {
-        let Some((ours, own)) = best_of_ours(laws, points, (tier, cap)) else { continue };
-        for law in laws.iter().filter(|law| law.tier == tier && !law.ours && law.again.is_none()) {
-            let Some(theirs) = at(points, &law.id, cap).and_then(table) else { continue };
-            let Ok(ratio) = ratio(&theirs, &own, Bootstrap::default()) else { continue };
-            let (law, ours) = (law.id.clone(), ours.clone());
-            let standing = Standing::Alike;
-            found.push(Versus { tier, cap, law, ours, ratio, corrected_p: 1.0, standing });
-        }
-    }
-    found
-}
-
-/// Of ours that know no more than a tier, the one that the validation worlds choose.
-fn best_of_ours(
-    laws: &[LawRecord],
-    points: &[AtCap],
-    (tier, cap): (Tier, f64),
-) -> Option<(String, ErrorTable)> {
-    let own = laws.iter().filter(|law| law.ours && law.tier <= tier && law.again.is_none());
-    let valid = |law: &LawRecord| {
-        let point = at(points, &law.id, cap)?;
-        let chosen = point.chosen.as_ref()?;
-        let restart = point.restarts.iter().find(|restart| restart.restart == chosen.restart)?;
-        Some((law.id.clone(), restart.validation?.cost(), table(point)?))
-    };
-    let (id, _, table) = own.filter_map(valid).min_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some((id, table))
-}
-
-/// Corrects the p-values for all questions, and sets the standings.
-fn correct(versus: &mut [Versus], caps: &[f64], placebo: &[Placebo]) {
-    let corrected = holm(&versus.iter().map(|one| one.ratio.p).collect::<Vec<_>>());
-    for (one, p) in versus.iter_mut().zip(corrected) {
-        let place = caps.iter().position(|cap| cap.total_cmp(&one.cap).is_eq());
-        let band = place.and_then(|place| placebo.get(place).copied());
-        one.corrected_p = p;
-        if let Some(band) = band {
-            one.standing = standing(&one.ratio, p, band);
-        }
-    }
 }
 
 /// The laws of a tier at a cap by their ranks, with the chosen gains.
@@ -320,6 +258,7 @@ mod tests {
             history: Vec::new(),
             widened: 0,
             at_end: Vec::new(),
+            from_cap: None,
             test: test.iter().map(|one| one.map(tried)).collect(),
         }
     }

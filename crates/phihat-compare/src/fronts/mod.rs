@@ -2,8 +2,8 @@
 //!
 //! Every law is tuned under several caps on its torque noise, from several random starts, in drawn worlds;
 //! one of its tunings is chosen in other worlds, and measured in worlds that were not used before. Laws are
-//! compared with laws of equal knowledge, at equal noise, and one law under two names shows how far apart
-//! chance puts a law from itself.
+//! compared with laws of equal knowledge, of the arm and of the loop's time, at equal noise, and one law under two
+//! names shows how far apart chance puts a law from itself.
 //!
 //! # Not claimed
 //!
@@ -15,6 +15,7 @@
 mod begin;
 mod extent;
 mod gather;
+mod hand_on;
 mod job;
 mod options;
 mod page;
@@ -22,6 +23,8 @@ mod picture;
 mod plan;
 mod record;
 mod tier;
+mod verdict;
+mod versus;
 
 pub use extent::FrontsExtent;
 pub use options::{FrontsAnswer, FrontsOptions};
@@ -30,4 +33,4 @@ pub use plan::FrontsPlan;
 pub use record::{
     AtCap, ChosenGains, FRONTS_FORMAT, Fronts, HeldOut, LawRecord, Ordered, Restart, Versus, Volume,
 };
-pub use tier::Tier;
+pub use tier::{Tier, Timing};

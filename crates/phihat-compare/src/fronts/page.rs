@@ -7,10 +7,11 @@ use phihat_report::kit::text::line;
 use phihat_report::kit::{MILLI, Page};
 
 use super::picture::{curve, mean_ranks, name, name_of, picture};
-use super::record::{AtCap, ChosenGains, Fronts, LawRecord, Restart};
-use super::tier::Tier;
+use super::record::{AtCap, Fronts, LawRecord, Restart};
+use super::tier::{Tier, Timing};
+use super::verdict::{found, main_cap, points, verdict};
 use crate::protocol::hardest;
-use phihat_campaign::statistics::{Placebo, Spread, Standing};
+use phihat_campaign::statistics::{NOTICEABLE, Spread, Standing};
 
 /// The self-contained page; `command` made it.
 pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
@@ -38,9 +39,15 @@ pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
              rms of the worst joint. A tuning keeps its cap, follows, and bears drives 1.3 times as strong and one \
              more sample of delay, in every world that it was tuned in; where it does not follow in a world, or is \
              louder there than every cap, it has not borne more either. The validation worlds choose among the \
-             searches; the test worlds are looked at once. Better or worse: beyond the band of one law under two \
-             names, by more than 10 %, and with p < .05 corrected (Holm) for every question of this page. A run that \
-             did not follow counts as 1 rad." }
+             searches; the test worlds are looked at once. What keeps a cap keeps every looser one: gains of a \
+             tighter cap that are better in the validation worlds stand for a search that ended too early under a \
+             looser one. Better or worse: beyond the band of one law under two names, by more than 10 %, and with \
+             p < .05 corrected (Holm) for every question of this page; else no difference. A run that did not follow \
+             counts as 1 rad." }
+        p { "Every law that takes the delay or a preview is handed the same: the exact delay of each drawn world, and \
+             the reference at the time when a torque will act. A law is compared with ours that is handed no more of \
+             either. Known dry friction is taken out of the torque that a law with a model observes, with that \
+             delay, for every such law." }
         @if fronts.laws.iter().any(|law| law.designed) {
             p { "Designed gains are not tuned: their design is told the hardest loop that can be \
                 drawn, " (delay) " samples of delay and encoders of "
@@ -56,87 +63,8 @@ pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
     Page { title: &title, kind: "fronts", script: None }.document(&main)
 }
 
-/// The cap of the details: where most laws have gains; of equal ones the least.
-fn main_cap(fronts: &Fronts) -> f64 {
-    let laws = |cap: f64| points(fronts, cap).filter(|point| point.chosen.is_some()).count();
-    let mut caps = fronts.extent.caps.clone();
-    caps.sort_by_key(|cap| std::cmp::Reverse(laws(*cap)));
-    caps.first().copied().unwrap_or(0.0)
-}
-
-fn points(fronts: &Fronts, cap: f64) -> impl Iterator<Item = &AtCap> {
-    fronts.points.iter().filter(move |point| point.cap.total_cmp(&cap).is_eq())
-}
-
 fn percent(share: f64) -> String {
     number(100.0 * share)
-}
-
-/// The chosen gains of a law at a cap, where they follow.
-fn found<'a>(fronts: &'a Fronts, law: &str, cap: f64) -> Option<(&'a ChosenGains, Spread, Spread)> {
-    let point = points(fronts, cap).find(|point| point.law == law)?;
-    let chosen = point.chosen.as_ref()?;
-    Some((chosen, chosen.error_rad?, chosen.noise?))
-}
-
-/// One sentence per tier at the cap of the details, and the band.
-fn verdict(fronts: &Fronts) -> Markup {
-    let cap = main_cap(fronts);
-    let place = fronts.extent.caps.iter().position(|other| other.total_cmp(&cap).is_eq());
-    let band = place.and_then(|place| fronts.placebo.get(place).copied());
-    let sentence = |tier: Tier| {
-        let laws = fronts.laws.iter().filter(|law| law.tier == tier && law.again.is_none());
-        let mut known: Vec<(&LawRecord, Spread)> =
-            laws.filter_map(|law| Some((law, found(fronts, &law.id, cap)?.1))).collect();
-        known.sort_by(|a, b| a.1.median.total_cmp(&b.1.median));
-        let (law, error) = known.first().copied()?;
-        let (better, worse, alike) = counts(fronts, tier, cap);
-        Some(html! { li {
-        strong { (tier.words()) } ": least median \
-            error " strong { (name(law)) } ", " (number(MILLI * error.median)) " mrad"
-        @if let Some((own, error)) = known.iter().find(|(law, _)| law.ours).filter(|(own, _)| own.id != law.id) {
-            "; of ours " (name(own)) ", " (number(MILLI * error.median)) " mrad"
-        }
-        @if let Some(place) = last_of_ours(&known) { ". " strong { "Of ours " (name(place)) " is the last \
-            of " (known.len()) } }
-        @if better + worse + alike > 0 {
-            ". Against the best of ours that knows no more, " (better) " of the others are \
-                better, " (worse) " worse, " (alike)
-            " not to be told apart"
-        }
-        "." } })
-    };
-    html! {
-        div.verdict {
-            p { strong { "At a cap of " (stated(100.0 * cap)) " % of the torque limit on noise" } }
-            ul.verdicts { @for tier in Tier::ALL { @if let Some(said) = sentence(tier) { (said) } } }
-            (told(band))
-        }
-    }
-}
-
-/// The worst of several laws, best first, where it is one of ours.
-fn last_of_ours<'a>(known: &[(&'a LawRecord, Spread)]) -> Option<&'a LawRecord> {
-    known.last().map(|(law, _)| *law).filter(|law| law.ours && known.len() > 1)
-}
-
-fn told(band: Option<Placebo>) -> Markup {
-    html! { p { @match band.filter(|band| band.pairs > 0) {
-        Some(band) => { "One law under two names, tuned and measured as two (" (band.pairs) " pairs): ratios of errors \
-            from "
-            (number(1.0 / band.factor)) " to " (number(band.factor)) " say nothing." }
-        None => { "No law was held against itself: nothing says how far apart chance puts two laws, and 10 % stands \
-            for it." }
-    } } }
-}
-
-/// Numbers of laws of a tier that are better, worse, and not distinguishable.
-fn counts(fronts: &Fronts, tier: Tier, cap: f64) -> (usize, usize, usize) {
-    let of = |standing: Standing| {
-        let asked = fronts.versus.iter().filter(|one| one.tier == tier);
-        asked.filter(|one| one.cap.total_cmp(&cap).is_eq() && one.standing == standing).count()
-    };
-    (of(Standing::Better), of(Standing::Worse), of(Standing::Alike))
 }
 
 fn tier_part(fronts: &Fronts, tier: Tier) -> Markup {
@@ -167,6 +95,7 @@ fn tier_part(fronts: &Fronts, tier: Tier) -> Markup {
                 quartile. Below and to the left is less of both. Ours of this tier or of less knowledge are blue; a \
                 law's second name is dashed." }
         }
+        (timings(&laws))
         details.behind { summary { "The figures: " (laws.len()) " laws \
             under " (fronts.extent.caps.len()) " caps" } (table(fronts, tier, &laws)) }
         @if let Some(ordered) = ordered {
@@ -180,6 +109,23 @@ fn tier_part(fronts: &Fronts, tier: Tier) -> Markup {
         (profiles(fronts, &laws, cap))
         (efforts(fronts, &laws, cap))
     }
+}
+
+/// Laws that are handed the delay, a preview or both, by name.
+fn timings(laws: &[&LawRecord]) -> Markup {
+    let of = |timing: Timing| {
+        let those = laws.iter().filter(|law| law.timing == timing && law.again.is_none());
+        those.map(|law| name(law)).collect::<Vec<_>>().join(", ")
+    };
+    let some = || Timing::ALL.into_iter().filter(|timing| *timing != Timing::default());
+    html! { p {
+        @for (timing, those) in some().map(|timing| (timing, of(timing))).filter(|(_, those)| !those.is_empty()) {
+            "Handed " (timing.words()) " too: " strong { (those) } ". "
+        }
+        @if laws.iter().any(|law| law.timing == Timing::default()) {
+            "The others are handed neither delay nor preview."
+        }
+    } }
 }
 
 fn table(fronts: &Fronts, tier: Tier, laws: &[&LawRecord]) -> Markup {
@@ -222,7 +168,11 @@ fn row(fronts: &Fronts, tier: Tier, law: &LawRecord, cap: f64) -> Markup {
         })
         .collect();
     html! { tr {
-        th scope="row" { (name(law)) @if let Some(end) = ends.first() { span.note { (line(end)) } } }
+        th scope="row" {
+            (name(law))
+            @if let Some(end) = ends.first() { span.note { (line(end)) } }
+            @for note in notes(fronts, law, point) { span.note { (note) } }
+        }
         td { (stated(100.0 * cap)) }
         @match &point.chosen {
             Some(chosen) => {
@@ -239,10 +189,25 @@ fn row(fronts: &Fronts, tier: Tier, law: &LawRecord, cap: f64) -> Markup {
                     " … " (number(one.ratio.interval[1])) ")" }
                 td { (standing(one.standing)) }
             }
-            None => { td { "–" } td { @if law.ours { "ours" } @else { "–" } } }
+            None => { td { "–" } td { @if law.ours { "ours" } @else if point.chosen.is_some() && law.again.is_none() {
+                "none of ours knows as little" } @else { "–" } } }
         }
         td { (feasible) " of " (point.restarts.len()) }
     } }
+}
+
+/// Remarks on a law's result under one cap against those under its tighter ones.
+fn notes(fronts: &Fronts, law: &LawRecord, point: &AtCap) -> Vec<String> {
+    let restart = tuning(fronts, &law.id, point.cap);
+    let from = restart.and_then(|restart| restart.from_cap);
+    let own = found(fronts, &law.id, point.cap).map(|(_, error, _)| error.median);
+    let tighter = fronts.extent.caps.iter().filter(|cap| **cap < point.cap);
+    let least = tighter.filter_map(|cap| Some(found(fronts, &law.id, *cap)?.1.median));
+    let least = least.fold(f64::INFINITY, f64::min);
+    let from = from.map(|cap| format!("gains of the cap of {} %", stated(100.0 * cap)));
+    let more = own.filter(|own| *own > NOTICEABLE * least);
+    let more = more.map(|_| "more error than under a tighter cap: searched too little".to_owned());
+    from.into_iter().chain(more).collect()
 }
 
 /// Why there are no gains.
@@ -255,7 +220,7 @@ fn standing(standing: Standing) -> Markup {
     match standing {
         Standing::Better => html! { span.better { "better" } },
         Standing::Worse => html! { span.worse { "worse" } },
-        Standing::Alike => html! { "alike" },
+        Standing::Alike => html! { "no difference" },
     }
 }
 
@@ -334,7 +299,10 @@ fn efforts(fronts: &Fronts, laws: &[&LawRecord], cap: f64) -> Markup {
 fn volumes(fronts: &Fronts) -> Markup {
     let mut all: Vec<_> = fronts.volumes.iter().collect();
     all.sort_by(|a, b| b.area.total_cmp(&a.area));
-    let tier = |law: &str| fronts.laws.iter().find(|other| other.id == law).map(|law| law.tier);
+    let knows = |law: &str| {
+        let law = fronts.laws.iter().find(|other| other.id == law);
+        law.map_or_else(String::new, |law| format!("{}; {}", law.tier.words(), law.timing.words()))
+    };
     html! {
         h2 { "Whole fronts in one number" }
         p { "The area above a law's front, error and noise in natural logarithms, up to the largest cap and 1 rad. \
@@ -346,7 +314,7 @@ fn volumes(fronts: &Fronts) -> Markup {
                 "95 %" } } }
             tbody { @for one in all { tr {
                 th scope="row" { (name_of(fronts, &one.law)) }
-                td { (tier(&one.law).map_or("", Tier::words)) }
+                td { (knows(&one.law)) }
                 td { (number(one.area)) }
                 td { (number(one.interval[0])) " … " (number(one.interval[1])) }
             } } }

@@ -3,14 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 use super::extent::FrontsExtent;
-use super::tier::Tier;
+use super::tier::{Tier, Timing};
 use crate::protocol::{Assessed, AssessedRun};
 use crate::record::ArmRecord;
 use crate::tune::AtEnd;
 use phihat_campaign::statistics::{Placebo, Ratio, Spread, Standing};
 
 /// Version of the document.
-pub const FRONTS_FORMAT: u32 = 1;
+pub const FRONTS_FORMAT: u32 = 2;
 
 /// A comparison at equal noise.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -31,7 +31,7 @@ pub struct Fronts {
     pub volumes: Vec<Volume>,
     /// Placebo bands from laws compared with themselves, in the order of the caps.
     pub placebo: Vec<Placebo>,
-    /// Laws against this project's best law that knows no more than their tier, at equal caps.
+    /// Laws against this project's best law that knows no more than they do, at equal caps.
     pub versus: Vec<Versus>,
     /// Mean ranks, per tier and cap.
     pub ordered: Vec<Ordered>,
@@ -48,6 +48,8 @@ pub struct LawRecord {
     pub title: String,
     /// Its knowledge of the arm.
     pub tier: Tier,
+    /// Its knowledge of the loop's time.
+    pub timing: Timing,
     /// Its inputs, in words.
     pub needs: String,
     /// True if it is of this project or its paper.
@@ -97,6 +99,9 @@ pub struct Restart {
     pub at_end: Vec<AtEnd>,
     /// In the test worlds; `None`: it did not follow there.
     pub test: Vec<Option<AssessedRun>>,
+    /// The tighter cap whose gains these are, where they are better in the validation worlds than those of this one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from_cap: Option<f64>,
 }
 
 impl Restart {
@@ -141,8 +146,8 @@ pub struct Versus {
     pub cap: f64,
     /// The law's name.
     pub law: String,
-    /// Law of this project that it is compared with: of those that know no more than the tier, the best in
-    /// the validation worlds.
+    /// Law of this project that it is compared with: of those that know no more of the arm, of the delay and of the
+    /// reference ahead, the best in the validation worlds.
     pub ours: String,
     /// Its errors over ours.
     pub ratio: Ratio,

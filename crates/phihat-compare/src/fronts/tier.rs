@@ -42,9 +42,48 @@ impl Tier {
     }
 }
 
+/// Knowledge of the loop's time that a law gets, whatever its tier: the same for all laws, this project's or not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Timing {
+    /// The exact delay of each drawn world, in samples.
+    pub delay: bool,
+    /// The reference at the time when the torque of a sample will act.
+    pub preview: bool,
+}
+
+impl Timing {
+    /// All that laws may have, from the least.
+    pub const ALL: [Self; 4] = [
+        Self { delay: false, preview: false },
+        Self { delay: true, preview: false },
+        Self { delay: false, preview: true },
+        Self { delay: true, preview: true },
+    ];
+
+    /// Of a law with these needs.
+    pub fn of(needs: &Needs) -> Self {
+        Self { delay: needs.delay, preview: needs.preview }
+    }
+
+    /// True if another law has all of this too.
+    pub fn within(self, other: Self) -> bool {
+        self.delay <= other.delay && self.preview <= other.preview
+    }
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match (self.delay, self.preview) {
+            (false, false) => "neither delay nor preview",
+            (true, false) => "the delay",
+            (false, true) => "a preview",
+            (true, true) => "delay and preview",
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Tier;
+    use super::{Tier, Timing};
     use crate::sure::Sure as _;
     use phihat_rivals::{RIVALS, rival};
 
@@ -65,5 +104,21 @@ mod tests {
         for tier in Tier::ALL {
             assert!(RIVALS.iter().any(|entry| Tier::of(&entry.needs) == tier), "{tier:?}");
         }
+    }
+
+    /// The law from positions is handed both, the programme over the limits a preview, and most laws neither.
+    #[test]
+    fn timing_is_what_a_law_is_handed() {
+        for (id, timing) in [
+            ("pd", Timing { delay: false, preview: false }),
+            ("proposed-1", Timing { delay: false, preview: false }),
+            ("inverse-dynamics-qp", Timing { delay: true, preview: true }),
+            ("proposed-positions-designed", Timing { delay: true, preview: true }),
+        ] {
+            assert_eq!(Timing::of(&rival(id).sure().needs), timing, "{id}");
+        }
+        let [neither, delay, preview, both] = Timing::ALL;
+        assert!(neither.within(delay) && preview.within(both) && delay.within(delay));
+        assert!(!delay.within(preview) && !preview.within(delay) && !both.within(delay));
     }
 }

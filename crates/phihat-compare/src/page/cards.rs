@@ -2,6 +2,7 @@
 
 use crate::{Comparison, LawRow, RivalRecord, ScalarRecord, TuningRecord};
 use maud::{Markup, html};
+use phihat_rivals::WITHOUT_ROW;
 
 use super::names::title;
 use super::ticks::{COLUMNS, beside, measured, symbol};
@@ -20,6 +21,11 @@ pub(super) fn cards(comparison: &Comparison) -> Markup {
         }
         p { "Scalars: " (UNITS) ". Default gains: " (DEFAULTS) "." }
         @for rival in &comparison.rivals { (card(comparison, rival)) }
+        h3 { "Cited by the paper, without a row" }
+        dl { @for cited in WITHOUT_ROW {
+            dt { (cited.reference) " " (cited.source) }
+            dd { (cited.subject) ": " (cited.reason) "." }
+        } }
     }
 }
 

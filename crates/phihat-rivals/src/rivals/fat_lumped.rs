@@ -34,7 +34,10 @@ use crate::tuning::{Scalar, Tuning};
 /// # References
 ///
 /// C.-Y. Kai, A.-C. Huang, "A regressor-free adaptive controller for robot manipulators without Slotine and Li's
-/// modification", Robotica 31(7), 2013. Grade C: the published law was not found.
+/// modification", Robotica 31(7), 2013. Grade C: no public copy of the law was found. Public is what the title says,
+/// and what Hayat, Leibold and Buss say of it in Table 1: orthogonal functions in place of the regressor. Unknown are
+/// what is approximated apart (the authors' monograph of 2010 approximates inertia, Coriolis term and gravity each,
+/// as [`Fat`](super::fat::Fat) does), the law that updates the weights, and the gains.
 #[derive(Debug)]
 pub(crate) struct FatLumped {
     outer: [f64; 2],
@@ -54,7 +57,8 @@ impl Rival for FatLumped {
         reference: "[2]",
         source: "Kai, Huang, Robotica 31(7), 2013",
         grade: Grade::C,
-        caveat: "published law not found: the lumped unknown of plain PD error dynamics is approximated",
+        caveat: "published law not found: the lumped unknown of plain PD error dynamics is approximated. Unknown: what \
+            is approximated apart, the update law, the gains",
         law: "τ = M̄ (q̈_d − K_d ė − K_p e + Ŵ z),  dŴ/dt = −g BᵀPx zᵀ − σ Ŵ",
         printed: Some(Ticks {
             quantitative: Tick::No,

@@ -38,9 +38,12 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # References
 ///
-/// H. Liu, X. Tian, G. Wang, T. Zhang, "Finite-time H∞ control for high-precision tracking in robotic
-/// manipulators using backstepping control", IEEE Trans. Industrial Electronics 63(9), 2016. Grade C: the
-/// published law was not found.
+/// H. Liu, X. Tian, G. Wang, T. Zhang, "Finite-time H∞ control for high-precision tracking in robotic manipulators
+/// using backstepping control", IEEE Trans. Industrial Electronics 63(9), 2016. Grade C: no public copy of the law
+/// was found. The two claims of (3), finite time and an L2 gain of at most `γ`, are also those of an open paper on
+/// the same subject, "Robust finite-time tracking control for robotic manipulators with time delay estimation",
+/// Mathematics 8(2), 165, 2020, <https://doi.org/10.3390/math8020165>, by its abstract. Unknown are the powers, the
+/// storage function, how the derivative of the power is bounded at zero, and the gains.
 #[derive(Debug)]
 pub(crate) struct FiniteTime {
     rates: [f64; 2],
@@ -61,7 +64,7 @@ impl Rival for FiniteTime {
         source: "Liu, Tian, Wang, Zhang, IEEE T-IE 63(9), 2016",
         grade: Grade::C,
         caveat: "published law not found: derived in its class, with the power made smooth at zero in the law and in \
-            its derivative alike",
+            its derivative alike. Unknown: the powers, the storage function, the gains",
         law: "τ = M̂ dα/dt + Ĉ α + Ĝ + F̂ α − U e − k_2 U ⌊z⌋ − (1/(2γ²) + ½) U z",
         printed: Some(Ticks {
             quantitative: Tick::Yes,

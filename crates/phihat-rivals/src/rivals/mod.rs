@@ -15,6 +15,7 @@ mod fat_lumped;
 mod feedforward_pd;
 mod filtered_regressor;
 mod finite_time;
+mod franka_ros;
 mod funnel;
 mod fuzzy;
 mod h_infinity_pid;
@@ -38,6 +39,7 @@ mod proposed;
 mod proposed_designed;
 mod robust;
 mod slotine_li;
+mod suboptimal;
 mod super_twisting;
 mod switching;
 mod task_space;
@@ -55,6 +57,7 @@ pub const RIVALS: &[Entry] = &[
     Entry::of::<pd_plus::PdPlus>(),
     Entry::of::<feedforward_pd::FeedforwardPd>(),
     Entry::of::<makers_stack::MakersStack>(),
+    Entry::of::<franka_ros::FrankaRos>(),
     Entry::of::<effort_pid::EffortPid>(),
     Entry::of::<computed_torque::ComputedTorque>(),
     Entry::of::<computed_torque_integral::ComputedTorqueIntegral>(),
@@ -84,6 +87,7 @@ pub const RIVALS: &[Entry] = &[
     Entry::of::<disturbance_observer::DisturbanceObserver>(),
     Entry::of::<adrc::Adrc>(),
     Entry::of::<super_twisting::SuperTwisting>(),
+    Entry::of::<suboptimal::Suboptimal>(),
     Entry::of::<funnel::Hackl>(),
     Entry::of::<funnel::Berger>(),
     Entry::of::<time_delay::TimeDelay>(),

@@ -36,7 +36,9 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// W. Peng, Z. Lin, J. Su, "Computed torque control-based composite nonlinear feedback controller for robot
 /// manipulators with bounded torques", IET Control Theory & Applications 3(6), 2009. Grade C for the arm; the
-/// feedback is textbook (B. M. Chen, T. H. Lee, K. Peng, V. Venkataramanan, 2003).
+/// feedback is textbook (B. M. Chen, T. H. Lee, K. Peng, V. Venkataramanan, 2003). The title, and Table 1 of Hayat,
+/// Leibold and Buss, say that computed torque is inside and the outer loop is modified. Unknown are the function
+/// `ρ(e)`, how the torque limits enter it and the reference, and the gains.
 #[derive(Debug)]
 pub(crate) struct NonlinearFeedback {
     linear: [f64; 2],
@@ -57,7 +59,8 @@ impl Rival for NonlinearFeedback {
         reference: "[26]",
         source: "Peng, Lin, Su, IET Control Theory & Applications 3(6), 2009",
         grade: Grade::C,
-        caveat: "the arm version was not found: textbook composite nonlinear feedback around computed torque",
+        caveat: "the arm version was not found: textbook composite nonlinear feedback around computed torque. Unknown: \
+            ρ(e), how the torque limits enter, the gains",
         law: "τ = M̂ (q̈_d − ω² e − 2ζ_0 ω ė + ρ(e) BᵀPx) + Ĉ q̇ + Ĝ + F̂ q̇",
         printed: Some(Ticks {
             quantitative: Tick::Partly,

@@ -37,7 +37,9 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// S. S. Pchelkin et al., "On orbital stabilization for industrial manipulators: case study in evaluating
 /// performances of modified PD+ and inverse dynamics controllers", IEEE Trans. Control Systems Technology
-/// 25(1), 2017. Grade C: the details of the published law were not found.
+/// 25(1), 2017. Grade C: no public copy of the law was found. The title says what (1) is: PD+, modified for orbital
+/// stabilisation. Unknown are how `θ` is computed from the state, whether the speed along the path is controlled, the
+/// compensation of friction, and the gains.
 #[derive(Debug)]
 pub(crate) struct Orbital {
     law: PdPlus,
@@ -53,7 +55,8 @@ impl Rival for Orbital {
         reference: "[20]",
         source: "Pchelkin et al., IEEE T-CST 25(1), 2017",
         grade: Grade::C,
-        caveat: "details of the published law not found: PD+ with time replaced by the nearest place on the path",
+        caveat: "details of the published law not found: PD+ with time replaced by the nearest place on the path. \
+            Unknown: how θ is computed, whether the speed along the path is controlled",
         law: "PD+ with q_d = Φ(θ), q̇_d = Φ′(θ), q̈_d = Φ″(θ),  θ = argmin |q − Φ(θ)|",
         printed: Some(Ticks {
             quantitative: Tick::Yes,

@@ -31,9 +31,12 @@ use crate::tuning::{Scalar, Tuning};
 ///
 /// # References
 ///
-/// L. Bascetta, P. Rocco, "Revising the robust-control design for rigid robot manipulators", IEEE Trans.
-/// Robotics 26(1), 2010. M. W. Spong, M. Vidyasagar, "Robot Dynamics and Control", 1989, for the class. Grade
-/// C: the published law was not found.
+/// L. Bascetta, P. Rocco, "Revising the robust-control design for rigid robot manipulators", IEEE Trans. Robotics
+/// 26(1), 2010. M. W. Spong, M. Vidyasagar, "Robot Dynamics and Control", 1989, for the class. Grade C: no public
+/// copy of the law was found. Public is what Hayat, Leibold and Buss say of it in Table 1: a Riccati inequality, a
+/// regressor, and nominal PD gains that do not weigh on the robustness. Unknown are the weights of the inequality,
+/// the bound that `ρ` stands for and whether it depends on the state, and how the regressor enters: (1) takes a
+/// nominal model in its place.
 #[derive(Debug)]
 pub(crate) struct Robust {
     direction: [f64; 2],
@@ -50,7 +53,8 @@ impl Rival for Robust {
         reference: "[25]",
         source: "Bascetta, Rocco, IEEE T-RO 26(1), 2010",
         grade: Grade::C,
-        caveat: "published law not found: a unit-vector law with a Riccati direction stands for it",
+        caveat: "published law not found: a unit-vector law with a Riccati direction stands for it. Unknown: the \
+            weights, the bound of ρ, how the regressor enters",
         law: "τ = M̂ (q̈_d − z − ρ z/max(‖z‖, ε)) + Ĉ q̇ + Ĝ + F̂ q̇,  z = BᵀP x",
         printed: Some(Ticks {
             quantitative: Tick::No,

@@ -37,7 +37,9 @@ use crate::tuning::{Scalar, Tuning};
 /// # References
 ///
 /// L. Yu, J. Huang, S. Fei, "Sliding mode switching control of manipulators based on disturbance observer", Circuits,
-/// Systems, and Signal Processing 36(6), 2017. Grade C: the published law was not found.
+/// Systems, and Signal Processing 36(6), 2017. Grade C: no public copy of the law was found. The title, and Table 1
+/// of Hayat, Leibold and Buss, name its parts: sliding mode, disturbance observer, average dwell time. Unknown are
+/// the observer's gain, whether the sliding variable is linear, what differs between modes, and the gains.
 #[derive(Debug)]
 pub(crate) struct Switching {
     sliding: Sliding,
@@ -58,7 +60,8 @@ impl Rival for Switching {
         reference: "[22]",
         source: "Yu, Huang, Fei, Circuits, Systems, Signal Process. 36(6), 2017",
         grade: Grade::C,
-        caveat: "published law not found; the table has the single-mode case, without switching",
+        caveat: "published law not found; the table has the single-mode case, without switching. Unknown: the \
+            observer's gain, the sliding variable, what differs between modes",
         law: "τ = M̂ (q̈_r − δ̂) + Ĉ q̇_r + Ĝ + F̂ q̇_r − K s − η sat(s/ε)",
         printed: Some(Ticks {
             quantitative: Tick::Partly,
