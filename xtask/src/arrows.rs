@@ -225,9 +225,11 @@ const CRATES: [CrateRow; 25] = [
         "phihat-web",
         &[
             "phihat-certificate",
+            "phihat-compare",
             "phihat-design",
             "phihat-model",
             "phihat-report",
+            "phihat-rivals",
             "phihat-session",
             "phihat-sim",
             "phihat-study",

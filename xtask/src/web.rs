@@ -18,7 +18,7 @@ const TARGET: &str = "wasm32-unknown-unknown";
 const PACKAGES: [&str; 3] = ["rustc-web", "libstd-rust-web-dev", "rust-web-src"];
 
 /// Studies that the page begins with, their gains designed beside them.
-const STUDIES: [&str; 2] = ["panda", "first"];
+const STUDIES: [&str; 3] = ["panda", "first", "franka_any"];
 
 /// Largest size of all that a visitor loads before the first run, with brotli \[bytes\].
 const SIZE_MAX: u64 = 2_000_000;
@@ -51,7 +51,10 @@ fn module(root: &Path, folder: &Path) -> Result<PathBuf, String> {
     cargo.args(["rustc", "--profile", "web", "--target", TARGET, "--package", "phihat-web"]);
     cargo.args(["--lib", "--crate-type", "cdylib", "--target-dir"]).arg(&build);
     // Flags of `.cargo/config.toml` are for the processor at hand.
-    cargo.current_dir(root).env("RUSTFLAGS", "").env_remove("RUSTC_WORKSPACE_WRAPPER");
+    cargo
+        .current_dir(root)
+        .env("RUSTFLAGS", "-C target-feature=+simd128")
+        .env_remove("RUSTC_WORKSPACE_WRAPPER");
     if !sysroot()?.join("lib/rustlib").join(TARGET).is_dir() {
         with_debians_compiler(root, folder, &mut cargo)?;
     }
@@ -203,5 +206,6 @@ fn sizes(root: &Path, page: &Path) -> Result<(), String> {
 fn tried(root: &Path, page: &Path) -> Result<(), String> {
     let folder = browser::tools(root)?;
     let native = programs::program(root, "phihat-web/answer")?.display().to_string();
-    command(&folder, "node", &["web.mjs", &page.display().to_string(), &native])
+    let [page, studies] = [page.to_owned(), root.join("studies")].map(|p| p.display().to_string());
+    command(&folder, "node", &["web.mjs", &page, &native, &studies])
 }

@@ -139,6 +139,7 @@ impl New {
             out,
             payload_kg: self.payload.unwrap_or(0.0),
             error_bound: self.error.map(|mrad| 1e-3 * mrad),
+            first_kept: false,
             rate_hz: self.rate,
             delay_samples: self.delay,
             encoder_bits: self.encoder_bits,

@@ -133,7 +133,7 @@ impl Robots {
             let why = format!("{}: it is there already; --force replaces it", out.display());
             return Err(Failure::plain(why));
         }
-        let (urdf, mut document, lines) = if is_xacro(Path::new(name)) {
+        let (urdf, mut document, lines) = if is_xacro(Path::new(name), &NamedTexts::DISK) {
             let expanded =
                 expand(Path::new(name), &self.xacro.options()?).map_err(Failure::plain)?;
             let files: Vec<String> =
@@ -172,7 +172,7 @@ impl Robots {
             }
             return Ok((Robot::named(name), Vec::new()));
         };
-        let expanded = if is_xacro(path) {
+        let expanded = if is_xacro(path, &NamedTexts::DISK) {
             Some(expand(path, &xacro).map_err(Failure::plain)?)
         } else if let Some(argument) = xacro.arguments.keys().next() {
             let why =

@@ -43,7 +43,8 @@ impl NamedTexts {
     /// The disk alone.
     pub const DISK: Self = Self { texts: None, disk: true };
 
-    /// Texts by their names alone: the disk is not looked at.
+    /// Texts by their names alone: the disk is not looked at. A text is found by the name of its file too, where no
+    /// other has the same: who hands files over may not know their folders.
     pub fn alone(texts: impl IntoIterator<Item = (PathBuf, String)>) -> Self {
         let texts = texts.into_iter().map(|(path, text)| (plain(&path), text));
         Self { texts: Some(Arc::new(texts.collect())), disk: false }
@@ -95,8 +96,19 @@ impl NamedTexts {
         input::limited(self.open(path)?.0, most)
     }
 
+    /// True if files without a text are those of the disk.
+    pub(crate) fn reads_disk(&self) -> bool {
+        self.disk
+    }
+
     fn text_of(&self, path: &Path) -> Option<&String> {
-        self.texts.as_ref()?.get(&plain(path))
+        let texts = self.texts.as_ref()?;
+        if let Some(text) = texts.get(&plain(path)) {
+            return Some(text);
+        }
+        let mut alike = texts.iter().filter(|(own, _)| own.file_name() == path.file_name());
+        let (_, text) = alike.next().filter(|_| !self.disk)?;
+        alike.next().is_none().then_some(text)
     }
 }
 

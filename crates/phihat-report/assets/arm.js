@@ -91,6 +91,9 @@
   const slides = data.joints.map((_, j) => links.some((link) => link.joint === j && link.slides));
   let most = 0;
   for (let j = 0; j < n; j += 1) for (const list of signal(j, "e")) for (const e of list) if (!Number.isNaN(e)) most = Math.max(most, Math.abs(e) / (slides[j] ? reach : 1));
+  // Of a run that goes on no error is known yet: a few times its bound.
+  const limits = data.charts.find((chart) => chart.stem === "error").panels;
+  if (!most) most = 3 * Math.max(...limits.map((own, j) => (own.bound ?? 0) / (slides[j] ? reach : 1)));
   const view = { factor: FACTORS.findLast((f) => f * most * 1e-3 <= 0.35) ?? 1, ghost: true, path: true, speed: 1, playing: false, sharpness: 1 };
 
   // ── Meshes: positions and normals of triangles. A tube is bent by its two radii in the shader.
@@ -464,7 +467,7 @@
   const tipText = document.getElementById("tip-error");
   const bars = data.joints.map((name, j) => {
     const row = element("li");
-    const errors = data.charts.find((chart) => chart.stem === "error").panels[j];
+    const errors = limits[j];
     const [bar, mark, text] = [element("span", "bar"), element("i"), element("output")];
     bar.append(mark);
     row.append(element("b", "", name), bar, text);

@@ -62,7 +62,7 @@ pub use orbit::Orbit;
 pub use planar::{LINKS, Planar, Tip};
 pub use regressor::{ParameterGroup, Regressor};
 pub use rival::{Entry, Make, Rival};
-pub use rivals::{RIVALS, position_law, rival};
+pub use rivals::{INDUSTRIAL_PID, RIVALS, position_law, rival};
 pub use running::Running;
 pub use supply::{DesignedJoint, DesignedPosition, Supply, TaskCurve};
 pub use tuning::{Scalar, Tuning};

@@ -222,6 +222,11 @@ impl Trace {
         }
     }
 
+    /// Adds all samples of another trace of the same arm.
+    pub fn extend(&mut self, other: &Self) {
+        self.append(other, 0..other.len());
+    }
+
     /// Adds some samples of another trace of the same arm.
     pub(crate) fn append(&mut self, other: &Self, samples: Range<usize>) {
         self.period_ns = other.period_ns;

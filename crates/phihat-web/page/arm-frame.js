@@ -1,14 +1,30 @@
 // Hands a run to the view of the arm, which reads a `phihat` object as a report's page makes one.
 "use strict";
-addEventListener("message", ({ source, data: run }) => {
-  if (source !== parent || globalThis.phihat) return;
-  const { t, joints, arm, settle_s } = run;
-  const columns = joints.map((own) => ({ q: [own.q], q_d: [own.q_d], e: [own.e.map((e) => (e == null ? NaN : 1e3 * e))] }));
+// The beginning of a run has its times, its desired motion and its bounds; parts bring what is measured, and the view goes as far.
+let [fill, known] = [null, 0];
+addEventListener("message", ({ source, data }) => {
+  if (source !== parent || !data) return;
+  if (data.beginning && !globalThis.phihat) begun(data.beginning);
+  for (const part of data.parts ?? []) fill?.(part);
+});
+function begun(run) {
+  const { t, joints, arm, settle_s, start_s = 0 } = run;
+  const unknown = () => new Array(t.length).fill(NaN);
+  const columns = joints.map((own) => ({ q: [unknown()], q_d: [own.q_d], e: [unknown()] }));
+  fill = (part) => {
+    const first = nearest(part.t);
+    part.joints.forEach((own, j) => own.q.forEach((q, k) => {
+      columns[j].q[0][first + k] = q;
+      columns[j].e[0][first + k] = own.e[k] == null ? NaN : 1e3 * own.e[k];
+    }));
+    known = Math.min(t.length, Math.max(known, first + part.joints[0].q.length));
+  };
+  const nearest = (at) => Math.min(Math.max(Math.round((at - t[0]) / (t[1] - t[0] || 1)), 0), t.length - 1);
   const listeners = [];
   const clock = {
     t: 0,
     set(at, from) {
-      clock.t = Math.min(Math.max(at, t[0]), t.at(-1));
+      clock.t = Math.min(Math.max(at, t[0]), t[Math.max(known, 1) - 1]);
       listeners.forEach((listener) => listener(clock.t, from));
       parent.postMessage({ at: clock.t }, "*");
     },
@@ -23,7 +39,7 @@ addEventListener("message", ({ source, data: run }) => {
     t,
     clock,
     signal: (j, label) => columns[j][label],
-    nearest: (at) => Math.min(Math.max(Math.round((at - t[0]) / (t[1] - t[0] || 1)), 0), t.length - 1),
+    nearest,
     show: (v) => (v == null || Number.isNaN(v) ? "–" : String(Number(v.toPrecision(4)))),
     element(tag, className, text) {
       const made = document.createElement(tag);
@@ -37,12 +53,13 @@ addEventListener("message", ({ source, data: run }) => {
   document.head.append(script);
   // The view begins when it is idle; then it moves by itself, unless less motion is wanted.
   const begin = () => {
-    if (!document.documentElement.classList.contains("alive")) return void setTimeout(begin, 50);
+    if (known <= nearest(start_s) || !document.documentElement.classList.contains("alive")) return void setTimeout(begin, 20);
     tall();
+    clock.set(start_s, "page");
     if (!matchMedia("(prefers-reduced-motion: reduce)").matches) document.getElementById("play").click();
   };
   begin();
-});
+}
 // The frame is as tall as the view in it.
 const tall = () => parent.postMessage({ height: Math.ceil(document.querySelector(".stage").scrollHeight) + 8 }, "*");
 let width = innerWidth;

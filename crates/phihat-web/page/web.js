@@ -45,8 +45,8 @@ function workshop() {
   }
   return { ask, stop, start };
 }
-// One for what is waited for, one that checks what is typed, one for the check of a certificate, which takes longer.
-const [bench, desk, prover] = [workshop(), workshop(), workshop()];
+// One for what is waited for, one that checks what is typed, one for the check of a certificate, which takes longer, one for a smaller error.
+const [bench, desk, prover, scout] = [workshop(), workshop(), workshop(), workshop()];
 const { ask } = bench;
 bench.start();
 const texts = (more = {}) => ({ name: state.name, study: state.study, files: state.files, ...(state.gains ? { gains: state.gains } : {}), ...more });
@@ -102,22 +102,42 @@ function verdict(run, standing) {
   $("figures").replaceChildren(...items.map(([kind, text]) => Object.assign(document.createElement("li"), { className: kind, textContent: text })));
   document.body.dataset.verdict = run.verdict;
 }
-let frame = 0;
 function show(run) {
   state.run = run;
-  $("title").textContent = run.title;
-  $("byline").textContent = `${run.robot}, simulated on this machine from its study and its gains: nothing is sent anywhere.`;
   verdict(run);
+  $("rival").textContent = "";
   curves($("errors"), run);
   const joint = $("push-joint");
   joint.replaceChildren(...run.joints.map((own) => new Option(own.name, own.name)));
-  // The view of an arm is made once: another run has another one.
-  const view = $("arm");
-  if (frame++) view.src = `arm.html?${frame}`;
-  else hand(view);
+  // A run that went as it was planned is in the view already.
+  const planned = moving?.beginning;
+  const same = planned?.t.length === run.t.length && run.joints.every((own, j) => own.q_d.every((q, k) => q === planned.joints[j].q_d[k]));
+  if (!same) { watch({ beginning: { ...run, start_s: planned?.start_s ?? 0 } }); watch({ part: { t: run.t[0], joints: run.joints } }); }
 }
-// The view may be there before this script or after it: it takes the first run that it is given.
-const hand = (view) => { if (state.run) view.contentWindow.postMessage(state.run, "*"); };
+// ── The view of the arm. It is made once: another run has another one. Where the run is planned, the view has its beginning; its
+// parts follow as they are computed.
+let [moving, frame] = [null, 0];
+function watch({ beginning, part }) {
+  const view = $("arm");
+  if (beginning) {
+    moving = { beginning, parts: [] };
+    $("title").textContent = beginning.title;
+    $("byline").textContent = `${beginning.robot}, simulated on this machine from its study and its gains: nothing is sent anywhere.`;
+    ready = false;
+    if (frame++) view.src = `arm.html?${frame}`;
+    else hand(view);
+  }
+  if (!part || !moving) return;
+  moving.parts.push(part);
+  if (ready) view.contentWindow.postMessage({ parts: [part] }, "*");
+}
+// The view may be there before this script or after it, and before its run or after it: it is handed what there is, again when it is ready.
+let ready = false;
+function hand(view) {
+  if (!moving) return;
+  ready = true;
+  view.contentWindow.postMessage(moving, "*");
+}
 addEventListener("message", ({ source, data }) => {
   const view = $("arm");
   // What checks a page sends texts between its frames, too.
@@ -126,15 +146,18 @@ addEventListener("message", ({ source, data }) => {
   if (data.height) view.style.height = `${Math.min(data.height, 2000)}px`;
   if (typeof data.at === "number") { cursor(data.at); document.body.dataset.at = data.at.toFixed(2); }
 });
-async function run(more = {}) {
+async function run(more = {}, start_s = 0) {
+  [shown, moving] = [more, null];
   prover.stop(OVERTAKEN);
   $("proving").textContent = "";
   delete document.body.dataset.proving;
-  const done = await long("running", (event) => ask({ task: "run", ...texts(more) }, event));
+  const done = await long("running", (event) => ask({ task: "run", ...texts(more) }, (own) => { event(own); watch({ ...own, ...(own.beginning ? { beginning: { ...own.beginning, start_s } } : {}) }); }));
   if (!done) return false;
   show(done);
   return true;
 }
+// What the run that is shown had beyond the study.
+let shown = {};
 const OVERTAKEN = "another run has begun";
 async function prove() {
   const run = state.run;
@@ -208,19 +231,31 @@ async function design() {
 }
 $("design").addEventListener("click", design);
 $("run").addEventListener("click", async () => { tell(""); if (await run()) prove(); });
-$("meet").addEventListener("click", () => {
-  const [push, payload, friction, from] = ["push", "payload", "friction", "from"].map((id) => Number($(id).value) || 0);
-  const faults = [
-    push ? `\n[[fault]]\nkind = "push"\njoint = ${JSON.stringify($("push-joint").value)}\nstart_s = ${from.toFixed(3)}\nduration_s = 0.5\nsize = ${push.toFixed(3)}\n` : "",
-    payload ? `\n[[fault]]\nkind = "payload"\nstart_s = ${from.toFixed(3)}\nduration_s = 100.0\nsize = ${payload.toFixed(3)}\n` : "",
-    friction !== 1 ? `\n[[fault]]\nkind = "friction"\nstart_s = ${from.toFixed(3)}\nduration_s = 100.0\nsize = ${friction.toFixed(3)}\n` : "",
-  ].join("");
-  tell(faults ? "" : "nothing acts: state a push, a payload, or another friction");
-  if (faults) run({ study: `${state.study}\n${faults}` });
+for (const id of ["push", "payload", "friction"]) $(id).addEventListener("input", () => { document.querySelector(`output[for="${id}"]`).value = $(id).value; });
+async function happens(stop_s) {
+  const [push_nm, payload_kg, friction, from_s] = ["push", "payload", "friction", "from"].map((id) => Number($(id).value) || 0);
+  if (stop_s == null && !push_nm && !payload_kg && friction === 1) return tell("nothing acts: slide a push, a payload, or another friction");
+  tell("");
+  const task = { task: "happens", study: state.study, joint: $("push-joint").value, push_nm, payload_kg, friction, from_s, ...(stop_s == null ? {} : { stop_s }) };
+  const made = await long("running", () => desk.ask(task));
+  if (made && await run({ study: made.study }, Math.max(0, (stop_s ?? from_s) - 0.5)) && stop_s != null) tell(`the supervisor stops the arm at ${stop_s} s; the motion is shown from just before`);
+}
+$("meet").addEventListener("click", () => happens().catch(wrong));
+$("stop").addEventListener("click", () => happens(Math.max(0.1, Number(document.body.dataset.at) || 0)).catch(wrong));
+$("beside").addEventListener("click", async () => {
+  tell("");
+  if (!state.gains) return tell("design gains first");
+  const run = state.run;
+  const rival = await long("running a PID", (event) => ask({ task: "beside", ...texts(shown) }, event));
+  if (!rival || run !== state.run) return;
+  await curves($("errors"), run, rival);
+  const times = Math.max(...run.joints.map((own, j) => rival.joints[j].measured_rad / own.measured_rad));
+  const scalars = rival.scalars.map((own) => `${own.name} ${own.value} ${own.unit}`.trim()).join(", ");
+  $("rival").textContent = `Dotted: ${rival.title}, ${rival.law}, with ${scalars}, not tuned for this arm; its model takes the links as 20 % too light. ${rival.diverged ? "It diverges." : `Its error is up to ${times.toPrecision(2)} times as large; nothing bounds it.`}`;
 });
 
 // ── Arms.
-const shipped = [["panda", "Franka Panda, an unknown payload"], ["first", "three joints in a plane"]];
+const shipped = [["panda", "Franka Panda, an unknown payload"], ["franka_any", "Franka Panda, any motion in a box"], ["first", "three joints in a plane"]];
 shipped.forEach(([name, words]) => $("built-in").append(new Option(words, name)));
 async function take(name) {
   const get = async (file) => { const found = await fetch(file); if (!found.ok) throw new Error(`${file}: ${found.status}`); return found.text(); };
@@ -239,16 +274,45 @@ async function own(list) {
   const names = Object.keys(files);
   const gains = names.find((name) => name.endsWith(".json"));
   if (gains) return checked(files[gains]);
-  const file = names.find((name) => /\.(urdf|xml)$/i.test(name)) ?? names[0];
+  // The description that no other one includes.
+  const described = names.filter((name) => /\.(urdf|xml|xacro)$/i.test(name));
+  const included = (name) => described.some((other) => other !== name && files[other].includes(name));
+  const file = described.find((name) => !included(name)) ?? described[0] ?? names[0];
   tell("");
-  const begun = await long(`looking at ${file}`, (event) => ask({ task: "begin", file, files, payload_kg: Number($("own-payload").value) || 0 }, event));
+  const task = { task: "begin", file, files, payload_kg: Number($("own-payload").value) || 0 };
+  const begun = await long(`looking at ${file}`, (event) => ask({ ...task, first_kept: true }, event));
   if (!begun) return;
   Object.assign(state, { name: "study", files: begun.files, gains: null });
   if (!Object.keys(begun.files).length) state.files = files;
   await edited(begun.study);
   if (begun.infeasible) return tell(begun.infeasible);
   if (begun.notes.length) tell(begun.notes.join(" · "));
-  await design();
+  if (!begun.gains) return design();
+  // The search for the error ended with gains for it.
+  state.gains = begun.gains;
+  if (!(await run())) return;
+  await prove();
+  await closer(task, begun);
+}
+// The least error that `phihat new` finds takes longer: looked for while the first one is on view, and shown if nothing was changed.
+async function closer(task, first) {
+  const mine = () => state.study === first.study && state.gains === first.gains;
+  const milli_of = (begun) => `${milli(Math.max(...begun.error_bound_rad))} m(rad)`;
+  const say = (text) => { $("proving").textContent = text; };
+  if (!mine()) return;
+  scout.stop(OVERTAKEN);
+  document.body.dataset.closer = "yes";
+  say("Looking for a smaller error that can be promised …");
+  try {
+    const begun = await scout.ask(task, ({ step }) => { if (step && mine()) say(`Looking for a smaller error that can be promised: ${step} …`); });
+    if (!mine()) return;
+    if (!begun.gains || begun.study === first.study) return say("No smaller error was found.");
+    Object.assign(state, { files: begun.files, gains: begun.gains });
+    await edited(begun.study);
+    if (!(await run())) return;
+    await prove();
+    say(`A smaller error is promised than at first: ${milli_of(begun)} in place of ${milli_of(first)}.`);
+  } catch (why) { if (mine() && why.message !== OVERTAKEN) tell(why.message); } finally { delete document.body.dataset.closer; }
 }
 const wrong = (why) => tell(why.message);
 $("own").addEventListener("change", (event) => own(event.target.files).catch(wrong));

@@ -1,17 +1,75 @@
-//! The part of a run that a page draws: bounded in size, however long the run was.
+//! The part of a run that a page draws: bounded in size, however long the run is.
 
+use phihat_design::Gains;
+use phihat_model::JointKind;
 use phihat_report::DrawnArm;
-use phihat_session::{Done, drawn_arm, sha256};
-use phihat_sim::{JointTrace, Trace};
+use phihat_session::{Done, SessionError, drawn_arm, sha256};
+use phihat_sim::{JointTrace, Motion, Trace, samples};
+use phihat_study::Study;
 use serde_json::{Value, json};
 
 /// Most points of a curve.
 const POINTS: usize = 1000;
 
+/// Points of a curve in one part of a run.
+const POINTS_PER_PART: usize = 20;
+
+/// Samples from one point of a curve to the next, of a run of so many.
+pub(crate) fn stride(samples: usize) -> usize {
+    samples.div_ceil(POINTS).max(1)
+}
+
+/// Number of samples that a run is planned to have.
+fn planned(study: &Study) -> usize {
+    let count = samples(study.duration, study.control.period_ns);
+    usize::try_from(count).unwrap_or(usize::MAX)
+}
+
+/// Samples of one part of a run: what a page is handed at once.
+pub(crate) fn part_samples(study: &Study) -> usize {
+    stride(planned(study)).saturating_mul(POINTS_PER_PART)
+}
+
+/// Arm, desired motion and bounds: known of a run before its first sample.
+pub(crate) fn beginning(study: &Study, gains: Option<&Gains>) -> Result<Value, SessionError> {
+    let motion = Motion::of(study).map_err(SessionError::other)?;
+    let count = planned(study);
+    let times = (0..count).step_by(stride(count));
+    let t: Vec<f64> = times.map(|k| (k as u64 * study.control.period_ns) as f64 * 1e-9).collect();
+    let tube = gains.and_then(|own| own.certificate.as_ref()?.tube.as_ref());
+    let joint = |(j, joint): (usize, &phihat_model::Joint)| {
+        let q_d: Vec<f64> = t.iter().map(|&t| motion.told(j, t)[0]).collect();
+        json!({
+            "name": joint.name,
+            "slides": joint.kind == JointKind::Prismatic,
+            "accepted_rad": study.spec.error_bound.as_ref().and_then(|all| all.get(j)),
+            "bound_rad": tube.and_then(|own| Some(own.joints.get(j)?.error_bound_rad)),
+            "q_d": q_d,
+        })
+    };
+    let joints: Vec<Value> = study.robot.joints.iter().enumerate().map(joint).collect();
+    Ok(json!({
+        "title": study.title,
+        "robot": study.robot.name,
+        "settle_s": study.spec.settle,
+        "duration_s": study.duration,
+        "t": t,
+        "joints": joints,
+        "arm": drawn_arm(study, None),
+    }))
+}
+
+/// Positions and errors of one part of a run, at the points of its curves.
+pub(crate) fn part(trace: &Trace, planned_samples_per_part: usize) -> Value {
+    let each = planned_samples_per_part / POINTS_PER_PART;
+    let joint = |own: &JointTrace| json!({ "q": first(&own.q, each), "e": largest(&own.e, each) });
+    let joints: Vec<Value> = trace.joints.iter().map(joint).collect();
+    json!({ "t": trace.t_ns.first().map(|t| *t as f64 * 1e-9), "joints": joints })
+}
+
 /// Verdict, bound beside the measurement, curves and arm of a run.
 pub(crate) fn drawn(done: &Done, trace: &Trace) -> Value {
-    let each = trace.len().div_ceil(POINTS).max(1);
-    let first = |all: &[f64]| -> Vec<f64> { all.iter().step_by(each).copied().collect() };
+    let each = stride(trace.len());
     let t: Vec<f64> = trace.t_ns.iter().step_by(each).map(|t| *t as f64 * 1e-9).collect();
     let tube = done.gains.as_ref().and_then(|own| own.certificate.as_ref()?.tube.as_ref());
     let joints: Vec<Value> = trace
@@ -29,8 +87,8 @@ pub(crate) fn drawn(done: &Done, trace: &Trace) -> Value {
                 "measured_rad": figures.error_steady_max_rad,
                 "torque_max_nm": figures.tau_max_nm,
                 "torque_limit_nm": figures.tau_limit_nm,
-                "q": first(&joint.q),
-                "q_d": first(&joint.q_desired),
+                "q": first(&joint.q, each),
+                "q_d": first(&joint.q_desired, each),
                 "e": largest(&joint.e, each),
                 "torque": largest(&joint.tau_applied, each),
                 "tube": tube.map(|(bin_s, own)| json!({
@@ -58,8 +116,13 @@ pub(crate) fn drawn(done: &Done, trace: &Trace) -> Value {
     })
 }
 
+/// The first value in each stretch of so many samples.
+fn first(all: &[f64], each: usize) -> Vec<f64> {
+    all.iter().step_by(each).copied().collect()
+}
+
 /// The value of largest size in each stretch of so many samples; a value that is no number is the largest.
-fn largest(all: &[f64], each: usize) -> Vec<Option<f64>> {
+pub(crate) fn largest(all: &[f64], each: usize) -> Vec<Option<f64>> {
     let most = |part: &[f64]| {
         let beyond = part.iter().find(|value| !value.is_finite());
         let largest = part.iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));

@@ -2,12 +2,14 @@
 #![forbid(unsafe_code)]
 
 mod answer;
+mod beside;
 #[cfg(target_arch = "wasm32")]
 mod browser;
 mod documents;
 mod drawn;
 mod error;
 mod form;
+mod happening;
 mod study;
 mod task;
 

@@ -12,13 +12,10 @@ use phihat_sim::Trace;
 use phihat_synthesis::{Advice, Steps};
 use serde_json::{Value, json};
 
-use crate::drawn::drawn;
+use crate::drawn::{beginning, drawn, part, part_samples};
 use crate::error::AnswerError;
 use crate::form::{FORM, values};
 use crate::task::{StudyTexts, named};
-
-/// Samples between two events of a run.
-const EACH: u64 = 500;
 
 /// Joints and notes of a description.
 pub(crate) fn arm(file: &str, files: &BTreeMap<String, String>) -> Result<Value, AnswerError> {
@@ -28,25 +25,23 @@ pub(crate) fn arm(file: &str, files: &BTreeMap<String, String>) -> Result<Value,
 }
 
 /// A study made of an arm, with the files that it names.
-pub(crate) fn begun_from(
-    (file, files): (&str, &BTreeMap<String, String>),
-    (payload_kg, error_bound): (f64, Option<f64>),
+pub(crate) fn begun_with(
+    options: BeginOptions,
     event: &dyn Fn(Value),
 ) -> Result<Value, AnswerError> {
-    if !(payload_kg.is_finite() && payload_kg >= 0.0) {
-        return Err(AnswerError::Payload(payload_kg));
+    if !(options.payload_kg.is_finite() && options.payload_kg >= 0.0) {
+        return Err(AnswerError::Payload(options.payload_kg));
     }
-    let out = PathBuf::from("study.toml");
-    let arm = arm_options(file, files);
-    let options = BeginOptions { arm, out, payload_kg, error_bound, ..BeginOptions::default() };
+    let options = BeginOptions { out: PathBuf::from("study.toml"), ..options };
     let mut step = |step: &str| event(json!({ "step": step }));
     let (begun, texts) = begun(&options, &mut step)?;
     let name = |path: &Path| path.file_name().unwrap_or_default().display().to_string();
     let mut texts: BTreeMap<String, String> =
         texts.iter().map(|(path, text)| (name(path), text.clone())).collect();
     let study = texts.remove("study.toml").unwrap_or_default();
+    let gains = begun.gains.map(|gains| gains.to_json()).transpose()?;
     Ok(json!({
-        "study": study, "files": texts, "notes": begun.notes, "error_bound_rad": begun.error_bound,
+        "study": study, "files": texts, "gains": gains, "notes": begun.notes, "error_bound_rad": begun.error_bound,
         "infeasible": begun.infeasible,
     }))
 }
@@ -98,17 +93,24 @@ pub(crate) fn page(texts: &StudyTexts, event: &dyn Fn(Value)) -> Result<Value, A
 
 fn finished(texts: &StudyTexts, event: &dyn Fn(Value)) -> Result<(Done, Trace), AnswerError> {
     let given = texts.gains()?;
-    let given = given.map(|gains| (gains, Path::new("gains.json")));
     let study = texts.read()?;
+    // A page makes its view of the arm while the session looks whether these gains may run on it, and says what is
+    // wrong with the study.
+    if let Ok(beginning) = beginning(&study, given.as_ref()) {
+        event(json!({ "beginning": beginning }));
+    }
+    let given = given.map(|gains| (gains, Path::new("gains.json")));
+    let samples = part_samples(&study);
     let of = phihat_sim::samples(study.duration, study.control.period_ns);
     let session = Session::new(study, &texts.path(), given, false)?;
-    Ok(session.run(|samples| {
-        if samples.is_multiple_of(EACH) {
-            event(json!({ "samples": samples, "of": of }));
-        }
+    let mut so_far = 0;
+    Ok(session.run_in_parts(samples, |trace| {
+        so_far += trace.len();
+        event(json!({ "part": part(trace, samples), "samples": so_far, "of": of }));
     }))
 }
 
-fn arm_options(file: &str, files: &BTreeMap<String, String>) -> ArmOptions {
+/// An arm among the texts.
+pub(crate) fn arm_options(file: &str, files: &BTreeMap<String, String>) -> ArmOptions {
     ArmOptions { arm: file.to_owned(), files: named(files), ..ArmOptions::default() }
 }

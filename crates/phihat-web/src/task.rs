@@ -10,6 +10,7 @@ use phihat_study::Study;
 use serde::Deserialize;
 
 use crate::error::AnswerError;
+use crate::happening::Happening;
 
 /// A task with its texts.
 #[derive(Debug, Deserialize)]
@@ -36,6 +37,9 @@ pub(crate) enum BrowserTask {
         /// Largest error \[rad, m\]; `None`: the smallest that can be promised, with a margin.
         #[serde(default)]
         error_rad: Option<f64>,
+        /// True: the first error that is kept is enough.
+        #[serde(default)]
+        first_kept: bool,
     },
     /// Mistakes of a study, and the values of the form.
     Check(StudyTexts),
@@ -52,6 +56,10 @@ pub(crate) enum BrowserTask {
     Design(StudyTexts),
     /// A run of a study.
     Run(StudyTexts),
+    /// The same run under a PID.
+    Beside(StudyTexts),
+    /// A study in whose run something happens.
+    Happens(Happening),
     /// The page of a run.
     Page(StudyTexts),
     /// Claims of gains, checked again.

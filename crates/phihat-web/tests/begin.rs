@@ -8,7 +8,7 @@ use std::path::Path;
 use phihat_model::NamedTexts;
 use phihat_session::{arm, designed_in_steps, study_of_texts};
 use phihat_synthesis::{Advice, Steps};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::support::{ask, heard, searched, text};
 
@@ -74,4 +74,54 @@ fn a_design_ends_at_the_step_that_its_listener_refuses() {
     let told = designed_in_steps(&study, &arm, path, steps).unwrap_err().to_string();
     assert!(told.contains("cancelled"), "{told}");
     assert_eq!(count.get(), 3);
+}
+
+#[test]
+fn the_search_for_an_error_ends_with_the_gains_that_a_design_finds() {
+    let files = json!({ "one.urdf": ONE });
+    let begun = ask(&json!({ "task": "begin", "file": "one.urdf", "files": files }));
+    let (study, files) = (&begun["study"], &begun["files"]);
+    let designed = ask(&json!({ "task": "design", "study": study, "files": files }));
+    assert!(begun["gains"].is_string(), "{}", begun["error"]);
+    assert_eq!(begun["gains"], designed["gains"]);
+    // The first error that is kept is no smaller, and has gains too.
+    let first = ask(
+        &json!({ "task": "begin", "file": "one.urdf", "files": { "one.urdf": ONE }, "first_kept": true }),
+    );
+    let error = |told: &Value| told["error_bound_rad"][0].as_f64().unwrap();
+    assert!(first["gains"].is_string() && error(&first) >= error(&begun), "{}", first["error"]);
+}
+
+#[test]
+fn a_description_in_xacro_is_read_with_the_files_that_it_includes() {
+    let (head, tail) =
+        (r#"<robot name="one" xmlns:xacro="http://ros.org/wiki/xacro">"#, "</robot>");
+    let body = ONE.replace(r#"<robot name="one">"#, "").replace(tail, "");
+    let lifted = body.replace("\"0.5\"", "\"${mass}\"");
+    assert_ne!(lifted, body);
+    let part =
+        format!("{head}<xacro:macro name=\"arm\" params=\"mass\">{lifted}</xacro:macro>{tail}");
+    let main = format!(
+        "{head}<xacro:include filename=\"$(find one_description)/urdf/part.xacro\"/>\
+         <xacro:arm mass=\"0.5\"/>{tail}"
+    );
+    let files = json!({ "main.urdf.xacro": main, "part.xacro": part });
+    let ask_of = |files: &Value| {
+        ask(
+            &json!({ "task": "begin", "file": "main.urdf.xacro", "files": files, "error_rad": 0.05 }),
+        )
+    };
+    let begun = ask_of(&files);
+    let plain = ask(
+        &json!({ "task": "begin", "file": "one.urdf", "files": { "one.urdf": ONE }, "error_rad": 0.05 }),
+    );
+    assert_eq!(begun["error"], json!(null), "{}", begun["error"]);
+    let numbers = |told: &Value| {
+        let gains: Value = serde_json::from_str(told["gains"].as_str().unwrap_or("{}")).unwrap();
+        gains["joints"].clone()
+    };
+    assert!(numbers(&plain).is_array());
+    assert_eq!(numbers(&begun), numbers(&plain));
+    let alone = ask_of(&json!({ "main.urdf.xacro": main }));
+    assert!(alone["error"].as_str().unwrap().contains("part.xacro"), "{alone}");
 }

@@ -4,5 +4,6 @@
 mod bad;
 mod begin;
 mod form;
+mod happens;
 mod same;
 mod support;

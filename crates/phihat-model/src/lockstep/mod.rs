@@ -137,7 +137,10 @@ impl Lockstep {
         assert!(fits, "one position, velocity, torque and acceleration per joint");
         let state = [q, dq, tau];
         let arms = (&self.parts[..], self.lift);
-        if self.kernel.is_none_or(|kernel| !kernel.beside(arms, state, ddq)) {
+        // Code that is written out for eight lanes is large, and a browser's module has few of these runs.
+        let written_out = !cfg!(target_arch = "wasm32");
+        let kernel = self.kernel.filter(|_| written_out);
+        if kernel.is_none_or(|kernel| !kernel.beside(arms, state, ddq)) {
             self.any_chain(state, ddq);
         }
     }

@@ -38,6 +38,8 @@ pub struct XacroOptions {
     pub arguments: BTreeMap<String, String>,
     /// Folders of ROS packages by name, before those that are installed or near the file.
     pub packages: BTreeMap<String, PathBuf>,
+    /// Files that the description and its parts are read from.
+    pub files: NamedTexts,
 }
 
 /// An expanded description.
@@ -93,11 +95,11 @@ pub fn expand(path: &Path, options: &XacroOptions) -> Result<Expanded, RobotErro
     Ok(Expanded { urdf, origin, files, arguments })
 }
 
-/// Returns true if a file is one of xacro: by its name, or by an element of xacro in it.
-pub fn is_xacro(path: &Path) -> bool {
+/// Returns true if one of these files is of xacro: by its name, or by an element of xacro in it.
+pub fn is_xacro(path: &Path, files: &NamedTexts) -> bool {
     path.extension().is_some_and(|extension| extension == "xacro")
-        || (path.is_file()
-            && read_text(&NamedTexts::DISK, path).is_ok_and(|text| text.contains("<xacro:")))
+        || (files.is_file(path)
+            && read_text(files, path).is_ok_and(|text| text.contains("<xacro:")))
 }
 
 /// Refusal with its place.
@@ -161,7 +163,7 @@ impl<'o> Expander<'o> {
             let (origin, limit) = (origin.to_string(), FILES_MAX);
             return Err(RobotError::TooMuch { origin, what: "files", found: limit + 1, limit });
         }
-        let text = read_text(&NamedTexts::DISK, path)?;
+        let text = read_text(&self.options.files, path)?;
         scanned(&text, &origin, XACRO_ATTRIBUTES_MAX)?;
         self.files.push(path.to_owned());
         let text = declared(Cow::Owned(text));
@@ -239,8 +241,8 @@ impl<'o> Expander<'o> {
                 reason!("$(arg {rest}): there is no argument \"{rest}\"; state it as {rest}:=VALUE")
             })?,
             "find" => {
-                let found =
-                    packages::find(rest, &self.options.packages, Path::new(&*self.here.file))?;
+                let places = (&self.options.packages, &self.options.files);
+                let found = packages::find(rest, places, Path::new(&*self.here.file))?;
                 found.display().to_string()
             }
             "env" => std::env::var(rest).map_err(|_| reason!("$(env {rest}): it is not set"))?,
@@ -451,7 +453,7 @@ impl<'o> Expander<'o> {
         let name = self.needed(element, "filename")?;
         let folder = Path::new(&*element.place.file).parent().unwrap_or(Path::new(""));
         let path = folder.join(&name);
-        if self.condition(element, "optional", false)? && !path.is_file() {
+        if self.condition(element, "optional", false)? && !self.options.files.is_file(&path) {
             return Ok(());
         }
         let root = self.file(&path).map_err(|error| match error {
@@ -621,7 +623,8 @@ impl XacroNames for ScopeNames<'_, '_> {
         let folder =
             Path::new(&*self.expander.here.file).parent().unwrap_or(Path::new("")).to_owned();
         let path = folder.join(file);
-        let text = read_text(&NamedTexts::DISK, &path).map_err(|why| why.to_string())?;
+        let files = &self.expander.options.files;
+        let text = read_text(files, &path).map_err(|why| why.to_string())?;
         self.expander.files.push(path.clone());
         yaml::read(&text).map_err(|why| reason!("{}: {why}", path.display()))
     }

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::reason::{Reasoned, reason};
+use crate::named_texts::NamedTexts;
 
 /// Folders above a file that are looked into.
 const ABOVE_MAX: usize = 8;
@@ -14,10 +15,10 @@ const ABOVE_MAX: usize = 8;
 const LISTED_MAX: usize = 2000;
 
 /// The folder of a package: as stated; installed (`AMENT_PREFIX_PATH`, `ROS_PACKAGE_PATH`); above the file, or
-/// beside a folder above it.
+/// beside a folder above it. Among texts it has no place but its name.
 pub(super) fn find(
     name: &str,
-    stated: &BTreeMap<String, PathBuf>,
+    (stated, files): (&BTreeMap<String, PathBuf>, &NamedTexts),
     file: &Path,
 ) -> Reasoned<PathBuf> {
     let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
@@ -26,6 +27,9 @@ pub(super) fn find(
     }
     if let Some(folder) = stated.get(name) {
         return Ok(folder.clone());
+    }
+    if !files.reads_disk() {
+        return Ok(PathBuf::from(name));
     }
     let found = installed(name).or_else(|| above(name, file));
     found.ok_or_else(|| {

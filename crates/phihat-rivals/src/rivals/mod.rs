@@ -107,6 +107,9 @@ pub const RIVALS: &[Entry] = &[
 
 pub use positions::position_law;
 
+/// PID with feed-forward, by itself: a program that has no other rival need not carry [`RIVALS`].
+pub const INDUSTRIAL_PID: Entry = Entry::of::<industrial_pid::IndustrialPid>();
+
 /// The rival of an id.
 pub fn rival(id: &str) -> Option<&'static Entry> {
     RIVALS.iter().find(|entry| entry.card.id == id)

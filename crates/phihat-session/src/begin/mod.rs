@@ -25,7 +25,8 @@ mod torque;
 
 use std::path::{Path, PathBuf};
 
-use phihat_model::xacro::{expand, is_xacro};
+use phihat_design::Gains;
+use phihat_model::xacro::{XacroOptions, expand, is_xacro};
 use phihat_model::{JointKind, MotionOnly, Robot, RobotError};
 use phihat_study::Study;
 
@@ -35,6 +36,7 @@ pub use options::{ArmOptions, BeginOptions};
 
 use crate::disk::{DiskError, Whole, folder_of, make_folder};
 use crate::error::SessionError;
+use crate::hash::sha256;
 use crate::watch::Watch;
 use arm::ChosenArm;
 use search::{BeginResult, BeginStudy};
@@ -59,6 +61,8 @@ pub struct Begun {
     pub simulated: Option<Vec<f64>>,
     /// Why there are no gains, and what would make them possible.
     pub infeasible: Option<String>,
+    /// The gains that the search ended with, as a design for the study's text would find them.
+    pub gains: Option<Box<Gains>>,
     /// False of a study that asks for the inertia of each joint: it cannot be read before that is filled in.
     readable: bool,
 }
@@ -99,6 +103,7 @@ pub fn begun(
     let mut looked = BeginStudy::new(options, &mut chosen)?;
     let found = looked.search((&mut chosen, &options.out), step)?;
     let text = looked.study_text(&found, &chosen);
+    let study_sha256 = sha256(&mut text.as_bytes()).map_err(SessionError::other)?;
     let mut files = Vec::new();
     let mut put = |name: &str, text: &str| files.push((folder.join(name), text.to_owned()));
     if let Some(file) = &chosen.written {
@@ -112,7 +117,8 @@ pub fn begun(
     let joints = chosen.robot.joints.iter();
     let (joints, slides) =
         joints.map(|joint| (joint.name.clone(), joint.kind == JointKind::Prismatic)).unzip();
-    let BeginResult { error_bound, simulated, infeasible, .. } = found;
+    let BeginResult { error_bound, simulated, infeasible, gains, .. } = found;
+    let gains = gains.map(|own| Box::new(Gains { study_sha256, ..*own }));
     let (study, paths) =
         (options.out.clone(), files.iter().map(|(path, _)| path.clone()).collect());
     let begun = Begun {
@@ -124,6 +130,7 @@ pub fn begun(
         error_bound,
         simulated,
         infeasible,
+        gains,
         readable: true,
     };
     Ok((begun, files))
@@ -145,6 +152,7 @@ fn motion_only(
         error_bound: vec![own.error_bound; own.joints.len()],
         simulated: None,
         infeasible: Some(own.lacks),
+        gains: None,
         readable: false,
     };
     Ok((begun, files))
@@ -153,7 +161,8 @@ fn motion_only(
 /// The options with the text of a URDF in place of a file of xacro.
 fn expanded(options: &BeginOptions) -> Result<BeginOptions, SessionError> {
     let path = Path::new(&options.arm.arm);
-    if !is_xacro(path) {
+    let files = options.arm.files.clone();
+    if !is_xacro(path, &files) {
         return match options.arm.xacro.arguments.keys().next() {
             None => Ok(options.clone()),
             Some(name) => {
@@ -162,7 +171,8 @@ fn expanded(options: &BeginOptions) -> Result<BeginOptions, SessionError> {
             }
         };
     }
-    let expanded = expand(path, &options.arm.xacro).map_err(SessionError::other)?;
+    let xacro = XacroOptions { files, ..options.arm.xacro.clone() };
+    let expanded = expand(path, &xacro).map_err(SessionError::other)?;
     let text = expanded.urdf;
     // What is wrong with the arm is said of the file that somebody has.
     match Robot::part_of_text(&text, &options.arm.part, &expanded.origin) {

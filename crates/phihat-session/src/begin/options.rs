@@ -57,6 +57,8 @@ pub struct BeginOptions {
     pub payload_kg: f64,
     /// Largest error \[rad, m\]; `None`: the smallest that can be promised, with a margin.
     pub error_bound: Option<f64>,
+    /// Ends with the first error that gains and runs keep: no smaller one is looked for.
+    pub first_kept: bool,
     /// Control samples per second.
     pub rate_hz: Option<f64>,
     /// Transport delay in samples.

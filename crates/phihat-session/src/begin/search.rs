@@ -74,6 +74,8 @@ pub(super) struct BeginResult {
     pub(super) simulated: Option<Vec<f64>>,
     pub(super) infeasible: Option<String>,
     pub(super) notes: Vec<String>,
+    /// Gains that keep the error, designed for the study as it is written.
+    pub(super) gains: Option<Box<Gains>>,
 }
 
 /// A study that is looked at, and what is known of it.
@@ -93,13 +95,20 @@ pub(super) struct BeginStudy<'a> {
 
 /// Result of one requested error.
 enum ErrorOutcome {
-    /// Gains keep it, and runs did: with the largest error of these, per joint.
-    Kept(Vec<f64>),
+    /// Gains keep it, and runs did.
+    Kept(KeptGains),
     /// Why it is not kept, and by which factor it was exceeded, at least.
     Beyond(String, f64),
     /// Why no error can be simulated.
     Never(String),
     No(Infeasible),
+}
+
+/// Gains that keep an error, and runs that did.
+struct KeptGains {
+    /// The largest error of the runs, per joint.
+    simulated: Vec<f64>,
+    gains: Box<Gains>,
 }
 
 /// Least error of an arm by the search alone.
@@ -237,12 +246,10 @@ impl<'a> BeginStudy<'a> {
         for round in 1..=ROUNDS {
             step(&format!("try {round}: gains for an error of {:.3} mrad, and runs", 1e3 * error));
             let (why, by) = match self.in_either_form(error, out)? {
-                ErrorOutcome::Kept(simulated) if fixed.is_none() => {
-                    return Ok(self.with_form_chosen((error, simulated), out, step));
+                ErrorOutcome::Kept(kept) if fixed.is_none() && !self.options.first_kept => {
+                    return Ok(self.with_form_chosen((error, kept), out, step));
                 }
-                ErrorOutcome::Kept(simulated) => {
-                    return Ok(self.found(error, Some(simulated), None));
-                }
+                ErrorOutcome::Kept(kept) => return Ok(self.found(error, Some(kept), None)),
                 ErrorOutcome::Never(why) => return Ok(self.infeasible(error, why)),
                 ErrorOutcome::No(no) if fixed.is_some() => {
                     return Ok(self.infeasible(error, no.to_string()));
@@ -280,8 +287,8 @@ impl<'a> BeginStudy<'a> {
             return Ok(first);
         }
         self.study.control.form_designed = true;
-        if let Ok(ErrorOutcome::Kept(simulated)) = self.asked(error, out) {
-            return Ok(ErrorOutcome::Kept(simulated));
+        if let Ok(ErrorOutcome::Kept(kept)) = self.asked(error, out) {
+            return Ok(ErrorOutcome::Kept(kept));
         }
         self.study.control.form_designed = false;
         Ok(first)
@@ -291,7 +298,7 @@ impl<'a> BeginStudy<'a> {
     /// until one is not; if none is, the error that was kept.
     fn with_form_chosen(
         &mut self,
-        (mut error, mut simulated): (f64, Vec<f64>),
+        (mut error, mut kept): (f64, KeptGains),
         out: &Path,
         step: &mut dyn FnMut(&str),
     ) -> BeginResult {
@@ -301,13 +308,13 @@ impl<'a> BeginStudy<'a> {
             step(&format!("laws from positions for an error of {milli:.3} mrad, and runs"));
             let form_designed = core::mem::replace(&mut self.study.control.form_designed, true);
             // A search that cannot begin is no reason to have nothing.
-            let Ok(ErrorOutcome::Kept(runs)) = self.asked(less, out) else {
+            let Ok(ErrorOutcome::Kept(own)) = self.asked(less, out) else {
                 self.study.control.form_designed = form_designed;
                 break;
             };
-            (error, simulated) = (less, runs);
+            (error, kept) = (less, own);
         }
-        self.found(error, Some(simulated), None)
+        self.found(error, Some(kept), None)
     }
 
     /// The least error \[rad\] that some gains keep, by the search's own reckoning; else why there are none.
@@ -336,7 +343,7 @@ impl<'a> BeginStudy<'a> {
         let mut study = self.study.clone();
         ask(&mut study, error);
         let gains = match designed_for(&study, &self.arm, &self.path, Advice::Clauses)? {
-            Outcome::Designed(gains) => *gains,
+            Outcome::Designed(gains) => gains,
             Outcome::Infeasible(no) => return Ok(ErrorOutcome::No(no)),
         };
         let beyond = share_of_tube(&study, &gains);
@@ -357,7 +364,7 @@ impl<'a> BeginStudy<'a> {
                 joint.armature = joint.armature_at(*place);
             }
             derive_substeps(&mut own);
-            let session = match Session::new(own, out, Some((gains.clone(), out)), false) {
+            let session = match Session::new(own, out, Some((*gains.clone(), out)), false) {
                 Ok(session) => session,
                 Err(SessionError::NotArmed { why, .. }) => {
                     return Ok(ErrorOutcome::Beyond(why.to_string(), MORE));
@@ -384,17 +391,18 @@ impl<'a> BeginStudy<'a> {
                 *most = larger(*most, joint.error_steady_max_rad);
             }
         }
-        Ok(ErrorOutcome::Kept(most))
+        Ok(ErrorOutcome::Kept(KeptGains { simulated: most, gains }))
     }
 
     fn found(
         &self,
         error: f64,
-        simulated: Option<Vec<f64>>,
+        kept: Option<KeptGains>,
         infeasible: Option<String>,
     ) -> BeginResult {
         let error_bound = units(&self.study).map(|unit| digits::places(error * unit, 9)).collect();
-        BeginResult { error_bound, simulated, infeasible, notes: self.notes.clone() }
+        let (simulated, gains) = kept.map(|own| (own.simulated, own.gains)).unzip();
+        BeginResult { error_bound, simulated, infeasible, notes: self.notes.clone(), gains }
     }
 
     fn infeasible(&self, error: f64, why: String) -> BeginResult {
