@@ -2,8 +2,8 @@
 
 use phihat_campaign::RunEnded;
 use phihat_campaign::statistics::{
-    Bootstrap, ErrorTable, FrontPoint, Placebo, Ratio, Spread, critical_difference, hypervolume,
-    placebo, quantile, ranks, ratio,
+    Bootstrap, FrontPoint, Placebo, Ratio, Spread, critical_difference, hypervolume, placebo,
+    quantile, ranks, ratio,
 };
 use phihat_session::Dice;
 
