@@ -1,5 +1,7 @@
 //! `phihat design`: from a specification to gains with a certificate, or a "no" with its reason.
 
+use std::cell::RefCell;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -11,10 +13,10 @@ use phihat_study::{DesignMethod, Study};
 use serde_json::json;
 
 use phihat_session::{
-    BudgetFiles, are_of_a_run, arm, beside_limits, budget, designed_for, files, read, rigid_joints,
-    write_budget,
+    BudgetFiles, Watch, are_of_a_run, arm, beside_limits, budget, designed_in_steps, files, read,
+    rigid_joints, write_budget,
 };
-use phihat_synthesis::{Advice, BudgetSearch};
+use phihat_synthesis::{Advice, BudgetSearch, Steps};
 
 use crate::check::warn_of_renamed;
 use crate::failure::Failure;
@@ -87,8 +89,10 @@ impl Design {
             };
         }
         let arm = arm(&study, &self.study)?;
-        let mut outcome = designed_for(&study, &arm, &self.study, Advice::Clauses)?;
-        let asked = self.asked.budget || matches!(outcome, Outcome::Infeasible(_));
+        let mut outcome = self.found(&study, &arm)?;
+        // Where no law keeps a clause, no change of the loop does either.
+        let searched = matches!(&outcome, Outcome::Infeasible(no) if !no.beyond_any_law);
+        let asked = self.asked.budget || searched;
         let told = if asked { Some(self.told(&study, &arm, &outcome)?) } else { None };
         match &mut outcome {
             Outcome::Designed(gains) => {
@@ -104,6 +108,19 @@ impl Design {
             }
             Outcome::Infeasible(no) => Ok(self.refuse(no, told.as_ref())),
         }
+    }
+
+    /// The outcome, its steps shown meanwhile.
+    fn found(&self, study: &Study, arm: &Arm) -> Result<Outcome, Failure> {
+        let shown = RefCell::new(TerminalWatch::steps());
+        let begins = |what: &str| {
+            shown.borrow_mut().step(what);
+            ControlFlow::Continue(())
+        };
+        let steps = (Advice::Clauses, Steps::to(&begins));
+        let outcome = designed_in_steps(study, arm, &self.study, steps);
+        shown.borrow_mut().ended();
+        Ok(outcome?)
     }
 
     /// The folder of the results.

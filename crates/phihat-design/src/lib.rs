@@ -106,7 +106,9 @@ mod undetermined;
 pub use arm::{Arm, ArmError, InertiaRates, ProofProgress, RangeUnproved};
 pub use bounded::{BoundedCoefficient, bounded_coefficients};
 pub use certificate::{arm_inside_window, find_moving};
-pub use class::{ClassDemand, ClassRefusal, class_bound, quick_class_bound};
+pub use class::{
+    ClassDemand, ClassRefusal, LeastError, class_bound, class_parts, quick_class_bound,
+};
 pub use contradiction::{Contradiction, ContradictionError, typed_inertia_holds};
 pub use designer::{
     Alternative, Clause, DesignError, Infeasible, Outcome, PhiOf, alternatives, design, has_law,

@@ -3,8 +3,8 @@
 use phihat::Form;
 use phihat_certificate::extremes::Extremes as _;
 use phihat_design::{
-    Arm, ClassBound, ClassDemand, ClassRefusal, Clause, Gains, Infeasible, Outcome, Phi,
-    PositionSearch, class_bound, quick_class_bound, requested_gains,
+    Arm, ClassBound, ClassDemand, ClassRefusal, Clause, Gains, Infeasible, LeastError, Outcome,
+    Phi, PositionSearch, TubeParts, class_bound, class_parts, quick_class_bound, requested_gains,
 };
 use phihat_study::{ReferenceRequest, Study};
 
@@ -14,6 +14,12 @@ use crate::steps::Steps;
 
 /// Rounds of the search, at most.
 const ROUNDS: u32 = 7;
+
+/// The same where no law keeps the specification, to say what can be asked for.
+const FEW_ROUNDS: u32 = 2;
+
+/// Factor on errors of a quick bound, which looks at fewer postures than the whole one.
+const QUICK_IS_LOW: f64 = 1.2;
 
 /// The encoder's share of the torque step that is allowed, first; and its ends.
 const FIRST: f64 = 0.6;
@@ -101,6 +107,10 @@ impl Shares {
 struct BestOfClass {
     rank: (u8, f64),
     shares: Vec<f64>,
+    /// Errors by the quick bound of such laws within the torque step \[rad\].
+    errors: Vec<f64>,
+    /// Parts of their quick bounds by cause.
+    parts: Vec<TubeParts>,
     gains: Box<Gains>,
 }
 
@@ -121,10 +131,13 @@ pub(crate) fn for_class(
         own.control.takes(Form::Positions);
     }
     let study = &*own;
+    steps.begin("largest rates of the class")?;
     let demand = ClassDemand::of(study)?;
     let phi = |joint: usize, _: f64| -> Phi { demand.phi(joint) };
+    steps.begin("nominal inertias")?;
     let mut search = PositionSearch::new(study, arm, &phi)?;
     let certified = |mut gains: Box<Gains>, search: &PositionSearch<'_>, bound| {
+        steps.begin("certificate of the laws, and the class bound")?;
         search.certify(&mut gains)?;
         judge(study, &mut gains, bound);
         Ok(Outcome::Designed(gains))
@@ -132,11 +145,101 @@ pub(crate) fn for_class(
     if let Some(stated) = requested_gains(study) {
         return certified(Box::new(stated), &search, None);
     }
-    let mut shares = vec![FIRST; study.robot.joints.len()];
+    let (clauses, words) = beyond_any_law(study, &demand);
+    let rounds = if clauses.is_empty() { ROUNDS } else { FEW_ROUNDS };
+    let first = vec![FIRST; study.robot.joints.len()];
+    let (best, radius) = searched(study, &mut search, (&first, rounds), steps)?;
+    if !clauses.is_empty() {
+        return Ok(Outcome::Infeasible(impossible(study, (clauses, words), best.as_ref())));
+    }
+    let best = best.map(|plain| weighed(study, &mut search, plain, steps)).transpose()?;
+    match best {
+        Some(best) => {
+            let (gains, bound) = within_step(study, &mut search, best, steps)?;
+            certified(gains, &search, bound)
+        }
+        None => Ok(Outcome::Infeasible(radius.map_or_else(|| search.refused(), open))),
+    }
+}
+
+/// The same laws where they keep the specification by the quick bound; else the better of them and those of a second
+/// search, whose estimates agree with the class bound of the first: a share is then one of all causes of a torque step.
+/// Where the study allows it, these laws filter their innovation.
+fn weighed(
+    study: &Study,
+    search: &mut PositionSearch<'_>,
+    plain: BestOfClass,
+    steps: Steps<'_>,
+) -> Result<BestOfClass, SynthesisError> {
+    if plain.rank.0 == 0 {
+        return Ok(plain);
+    }
+    search.weigh(&plain.gains, &plain.parts);
+    if study.design.innovation_filter {
+        search.filter();
+    }
+    let first = vec![ROOM; plain.shares.len()];
+    let (found, _) = searched(study, search, (&first, ROUNDS), steps)?;
+    Ok(found.filter(|own| own.rank < plain.rank).unwrap_or(plain))
+}
+
+/// Clauses that no law keeps, and why: a sentence about the joint whose error is the largest of those.
+fn beyond_any_law(study: &Study, demand: &ClassDemand) -> (Vec<Clause>, Vec<String>) {
+    let (mut clauses, mut most) = (Vec::new(), None);
+    for (joint, wanted) in study.spec.error_bound.iter().flatten().enumerate() {
+        let LeastError { reading_rad, force_rad } = demand.least_error(joint);
+        let least = reading_rad + force_rad;
+        if *wanted > least {
+            continue;
+        }
+        let name = &study.robot.joints[joint].name;
+        if most.as_ref().is_none_or(|(before, _)| least > *before) {
+            let words = format!(
+                "no law keeps less than {least:.3e} rad on {name}: its readings are off by up to {reading_rad:.3e} rad \
+                 (encoder step, bias, noise), and dry friction or a push moves it by {force_rad:.3e} rad before a \
+                 torque answers"
+            );
+            most = Some((least, words));
+        }
+        let (key, joint) = (ERROR_KEY.to_owned(), Some(name.clone()));
+        clauses.push(Clause { key, joint, wanted: *wanted, possible: None });
+    }
+    (clauses, most.into_iter().map(|(_, words)| words).collect())
+}
+
+/// The outcome where no law keeps some clauses, with the error that the best laws of a short search reach.
+fn impossible(
+    study: &Study,
+    (mut clauses, mut words): (Vec<Clause>, Vec<String>),
+    best: Option<&BestOfClass>,
+) -> Infeasible {
+    if let Some(best) = best {
+        for clause in &mut clauses {
+            let mut joints = study.robot.joints.iter().zip(&best.errors);
+            let own = joints.find(|(joint, _)| clause.joint.as_ref() == Some(&joint.name));
+            clause.possible = own.map(|(_, error)| QUICK_IS_LOW * error);
+        }
+        let least = QUICK_IS_LOW * best.errors.iter().copied().largest();
+        words.push(format!(
+            "the least that can be asked for on every joint is about {ERROR_KEY} = {least:.2e}: what laws within the \
+             torque step reach, by a quick bound"
+        ));
+    }
+    Infeasible { clauses, words, beyond_any_law: true, ..Infeasible::default() }
+}
+
+/// The best laws of so many rounds at most, and the last spectral radius at which the class did not close.
+fn searched(
+    study: &Study,
+    search: &mut PositionSearch<'_>,
+    (first, rounds): (&[f64], u32),
+    steps: Steps<'_>,
+) -> Result<(Option<BestOfClass>, Option<f64>), SynthesisError> {
+    let mut shares = first.to_vec();
     let mut best: Option<BestOfClass> = None;
     let mut radius = None;
-    for _ in 0..ROUNDS {
-        steps.begin("laws for the class, and their bound")?;
+    for round in 1..=rounds {
+        steps.begin(&format!("laws for the class, and their bound: round {round}"))?;
         let Some((gains, _)) = search.laws(&shares) else { break };
         let next: Vec<f64> = match quick_class_bound(study, &gains) {
             Ok(class) => {
@@ -145,8 +248,12 @@ pub(crate) fn for_class(
                 let gained = best.as_ref().is_none_or(|before| rank < before.rank);
                 let done = best.as_ref().is_some_and(|before| before.rank.0 == 0) && !gained;
                 if gained {
+                    let (shares, parts) = (shares.clone(), class_parts(&class));
+                    // Torque steps beyond their limits have to come back.
+                    let back = libm::pow(found.most().1.max(1.0), POWER / STEP_POWER);
+                    let errors = class.error_bound_rad.iter().map(|error| back * error).collect();
                     best =
-                        Some(BestOfClass { rank, shares: shares.clone(), gains: Box::new(gains) });
+                        Some(BestOfClass { rank, shares, errors, parts, gains: Box::new(gains) });
                 }
                 if done {
                     break;
@@ -169,13 +276,7 @@ pub(crate) fn for_class(
         }
         shares = next;
     }
-    match best {
-        Some(best) => {
-            let (gains, bound) = within_step(study, &mut search, best);
-            certified(gains, &search, bound)
-        }
-        None => Ok(Outcome::Infeasible(radius.map_or_else(|| search.refused(), open))),
-    }
+    Ok((best, radius))
 }
 
 /// Laws whose torque steps keep their limits by the whole bound, which looks at more postures than the search did; and
@@ -184,12 +285,14 @@ fn within_step(
     study: &Study,
     search: &mut PositionSearch<'_>,
     BestOfClass { mut shares, mut gains, .. }: BestOfClass,
-) -> (Box<Gains>, Option<ClassBound>) {
+    steps: Steps<'_>,
+) -> Result<(Box<Gains>, Option<ClassBound>), SynthesisError> {
     for _ in 0..MENDED {
+        steps.begin("the whole bound of the best laws")?;
         let Ok(class) = class_bound(study, &gains) else { break };
         let found = Shares::of(study, &class);
         if found.most().1 <= 1.0 {
-            return (gains, Some(class));
+            return Ok((gains, Some(class)));
         }
         for (share, step) in shares.iter_mut().zip(&found.steps) {
             *share *= libm::pow(ROOM / step.max(ROOM), 1.0 / STEP_POWER);
@@ -197,7 +300,7 @@ fn within_step(
         let Some((quieter, _)) = search.laws(&shares) else { break };
         gains = Box::new(quieter);
     }
-    (gains, None)
+    Ok((gains, None))
 }
 
 /// No law that was tried closes the class.

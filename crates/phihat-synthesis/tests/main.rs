@@ -6,6 +6,7 @@
     reason = "tests: a panic is the report"
 )]
 
+mod impossible;
 mod no_bound_without_tube;
 mod sources;
 mod stated;

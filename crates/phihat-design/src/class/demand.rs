@@ -1,5 +1,6 @@
 //! Bounds on each joint's unknown torque over a class, for a search for gains.
 
+use phihat_certificate::extremes::larger;
 use phihat_certificate::{Gains, JointRecord, Phi, PhiBasis, ReferenceBounds};
 use phihat_study::Study;
 
@@ -18,6 +19,40 @@ pub struct ClassDemand {
     rate: Vec<f64>,
     jump: Vec<f64>,
     motion: Vec<ReferenceBounds>,
+    least: Vec<LeastError>,
+}
+
+/// Part of a joint's error bound that no law with an integrator takes away \[rad\]: their sum is below every class
+/// bound of the study.
+///
+/// (CM2) has `Γ^n N ≥ N` of a joint's own reading, as the answer to a reading that stays off is `Σ n_k = −1`, and
+/// `Γ^τ f̄ ≥ ½ ((n_d + 1) T)² |M⁻¹| f̄`, as no torque answers an impulse before: until then its kernel is that of the
+/// arm alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LeastError {
+    /// Largest error of a reading: half an encoder step, bias, and noise.
+    pub reading_rad: f64,
+    /// By forces of any course (dry friction, stiction, pushes) before a torque answers.
+    pub force_rad: f64,
+}
+
+impl LeastError {
+    /// Least error of each joint, over payloads in the middle of the box.
+    fn of(scene: &ClassScene<'_>) -> Vec<Self> {
+        let n = scene.n;
+        let before = (scene.delay as f64 + 1.0) * scene.period;
+        let mut forces = vec![0.0; n];
+        for case in &scene.cases {
+            let slopes = Slopes::at(&mut scene.posed(case), &scene.class.center);
+            let Some(inverse) = slopes.inverse() else { continue };
+            for (i, most) in forces.iter_mut().enumerate() {
+                let pull: f64 = (0..n).map(|j| inverse[(i, j)].abs() * scene.dry[j]).sum();
+                *most = larger(*most, 0.5 * before * before * pull);
+            }
+        }
+        let each = scene.reading.iter().zip(forces);
+        each.map(|(reading, force)| Self { reading_rad: *reading, force_rad: force }).collect()
+    }
 }
 
 impl ClassDemand {
@@ -64,7 +99,13 @@ impl ClassDemand {
             rate: (0..n).map(rate).collect(),
             jump: scene.dry.clone(),
             motion: (0..n).map(motion).collect(),
+            least: LeastError::of(&scene),
         })
+    }
+
+    /// Error of a joint below which no law is certified.
+    pub fn least_error(&self, joint: usize) -> LeastError {
+        self.least[joint]
     }
 
     /// Bounds on a joint's `φ`.

@@ -95,8 +95,8 @@ fn bound(study: &Study, gains: &Gains, effort: &Effort) -> Result<ClassBound, Cl
     let mut found = document(study, (&scene, &pace), (&rates, &bent), (&all, &closed));
     if effort.paces {
         found.paces = paces(&scene, &pace, (&bent, &all));
-        found.parts = problem.parts(&all, &closed).iter().map(shown).collect();
     }
+    found.parts = problem.parts(&all, &closed).iter().map(shown).collect();
     Ok(found)
 }
 

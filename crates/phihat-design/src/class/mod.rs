@@ -30,6 +30,7 @@ mod slopes;
 mod starts;
 mod sums;
 
-pub use demand::ClassDemand;
+pub use demand::{ClassDemand, LeastError};
 pub use find::{class_bound, quick_class_bound};
+pub use parts::class_parts;
 pub use refusal::ClassRefusal;

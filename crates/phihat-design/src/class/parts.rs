@@ -1,12 +1,41 @@
 //! Parts of a class bound: inputs of the frozen loop at bounds on error and velocity, effect by effect.
 
-use phihat_certificate::ClassPart;
 use phihat_certificate::extremes::larger;
+use phihat_certificate::{ClassBound, ClassPart};
 
 use super::close::{Closed, ClosedBounds, Problem};
 use super::effect::{ClassEffect, ClassInputs, bilinear};
 use super::imperfect::{cogging, misread};
 use super::sums::PostureSums;
+use crate::TubeParts;
+
+/// Parts of each joint's bounds by cause, as a search for gains weighs its estimates.
+pub fn class_parts(class: &ClassBound) -> Vec<TubeParts> {
+    let joint = |i: usize| {
+        let mut own = TubeParts {
+            motion_rad: 0.0,
+            jumps_rad: 0.0,
+            reading_rad: 0.0,
+            noise_nm: 0.0,
+            jolt_nm: 0.0,
+        };
+        for part in &class.parts {
+            let (error, step) = (part.error_bound_rad[i], part.torque_step_nm[i]);
+            let is = |list: &[ClassEffect]| list.iter().any(|effect| effect.name() == part.name);
+            if is(&[ClassEffect::Quantum, ClassEffect::Noise, ClassEffect::Jitter]) {
+                own.reading_rad += error;
+                own.noise_nm += step;
+            } else {
+                let jumps = [ClassEffect::Dry, ClassEffect::Stiction, ClassEffect::Cogging];
+                let sum = if is(&jumps) { &mut own.jumps_rad } else { &mut own.motion_rad };
+                *sum += error;
+                own.jolt_nm += step;
+            }
+        }
+        own
+    };
+    (0..class.error_bound_rad.len()).map(joint).collect()
+}
 
 impl Problem<'_> {
     /// All inputs, with the share of an effect that is tried.

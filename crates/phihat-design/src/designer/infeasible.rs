@@ -26,6 +26,9 @@ pub struct Infeasible {
     /// The front of error against torque noise of the laws that keep window and margin.
     #[serde(default)]
     pub front: Vec<TradeOff>,
+    /// True if no law keeps a clause, by an inequality: there is nothing to search for.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    pub beyond_any_law: bool,
     /// The law that misses the least, without a certificate; no document holds it.
     #[serde(skip)]
     pub nearest: Option<Box<Gains>>,

@@ -139,6 +139,7 @@ pub fn search(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, Desig
         tried: attempt.tried,
         stable: attempt.stable,
         words: vec![search.words(attempt.fastest)],
+        beyond_any_law: false,
         nearest: attempt.closest(&search),
         front: attempt.front,
     }))
