@@ -240,7 +240,7 @@ pub(super) struct JointSums {
     pub(super) chords: [Vec<f64>; 2],
 }
 
-/// What the sums of one joint that answers leave out, of torque and reading, per joint on which they act.
+/// Remainder of the sums of one joint that answers, of torque and reading, per joint on which they act.
 type JointTails = [Vec<[f64; KINDS]>; 2];
 
 impl JointSums {

@@ -33,7 +33,7 @@ pub(crate) struct SampleResponses {
     pub(crate) given: Vec<Abreast>,
 }
 
-/// What the sums over responses to an impulse of torque and to an error of a reading leave out.
+/// Remainder of the sums over responses to an impulse of torque and to an error of a reading.
 pub(crate) type AbreastTails = [Abreast; 2];
 
 impl Linear {
@@ -96,7 +96,7 @@ impl Linear {
         self.left_out(horizon, &total, [&next, &now])
     }
 
-    /// What sums leave out, by the sums of sizes of the rows so far, and the rows at the last sample and after it.
+    /// Remainder of sums, by the sums of sizes of the rows so far, and the rows at the last sample and after it.
     fn left_out(
         &self,
         horizon: &SumHorizon,
