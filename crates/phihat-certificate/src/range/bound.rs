@@ -3,10 +3,13 @@
 use serde::Serialize;
 
 use super::energy::{Energy, EnergyRoom, Point};
-use crate::extremes::Extremes as _;
+use crate::extremes::{Extremes as _, larger};
 
 /// The widest arc \[rad\] that a triangle is put around.
 pub(super) const WIDEST: f64 = 2.0;
+
+/// Eigenvalue below which steps are no smaller: the bound of an arm without rotors begins at 0.
+const LEAST: f64 = 1e-3;
 
 /// End of a range of inertia.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -157,7 +160,7 @@ impl EndOfArm {
             RangeEnd::Low => (-1.0, self.least_rotor()),
             RangeEnd::High => (1.0, f64::INFINITY),
         };
-        let (mut fails, mut step) = (bound, 0.01 * bound.abs());
+        let (mut fails, mut step) = (bound, 0.01 * larger(bound.abs(), LEAST));
         let mut holds = bound + sign * step;
         while !self.keeps(form, holds, &mut factor) {
             if self.end == RangeEnd::Low && holds <= rotor {
@@ -235,7 +238,7 @@ impl EndOfArm {
         let at: Vec<Point> = hulls.iter().zip(&worst.chosen).map(|(hull, i)| hull[*i]).collect();
         let form = self.form(&at, about, worst.load, room);
         let mut factor = vec![0.0; n * n];
-        let (mut bound, mut step) = (worst.bound, 0.01 * worst.bound.abs());
+        let (mut bound, mut step) = (worst.bound, 0.01 * larger(worst.bound.abs(), LEAST));
         while !self.keeps(&form, bound, &mut factor) && bound.is_finite() {
             bound += if self.end == RangeEnd::High { step } else { -step };
             step *= 2.0;
