@@ -12,3 +12,4 @@ mod classes;
 mod forged;
 mod identified;
 mod ranges;
+mod ranges_proved;

@@ -6,6 +6,7 @@ use serde::Serialize;
 use crate::{
     ArmBasis, Assumption, Certificate, CheckedBound, ClassAgain, ElasticJoints, Gains,
     JointCertificate, LoopModel, NotCounted, PhiBasis, Refutation, TubeAgain, Verdict,
+    VerifiedRange,
 };
 
 /// Subject of the clause that no gains keep where joints bend.
@@ -46,6 +47,9 @@ pub struct Verified {
     pub tube: Option<TubeAgain>,
     /// Result of a second derivation of the bound for a class of motions from a study.
     pub class: Option<ClassAgain>,
+    /// Proof of the range of inertia over all postures; `None`: none was sought.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<VerifiedRange>,
     /// Assumptions under which all of it holds.
     pub assumptions: Vec<Assumption>,
     /// Effects in the study that the claims leave out, as the file says.
@@ -114,6 +118,7 @@ impl Certificate {
             derived: Vec::new(),
             tube: None,
             class: None,
+            range: None,
             assumptions: self.assumptions(),
             not_counted: self.not_counted.clone(),
             unkept: Vec::new(),

@@ -64,7 +64,7 @@ pub struct Proved {
     pub low: f64,
     /// No eigenvalue is above.
     pub high: f64,
-    /// Cells of postures that the proof of `high` needed.
+    /// Cells of postures that the proof looked at.
     pub cells: u64,
 }
 

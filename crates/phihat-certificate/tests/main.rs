@@ -27,6 +27,7 @@ mod forged_leaves;
 mod forgeries;
 mod old_names;
 mod positions;
+mod range;
 mod second_method;
 mod small;
 mod tight;

@@ -33,6 +33,7 @@ mod identify;
 mod interrupt;
 mod new;
 mod png;
+mod proving;
 mod realtime;
 mod report;
 mod reproduce;

@@ -91,3 +91,34 @@ fn a_shrunk_tube_agrees_with_itself_and_is_refused_by_its_study() {
         assert!(refused.out.starts_with("REFUSED: joint"), "{by}: {}", refused.out);
     }
 }
+
+#[test]
+fn the_range_of_inertia_is_proved_over_all_postures() {
+    let folder = folder("prove-range");
+    fs::write(folder.join("two.toml"), STUDY).unwrap();
+    let design = ["design", "two.toml", "--out", "two.json", "--prove-range", "60"];
+    let answer = phihat(&folder, &design);
+    assert_eq!(answer.code, 0, "{}{}", answer.out, answer.err);
+    let text = fs::read_to_string(folder.join("two.json")).unwrap();
+    let gains: Value = serde_json::from_str(&text).unwrap();
+    let arm = &gains["certificate"]["arm"];
+    let number = |value: &Value| value.as_f64().unwrap();
+    let proved = &arm["searched"]["proved"];
+    assert!(number(&arm["low"]) <= 1.0051 * number(&proved["low"]), "{arm}");
+    assert!(number(&proved["high"]) <= 1.0051 * number(&arm["high"]), "{arm}");
+    let verify = ["verify", "two.json", "--study", "two.toml", "--prove-range", "60"];
+    let shown = phihat(&folder, &verify);
+    assert_eq!(shown.code, 0, "{}{}", shown.out, shown.err);
+    for line in [
+        "RANGE OF INERTIA, BY CELLS",
+        "  PROVED, μ in ",
+        "inside of it: stability at every posture",
+    ] {
+        assert!(shown.out.contains(line), "{line}: {}", shown.out);
+    }
+    let figures = phihat(&folder, &[&verify[..], &["--json"]].concat());
+    let figures: Value = serde_json::from_str(&figures.out).unwrap();
+    let range = &figures["verified"]["range"];
+    assert_eq!(range["inside_window"], true, "{range}");
+    assert_eq!(range["proof"]["high"], proved["high"], "the same proof: {range}");
+}

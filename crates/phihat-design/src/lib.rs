@@ -103,7 +103,7 @@ mod trade_off;
 pub mod tube;
 mod undetermined;
 
-pub use arm::{Arm, ArmError, InertiaRates, ProofProgress, RangeUnproved};
+pub use arm::{Arm, ArmError, InertiaRates};
 pub use bounded::{BoundedCoefficient, bounded_coefficients};
 pub use certificate::{arm_inside_window, find_moving};
 pub use class::{

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::DMatrix;
-use phihat_design::{Arm, ArmInertia, RangeUnproved};
+use phihat_design::{Arm, ArmInertia};
 use phihat_model::{Robot, Rotor, Workspace};
 use phihat_study::Study;
 
@@ -153,36 +153,6 @@ fn the_postures_of_the_reference_count() {
     let arm = Arm::of(&study).unwrap().along(&[(posture, vec![0.1; 7])]).unwrap();
     let range = arm.against(arm.nominal()).unwrap();
     assert_eq!(range.searched.unwrap().of_reference, 1);
-}
-
-/// Proved to a factor, with nothing seen above; how many cells.
-fn proved(study: &Study, factor: f64, cells: u64) -> Result<u64, RangeUnproved> {
-    let arm = Arm::of(study).unwrap();
-    let range = arm.against(arm.nominal()).unwrap();
-    let whole = arm.prove(&range, factor, &mut |progress| progress.cells < cells)?;
-    let proved = whole.searched.unwrap().proved.unwrap();
-    assert!((proved.high / (factor * range.high) - 1.0).abs() < 1e-12 && proved.low <= range.low);
-    Ok(proved.cells)
-}
-
-#[test]
-fn a_planar_arm_is_proved_to_a_tenth() {
-    let cells = proved(&named("planar3r", ""), 1.1, 100_000).unwrap();
-    assert!(cells < 50_000, "{cells}");
-    let set = "payload_kg = [0.0, 0.5]\npayload_com_m = [[-0.1, 0.1], [0.0, 0.1], [0.0, 0.0]]";
-    proved(&named("planar3r", set), 1.1, 100_000).unwrap();
-    proved(&chain(3), 1.1, 100_000).unwrap();
-}
-
-#[test]
-fn what_is_false_is_not_proved_and_what_is_stopped_says_how_far_it_came() {
-    let refused = proved(&named("planar3r", ""), 0.9, 100_000).unwrap_err();
-    let RangeUnproved::Beyond { q, eigenvalue, limit } = refused else { panic!("{refused}") };
-    assert!(eigenvalue > limit && q.len() == 3);
-    let Err(RangeUnproved::Stopped(progress)) = proved(&named("panda", ""), 1.5, 200) else {
-        panic!("200 cells are not enough");
-    };
-    assert!(progress.cells == 200 && progress.done < 1.0);
 }
 
 /// Two joints that make most of their inertia far from a motion whose postures, each with every corner of the

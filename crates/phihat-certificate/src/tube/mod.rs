@@ -20,11 +20,14 @@
 
 mod acting;
 mod adjoint;
+mod ball;
 mod beside;
 mod carried;
 mod chain;
 mod dense;
 mod document;
+#[cfg(test)]
+mod enclosed;
 mod frame;
 mod inputs;
 mod lanes;

@@ -2,6 +2,9 @@
 
 use core::ops::{Add, Mul, Neg, Sub};
 
+pub(super) use super::ball::Ball;
+use super::ball::{radius, sin_cos_of};
+
 /// Number with which the geometry computes.
 pub(super) trait TubeNumber:
     Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
@@ -26,77 +29,24 @@ impl TubeNumber for f64 {
     }
 }
 
-/// All reals within `r` of `m`. The middle of a result is the result at the middles.
-///
-/// Rounding is not directed: [`ROUNDING`](super::document::ROUNDING) covers it once, at the end.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Ball {
-    pub(super) m: f64,
-    pub(super) r: f64,
-}
-
-impl Ball {
-    /// Largest size of what is inside.
-    pub(super) fn size(self) -> f64 {
-        self.m.abs() + self.r
-    }
-
-    /// The ball around an interval.
-    pub(super) fn around(low: f64, high: f64) -> Self {
-        Self { m: 0.5 * (low + high), r: 0.5 * (high - low) }
-    }
-}
-
-impl Add for Ball {
-    type Output = Self;
-    fn add(self, b: Self) -> Self {
-        Self { m: self.m + b.m, r: self.r + b.r }
-    }
-}
-
-impl Sub for Ball {
-    type Output = Self;
-    fn sub(self, b: Self) -> Self {
-        Self { m: self.m - b.m, r: self.r + b.r }
-    }
-}
-
-impl Neg for Ball {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Self { m: -self.m, r: self.r }
-    }
-}
-
-impl Mul for Ball {
-    type Output = Self;
-    fn mul(self, b: Self) -> Self {
-        Self { m: self.m * b.m, r: self.m.abs() * b.r + self.r * b.m.abs() + self.r * b.r }
-    }
-}
-
 impl TubeNumber for Ball {
     fn ball(self) -> Ball {
         self
     }
 
     fn exact(value: f64) -> Self {
-        Self { m: value, r: 0.0 }
+        Self::exact(value)
     }
 
-    /// `|sin(m+d) − sin m| ≤ |cos m| r + r²/2`, likewise the cosine.
     fn sin_cos(self) -> (Self, Self) {
-        let (s, c) = libm::sincos(self.m);
-        let bend = 0.5 * self.r * self.r;
-        let of = |m: f64, slope: f64| Self { m, r: slope.abs() * self.r + bend };
-        (of(s, c), of(c, s))
+        self.sin_cos()
     }
 }
 
 /// A function of up to `N` variables in `[−1, 1]`: its value and slopes at 0, and a bound on the rest.
 ///
 /// Products of rotations make balls of balls: each takes the sizes of what it is given, and seven joints on the
-/// first-order part is a hundred times too large. Here the first order is exact.
+/// first-order part is a hundred times too large. Here the first order is exact, but for rounding, which is in the rest.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tangent<const N: usize> {
     m: f64,
@@ -132,7 +82,8 @@ impl<const N: usize> Add for Tangent<N> {
     type Output = Self;
     fn add(self, b: Self) -> Self {
         let g = core::array::from_fn(|k| self.g[k] + b.g[k]);
-        Self { m: self.m + b.m, g, r: self.r + b.r }
+        let sum = Self { m: self.m + b.m, g, r: 0.0 };
+        Self { r: radius(self.r + b.r, sum.m.abs() + sum.spread()), ..sum }
     }
 }
 
@@ -140,7 +91,8 @@ impl<const N: usize> Sub for Tangent<N> {
     type Output = Self;
     fn sub(self, b: Self) -> Self {
         let g = core::array::from_fn(|k| self.g[k] - b.g[k]);
-        Self { m: self.m - b.m, g, r: self.r + b.r }
+        let sum = Self { m: self.m - b.m, g, r: 0.0 };
+        Self { r: radius(self.r + b.r, sum.m.abs() + sum.spread()), ..sum }
     }
 }
 
@@ -156,8 +108,10 @@ impl<const N: usize> Mul for Tangent<N> {
     fn mul(self, b: Self) -> Self {
         let g = core::array::from_fn(|k| self.m * b.g[k] + b.m * self.g[k]);
         let (p, q) = (self.spread(), b.spread());
-        let r = self.m.abs() * b.r + b.m.abs() * self.r + (p + self.r) * (q + b.r);
-        Self { m: self.m * b.m, g, r }
+        let (m, own, other) = (self.m * b.m, self.m.abs(), b.m.abs());
+        let r = own * b.r + other * self.r + (p + self.r) * (q + b.r);
+        // A slope is a sum of two products: three roundings.
+        Self { m, g, r: radius(r, m.abs() + own * q + other * p) }
     }
 }
 
@@ -167,18 +121,18 @@ impl<const N: usize> TubeNumber for Tangent<N> {
     }
 
     fn sin_cos(self) -> (Self, Self) {
-        let (s, c) = libm::sincos(self.m);
-        let off = self.spread() + self.r;
-        let of = |m: f64, slope: f64| Self {
-            m,
-            g: self.g.map(|g| slope * g),
-            r: slope.abs() * self.r + 0.5 * off * off,
+        let (s, c) = sin_cos_of(self.m);
+        let (spread, bend) = (self.spread(), self.spread() + self.r);
+        let of = |at: Ball, slope: Ball| {
+            let r = at.r + slope.size() * self.r + slope.r * spread + 0.5 * bend * bend;
+            let sizes = slope.m.abs() * spread;
+            Self { m: at.m, g: self.g.map(|g| slope.m * g), r: radius(r, sizes) }
         };
         (of(s, c), of(c, -s))
     }
 
     fn ball(self) -> Ball {
-        Ball { m: self.m, r: self.spread() + self.r }
+        Ball { m: self.m, r: radius(self.spread() + self.r, 0.0) }
     }
 }
 

@@ -4,7 +4,6 @@ mod ascent;
 mod error;
 mod memory;
 mod postures;
-mod prove;
 mod rates;
 
 use nalgebra::DMatrix;
@@ -14,7 +13,6 @@ use phihat_model::Workspace;
 use phihat_study::{InertiaSource, Study};
 
 pub use error::ArmError;
-pub use prove::{ProofProgress, RangeUnproved};
 pub use rates::InertiaRates;
 
 use crate::trace::InertiaEstimate;
@@ -268,27 +266,6 @@ impl Arm {
             Knowledge::Postures(postures) => rates::rates(postures, nominal),
             _ => InertiaRates::default(),
         }
-    }
-
-    /// Proves that no eigenvalue is above `factor` times the largest that was found; `go_on` says after each cell
-    /// whether to continue.
-    ///
-    /// # Errors
-    ///
-    /// [`RangeUnproved`], with how far it came.
-    pub fn prove(
-        &self,
-        range: &ArmInertia,
-        factor: f64,
-        go_on: &mut dyn FnMut(ProofProgress) -> bool,
-    ) -> Result<ArmInertia, RangeUnproved> {
-        let (Knowledge::Postures(postures), Some(searched)) = (&self.knowledge, &range.searched)
-        else {
-            return Err(RangeUnproved::NotOfARobot);
-        };
-        let proved = prove::prove(postures, &range.nominal_kg_m2, factor * range.high, go_on)?;
-        let searched = Some(Searched { proved: Some(proved), ..searched.clone() });
-        Ok(ArmInertia { searched, ..range.clone() })
     }
 }
 
