@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 use phihat_campaign::Shard;
 use phihat_campaign::statistics::{Bootstrap, ErrorTable, ratio};
-use phihat_compare::fronts::{AtCap, Fronts, FrontsAnswer, FrontsOptions, Restart, Tier, Timing};
+use phihat_compare::fronts::{
+    AtCap, Fronts, FrontsAnswer, FrontsOptions, LoopKnowledge, Restart, Tier,
+};
 
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
@@ -137,8 +139,8 @@ fn knows_no_more(fronts: &Fronts) {
         let (theirs, ours) = (law(&versus.law), law(&versus.ours));
         assert!(ours.tier <= theirs.tier && ours.timing.within(theirs.timing), "{versus:?}");
     }
-    assert!(fronts.laws.iter().any(|law| law.timing == Timing::default() && law.ours));
-    assert!(fronts.laws.iter().any(|law| law.timing != Timing::default() && !law.ours));
+    assert!(fronts.laws.iter().any(|law| law.timing == LoopKnowledge::default() && law.ours));
+    assert!(fronts.laws.iter().any(|law| law.timing != LoopKnowledge::default() && !law.ours));
 }
 
 /// The result of the chosen gains in the validation worlds is no worse under a looser cap.
