@@ -13,7 +13,7 @@ use super::job::{Job, JobRecord, NamedLaw, SearchedLaw};
 use super::record::{
     AtCap, ChosenGains, FRONTS_FORMAT, Fronts, LawRecord, Ordered, Restart, Volume,
 };
-use super::tier::{Tier, Timing};
+use super::tier::{LoopKnowledge, Tier};
 use super::versus::{FAILED_RAD, against_ours, at, correct, error, errors, table};
 use crate::arm_case::ArmCase;
 use crate::protocol::{AssessedRun, better};
@@ -80,7 +80,7 @@ fn record(arm: &ArmCase, law: &NamedLaw) -> LawRecord {
         id: law.id(),
         title: card.title.to_owned(),
         tier: Tier::of(&law.entry.needs),
-        timing: Timing::of(&law.entry.needs),
+        timing: LoopKnowledge::of(&law.entry.needs),
         needs: law.entry.needs.to_string(),
         ours: id.starts_with("proposed"),
         designed: law.entry.scalars.is_empty(),

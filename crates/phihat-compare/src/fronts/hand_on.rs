@@ -30,7 +30,7 @@ pub(super) fn hand_on(points: &mut [AtCap]) {
     }
 }
 
-/// Whether gains that keep every constraint in training are better than others in the validation worlds.
+/// Returns true if gains keep every constraint in training and are better than others in the validation worlds.
 fn is_better(one: &Restart, other: &Restart) -> bool {
     let validated = match (&one.validation, &other.validation) {
         (Some(one), Some(other)) => better(one, other),

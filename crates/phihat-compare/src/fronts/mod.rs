@@ -33,4 +33,4 @@ pub use plan::FrontsPlan;
 pub use record::{
     AtCap, ChosenGains, FRONTS_FORMAT, Fronts, HeldOut, LawRecord, Ordered, Restart, Versus, Volume,
 };
-pub use tier::{Tier, Timing};
+pub use tier::{LoopKnowledge, Tier};

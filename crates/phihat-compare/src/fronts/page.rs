@@ -8,7 +8,7 @@ use phihat_report::kit::{MILLI, Page};
 
 use super::picture::{curve, mean_ranks, name, name_of, picture};
 use super::record::{AtCap, Fronts, LawRecord, Restart};
-use super::tier::{Tier, Timing};
+use super::tier::{LoopKnowledge, Tier};
 use super::verdict::{found, main_cap, points, verdict};
 use crate::protocol::hardest;
 use phihat_campaign::statistics::{NOTICEABLE, Spread, Standing};
@@ -113,16 +113,17 @@ fn tier_part(fronts: &Fronts, tier: Tier) -> Markup {
 
 /// Laws that are handed the delay, a preview or both, by name.
 fn timings(laws: &[&LawRecord]) -> Markup {
-    let of = |timing: Timing| {
+    let of = |timing: LoopKnowledge| {
         let those = laws.iter().filter(|law| law.timing == timing && law.again.is_none());
         those.map(|law| name(law)).collect::<Vec<_>>().join(", ")
     };
-    let some = || Timing::ALL.into_iter().filter(|timing| *timing != Timing::default());
+    let some =
+        || LoopKnowledge::ALL.into_iter().filter(|timing| *timing != LoopKnowledge::default());
     html! { p {
         @for (timing, those) in some().map(|timing| (timing, of(timing))).filter(|(_, those)| !those.is_empty()) {
             "Handed " (timing.words()) " too: " strong { (those) } ". "
         }
-        @if laws.iter().any(|law| law.timing == Timing::default()) {
+        @if laws.iter().any(|law| law.timing == LoopKnowledge::default()) {
             "The others are handed neither delay nor preview."
         }
     } }

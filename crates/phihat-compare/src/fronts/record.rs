@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::extent::FrontsExtent;
-use super::tier::{Tier, Timing};
+use super::tier::{LoopKnowledge, Tier};
 use crate::protocol::{Assessed, AssessedRun};
 use crate::record::ArmRecord;
 use crate::tune::AtEnd;
@@ -49,7 +49,7 @@ pub struct LawRecord {
     /// Its knowledge of the arm.
     pub tier: Tier,
     /// Its knowledge of the loop's time.
-    pub timing: Timing,
+    pub timing: LoopKnowledge,
     /// Its inputs, in words.
     pub needs: String,
     /// True if it is of this project or its paper.

@@ -44,14 +44,14 @@ impl Tier {
 
 /// Knowledge of the loop's time that a law gets, whatever its tier: the same for all laws, this project's or not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct Timing {
+pub struct LoopKnowledge {
     /// The exact delay of each drawn world, in samples.
     pub delay: bool,
     /// The reference at the time when the torque of a sample will act.
     pub preview: bool,
 }
 
-impl Timing {
+impl LoopKnowledge {
     /// All that laws may have, from the least.
     pub const ALL: [Self; 4] = [
         Self { delay: false, preview: false },
@@ -83,7 +83,7 @@ impl Timing {
 
 #[cfg(test)]
 mod tests {
-    use super::{Tier, Timing};
+    use super::{LoopKnowledge, Tier};
     use crate::sure::Sure as _;
     use phihat_rivals::{RIVALS, rival};
 
@@ -110,14 +110,14 @@ mod tests {
     #[test]
     fn timing_is_what_a_law_is_handed() {
         for (id, timing) in [
-            ("pd", Timing { delay: false, preview: false }),
-            ("proposed-1", Timing { delay: false, preview: false }),
-            ("inverse-dynamics-qp", Timing { delay: true, preview: true }),
-            ("proposed-positions-designed", Timing { delay: true, preview: true }),
+            ("pd", LoopKnowledge { delay: false, preview: false }),
+            ("proposed-1", LoopKnowledge { delay: false, preview: false }),
+            ("inverse-dynamics-qp", LoopKnowledge { delay: true, preview: true }),
+            ("proposed-positions-designed", LoopKnowledge { delay: true, preview: true }),
         ] {
-            assert_eq!(Timing::of(&rival(id).sure().needs), timing, "{id}");
+            assert_eq!(LoopKnowledge::of(&rival(id).sure().needs), timing, "{id}");
         }
-        let [neither, delay, preview, both] = Timing::ALL;
+        let [neither, delay, preview, both] = LoopKnowledge::ALL;
         assert!(neither.within(delay) && preview.within(both) && delay.within(delay));
         assert!(!delay.within(preview) && !preview.within(delay) && !both.within(delay));
     }

@@ -7,10 +7,10 @@ use phihat_report::kit::number::{number, stated};
 
 use super::picture::name;
 use super::record::{AtCap, ChosenGains, Fronts, LawRecord};
-use super::tier::{Tier, Timing};
+use super::tier::{LoopKnowledge, Tier};
 
 /// A law, and the spread of its errors \[rad\].
-type Placed<'a> = (&'a LawRecord, Spread);
+type LawAndError<'a> = (&'a LawRecord, Spread);
 
 /// One sentence per tier at the cap of the details, and the band.
 pub(super) fn verdict(fronts: &Fronts) -> Markup {
@@ -28,7 +28,7 @@ pub(super) fn verdict(fronts: &Fronts) -> Markup {
 
 fn sentence(fronts: &Fronts, tier: Tier, cap: f64) -> Markup {
     let laws = || fronts.laws.iter().filter(|law| law.tier == tier && law.again.is_none());
-    let mut known: Vec<Placed<'_>> =
+    let mut known: Vec<LawAndError<'_>> =
         laws().filter_map(|law| Some((law, found(fronts, &law.id, cap)?.1))).collect();
     known.sort_by(|a, b| a.1.median.total_cmp(&b.1.median));
     let Some((first, least)) = known.first().copied() else { return html! {} };
@@ -56,10 +56,10 @@ fn sentence(fronts: &Fronts, tier: Tier, cap: f64) -> Markup {
 
 /// Knowledge of the loop's time, where a law has some.
 fn handed(law: &LawRecord) -> Markup {
-    html! { @if law.timing != Timing::default() { " (handed " (law.timing.words()) ")" } }
+    html! { @if law.timing != LoopKnowledge::default() { " (handed " (law.timing.words()) ")" } }
 }
 
-/// Whether one of two laws was compared with the other, with no difference.
+/// Returns true if one of two laws was compared with the other, with no difference.
 fn is_alike(fronts: &Fronts, [one, other]: [&LawRecord; 2], cap: f64) -> bool {
     let pair = |law: &str, ours: &str| {
         (law == one.id && ours == other.id) || (law == other.id && ours == one.id)
@@ -72,7 +72,7 @@ fn is_alike(fronts: &Fronts, [one, other]: [&LawRecord; 2], cap: f64) -> bool {
 }
 
 /// Place of gains that were designed and not tuned, whether they win or lose.
-fn by_design(law: &LawRecord, known: &[Placed<'_>]) -> Markup {
+fn by_design(law: &LawRecord, known: &[LawAndError<'_>]) -> Markup {
     let place = known.iter().position(|(other, _)| other.id == law.id);
     let least = known.first().map_or(f64::NAN, |(_, error)| error.median);
     html! { @match place.and_then(|place| Some((place, known.get(place)?.1.median))) {
@@ -85,7 +85,7 @@ fn by_design(law: &LawRecord, known: &[Placed<'_>]) -> Markup {
 }
 
 /// The worst of several laws, best first, where it is one of ours.
-fn last_of_ours<'a>(known: &[Placed<'a>]) -> Option<&'a LawRecord> {
+fn last_of_ours<'a>(known: &[LawAndError<'a>]) -> Option<&'a LawRecord> {
     known.last().map(|(law, _)| *law).filter(|law| law.ours && known.len() > 1)
 }
 

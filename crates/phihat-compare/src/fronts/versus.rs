@@ -92,7 +92,7 @@ mod tests {
         correct,
     };
     use crate::fronts::record::ChosenGains;
-    use crate::fronts::tier::Timing;
+    use crate::fronts::tier::LoopKnowledge;
     use crate::protocol::Assessed;
 
     /// A search whose gains have one error \[rad\] in all worlds.
@@ -113,7 +113,7 @@ mod tests {
         }
     }
 
-    fn law(id: &str, ours: bool, timing: Timing) -> LawRecord {
+    fn law(id: &str, ours: bool, timing: LoopKnowledge) -> LawRecord {
         LawRecord {
             id: id.to_owned(),
             title: id.to_owned(),
@@ -130,7 +130,7 @@ mod tests {
     /// Ours with a delay and a preview is the best of all, and stands against the laws that are handed these too.
     #[test]
     fn laws_are_compared_with_ours_that_knows_no_more() {
-        let [neither, delay, _, both] = Timing::ALL;
+        let [neither, delay, _, both] = LoopKnowledge::ALL;
         let laws = [
             law("theirs", false, neither),
             law("late", false, delay),

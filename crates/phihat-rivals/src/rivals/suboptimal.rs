@@ -178,18 +178,20 @@ impl Rival for Suboptimal {
 mod tests {
     use super::{Turning, transient};
 
-    /// `σ̈ = −W sign(σ − ½ σ_M)` from rest is the time-optimal motion: half-way at `√(σ_0/W)`, there at twice that.
+    /// `σ̈ = −W sign(σ − ½ σ_M)` from rest is the time-optimal motion: half-way at `√(σ_0/W)`, there at twice that. A sign
+    /// that turns a sample late leaves `2 T √(σ_0 W)`.
     #[test]
     fn without_disturbance_the_way_is_time_optimal() {
         let (period, authority, start) = (1e-4, 100.0_f64, 1.0_f64);
         let half = (start / authority).sqrt();
+        let late = 2.02 * period * (start * authority).sqrt();
         let (mut joint, mut sigma, mut rate) = (Turning::default(), start, 0.0);
         for sample in 0..10_000_u32 {
             let t = f64::from(sample) * period;
             if (t - half).abs() < 0.4 * period {
-                assert!((sigma - 0.5 * start).abs() < 2e-3, "{sigma} at {t}");
+                assert!((sigma - 0.5 * start).abs() < late, "{sigma} at {t}");
             }
-            assert!(t < 2.0 * half || sigma.abs() < 1e-3, "{sigma} at {t}");
+            assert!(t < 2.0 * half || sigma.abs() < late, "{sigma} at {t}");
             assert!(t > 1.8 * half || sigma > 0.015, "{sigma} at {t}");
             let push = -authority * joint.side(sigma, u64::from(sample));
             sigma += period * rate + 0.5 * period * period * push;
