@@ -1,14 +1,14 @@
 //! Proved ranges of inertia of random arms, against postures and payloads at random. `PHIHAT_ALL=1`: some 1,000 arms.
 //!
-//! Wrong if an eigenvalue, by the recursion of `phihat-model` and another package's eigenvalues, lies outside of what is
-//! proved, or if a range that is 1 % too narrow is proved.
+//! Wrong if an eigenvalue, by the recursion of `phihat-model` and another package's eigenvalues, lies outside of what
+//! is proved, or if a range that is 1 % too narrow is proved.
 
 use core::f64::consts::PI;
 
 use nalgebra::DMatrix;
 use phihat_attack::{Dice, draw};
 use phihat_certificate::parallel::shared;
-use phihat_certificate::{RangeEnd, RangeProof};
+use phihat_certificate::{ProvedEnd, RangeProof};
 use phihat_design::{Arm, ArmInertia};
 use phihat_model::{Body, Rotor, Workspace};
 use phihat_study::Study;
@@ -112,11 +112,11 @@ fn a_range_that_is_a_hundredth_too_narrow_is_refused_with_a_posture() {
     let refused = shared(arms, |index| {
         let (study, range) = random_arm(46, index as u64)?;
         let mut refused = 0;
-        for end in [RangeEnd::Low, RangeEnd::High] {
+        for end in [ProvedEnd::Low, ProvedEnd::High] {
             let mut narrow = range.clone();
             match end {
-                RangeEnd::Low => narrow.low *= 1.01,
-                RangeEnd::High => narrow.high /= 1.01,
+                ProvedEnd::Low => narrow.low *= 1.01,
+                ProvedEnd::High => narrow.high /= 1.01,
             }
             let proof = RangeProof::of(&study, &narrow, &mut |proof| proof.cells < 2000).unwrap();
             assert!(proof.step.is_some() || proof.outside.is_some(), "{index}: proved {proof:?}");
@@ -125,13 +125,13 @@ fn a_range_that_is_a_hundredth_too_narrow_is_refused_with_a_posture() {
             // Some payload of those that decide makes it so.
             let set = &study.design.payload;
             let (bodies, rotor) = match end {
-                RangeEnd::Low => (vec![set.lightest()], Rotor::Least),
-                RangeEnd::High => (set.heaviest(), Rotor::Most),
+                ProvedEnd::Low => (vec![set.lightest()], Rotor::Least),
+                ProvedEnd::High => (set.heaviest(), Rotor::Most),
             };
             let there = bodies.iter().any(|body| {
                 let nominal = (rotor, &*range.nominal_kg_m2);
                 let (low, high) = eigenvalues(&study, body, &outside.q, nominal);
-                let value = if end == RangeEnd::Low { low } else { high };
+                let value = if end == ProvedEnd::Low { low } else { high };
                 (value / outside.eigenvalue - 1.0).abs() < 1e-6
             });
             assert!(there, "{index}: {outside:?}");

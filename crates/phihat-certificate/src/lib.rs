@@ -104,7 +104,7 @@ pub use peak_gain::PeakGain;
 pub use peaks::SampledPeaks;
 pub use performance::PeakGains;
 pub use phi::{Phi, PhiBasis, ReferenceBounds};
-pub use range::{OutsideRange, RangeEnd, RangeProof, RangeStep, RangeUnproved};
+pub use range::{OutsideRange, ProvedEnd, RangeProof, RangeStep, RangeUnproved};
 pub use reading::ReadingError;
 pub use record::{FilterSection, JointRecord, PositionObserver};
 pub use reference::ReferenceError;

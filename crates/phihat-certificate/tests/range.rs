@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use phihat_certificate::{ArmBasis, ArmInertia, RangeEnd, RangeProof, RangeUnproved};
+use phihat_certificate::{ArmBasis, ArmInertia, ProvedEnd, RangeProof, RangeUnproved};
 use phihat_study::Study;
 
 /// Mass \[kg\], distance of its centre, length \[m\], inertia about the centre and of the rotor \[kg·m²\] of each link.
@@ -69,12 +69,13 @@ fn two_links_are_proved_within_half_a_percent() {
     assert!(proof.low <= low && low < 1.00501 * proof.low, "{low} {proof:?}");
     assert!(proof.high >= high && proof.high < 1.00501 * high, "{high} {proof:?}");
     println!("two links: {low} … {high}, {proof:?}");
-    for (narrow, end) in [((1.01 * low, high), RangeEnd::Low), ((low, high / 1.01), RangeEnd::High)]
+    for (narrow, end) in
+        [((1.01 * low, high), ProvedEnd::Low), ((low, high / 1.01), ProvedEnd::High)]
     {
         let proof = RangeProof::of(&chain(2, ""), &stated(2, narrow), &mut |_| true).unwrap();
         let outside = proof.outside.unwrap();
         let (a, b) = two_links(outside.q[1]);
-        let value = if end == RangeEnd::Low { a } else { b };
+        let value = if end == ProvedEnd::Low { a } else { b };
         assert!(
             outside.end == end && (value / outside.eigenvalue - 1.0).abs() < 1e-9,
             "{outside:?}"

@@ -45,8 +45,9 @@ pub(crate) struct Design {
     /// certificate says what holds.
     #[arg(long, value_enum)]
     method: Option<Method>,
-    /// Prove the range of the arm's inertia over all postures and payloads, within 50 % of what was searched, then within
-    /// 19, 9, 4, 2 and 0.5 %, as far as it comes in so many seconds; `phihat verify --prove-range` proves it again.
+    /// Prove the range of the arm's inertia over all postures and payloads, within 50 % of what was searched, then
+    /// within 19, 9, 4, 2 and 0.5 %, as far as it comes in so many seconds; `phihat verify --prove-range` proves it
+    /// again.
     #[arg(long, value_name = "SECONDS", num_args = 0..=1, default_missing_value = "60")]
     prove_range: Option<f64>,
     /// Tell how far each joint's law is from what no linear law undercuts at a known inertia, and what not knowing the

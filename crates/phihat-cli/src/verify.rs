@@ -57,8 +57,8 @@ pub(crate) struct Verify {
     /// whoever made the file cannot know.
     #[arg(long, value_name = "N", default_value_t = 0, requires = "study")]
     seed: u64,
-    /// Prove the range of the arm's inertia over all postures of the joints' travel and all payloads of the study, as far as
-    /// it comes in so many seconds: within 50 % of what was searched, then within 19, 9, 4, 2 and 0.5 %.
+    /// Prove the range of the arm's inertia over all postures of the joints' travel and all payloads of the study, as
+    /// far as it comes in so many seconds: within 50 % of what was searched, then within 19, 9, 4, 2 and 0.5 %.
     #[arg(long, value_name = "SECONDS", num_args = 0..=1, default_missing_value = "60", requires = "study")]
     prove_range: Option<f64>,
     /// Check the record of a run: its files, its figures, and its gains against its study.

@@ -7,6 +7,9 @@ use phihat_model::Lanes;
 /// Runs that are stepped together.
 pub(crate) const WIDE: usize = 8;
 
+/// One signal of [`WIDE`] runs.
+pub(crate) type Wide = Lane<WIDE>;
+
 /// One signal of `W` runs, where a vector register is filled at once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]

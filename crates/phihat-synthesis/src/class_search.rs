@@ -175,9 +175,7 @@ fn weighed(
         return Ok(plain);
     }
     search.weigh(&plain.gains, &plain.parts);
-    if study.design.innovation_filter {
-        search.filter();
-    }
+    search.filter_as_stated(study);
     let first = vec![ROOM; plain.shares.len()];
     let (found, _) = searched(study, search, (&first, ROUNDS), steps)?;
     Ok(found.filter(|own| own.rank < plain.rank).unwrap_or(plain))

@@ -1,6 +1,6 @@
 //! A class of motions with an error that no law keeps: refused, with one that can be asked for. Wrong if an error below
-//! half a step of the encoder is searched for, if one above is refused by this inequality, if a design for the error that
-//! is offered misses it by more than a tenth, or if a design's bound is below the encoder's half step.
+//! half a step of the encoder is searched for, if one above is refused by this inequality, if a design for the error
+//! that is offered misses it by more than a tenth, or if a design's bound is below the encoder's half step.
 
 use core::f64::consts::PI;
 use std::path::Path;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::energy::{Energy, EnergyRoom, Point};
+use super::energy::{Energy, EnergyRoom, ScaledPoint};
 use crate::extremes::{Extremes as _, larger};
 
 /// The widest arc \[rad\] that a triangle is put around.
@@ -14,7 +14,7 @@ const LEAST: f64 = 1e-3;
 /// End of a range of inertia.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum RangeEnd {
+pub enum ProvedEnd {
     /// The smallest eigenvalue.
     Low,
     /// The largest eigenvalue.
@@ -25,7 +25,7 @@ pub enum RangeEnd {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OutsideRange {
     /// End that is passed.
-    pub end: RangeEnd,
+    pub end: ProvedEnd,
     /// Posture \[rad, m\].
     pub q: Vec<f64>,
     /// Eigenvalue there, with a payload of the set.
@@ -36,7 +36,7 @@ pub struct OutsideRange {
 
 /// Intervals of all joints' positions \[rad, m\].
 #[derive(Debug, Clone)]
-pub(super) struct Cell {
+pub(super) struct RangeCell {
     pub(super) ends: Vec<(f64, f64)>,
     /// Share of all postures.
     pub(super) share: f64,
@@ -51,14 +51,14 @@ pub(super) struct Cell {
 /// One end of the range of one arm.
 #[derive(Debug, Clone)]
 pub(super) struct EndOfArm {
-    pub(super) end: RangeEnd,
+    pub(super) end: ProvedEnd,
     pub(super) energy: Energy,
     pub(super) nominal: Vec<f64>,
     pub(super) slides: Vec<bool>,
 }
 
 /// The point at a corner of every joint's hull where an eigenvalue is worst.
-struct Worst {
+struct WorstCorner {
     bound: f64,
     chosen: Vec<usize>,
     load: usize,
@@ -72,7 +72,7 @@ impl EndOfArm {
 
     /// The cell with its bound. `floor` is an eigenvalue that need not be bounded more tightly, `known` one that some
     /// posture has.
-    pub(super) fn bounded(&self, mut cell: Cell, floor: f64, known: f64) -> Cell {
+    pub(super) fn bounded(&self, mut cell: RangeCell, floor: f64, known: f64) -> RangeCell {
         let width = |k: usize| cell.ends[k].1 - cell.ends[k].0;
         let turning = (0..cell.ends.len()).filter(|k| !self.slides[*k]);
         let widest = turning.max_by(|a, b| width(*a).total_cmp(&width(*b)));
@@ -81,17 +81,18 @@ impl EndOfArm {
             return cell;
         }
         let mut room = self.energy.room();
-        let hulls: Vec<Vec<Point>> =
+        let hulls: Vec<Vec<ScaledPoint>> =
             cell.ends.iter().zip(&self.slides).map(|(ends, slides)| hull(*ends, *slides)).collect();
-        let middles: Vec<Point> = self.middles(&cell);
+        let middles: Vec<ScaledPoint> = self.middles(&cell);
         // From below, less what the corners are away from the middle.
-        let open = |(middle, ends): (&Point, &(f64, f64))| (ends.1 > ends.0).then_some(*middle);
-        let about: Vec<Option<Point>> = match self.end {
-            RangeEnd::Low => middles.iter().zip(&cell.ends).map(open).collect(),
-            RangeEnd::High => Vec::new(),
+        let open =
+            |(middle, ends): (&ScaledPoint, &(f64, f64))| (ends.1 > ends.0).then_some(*middle);
+        let about: Vec<Option<ScaledPoint>> = match self.end {
+            ProvedEnd::Low => middles.iter().zip(&cell.ends).map(open).collect(),
+            ProvedEnd::High => Vec::new(),
         };
         let n = hulls.len();
-        let mut worst = Worst { bound: floor, chosen: vec![0; n], load: 0 };
+        let mut worst = WorstCorner { bound: floor, chosen: vec![0; n], load: 0 };
         let mut at = (vec![0; n], vec![0.0; n * n]);
         self.visit(0, (&hulls, &about), &mut room, (&mut worst, &mut at));
         // A part of a cell is bounded by the cell.
@@ -110,12 +111,12 @@ impl EndOfArm {
     /// Returns true if an eigenvalue is further out than another.
     pub(super) fn is_beyond(&self, a: f64, b: f64) -> bool {
         match self.end {
-            RangeEnd::Low => a < b,
-            RangeEnd::High => a > b,
+            ProvedEnd::Low => a < b,
+            ProvedEnd::High => a > b,
         }
     }
 
-    fn middles(&self, cell: &Cell) -> Vec<Point> {
+    fn middles(&self, cell: &RangeCell) -> Vec<ScaledPoint> {
         let of = |(ends, slides): (&(f64, f64), &bool)| point(0.5 * (ends.0 + ends.1), *slides);
         cell.ends.iter().zip(&self.slides).map(of).collect()
     }
@@ -124,16 +125,16 @@ impl EndOfArm {
     fn visit(
         &self,
         k: usize,
-        (hulls, about): (&[Vec<Point>], &[Option<Point>]),
+        (hulls, about): (&[Vec<ScaledPoint>], &[Option<ScaledPoint>]),
         room: &mut EnergyRoom,
-        (worst, at): (&mut Worst, &mut (Vec<usize>, Vec<f64>)),
+        (worst, at): (&mut WorstCorner, &mut (Vec<usize>, Vec<f64>)),
     ) {
         let Some(corners) = hulls.get(k) else {
             for load in 0..self.energy.loads() {
                 self.energy.sum(load, about, room, &mut at.1);
                 let bound = self.least(&at.1, worst.bound);
                 if self.is_beyond(bound, worst.bound) {
-                    *worst = Worst { bound, chosen: at.0.clone(), load };
+                    *worst = WorstCorner { bound, chosen: at.0.clone(), load };
                 }
             }
             return;
@@ -143,7 +144,7 @@ impl EndOfArm {
             self.energy.place(k, *corner, about, room);
             self.visit(k + 1, (hulls, about), room, (worst, at));
             // No eigenvalue is below the rotors': none can be worse.
-            if self.end == RangeEnd::Low && worst.bound <= self.least_rotor() {
+            if self.end == ProvedEnd::Low && worst.bound <= self.least_rotor() {
                 return;
             }
         }
@@ -157,13 +158,13 @@ impl EndOfArm {
             return bound;
         }
         let (sign, rotor) = match self.end {
-            RangeEnd::Low => (-1.0, self.least_rotor()),
-            RangeEnd::High => (1.0, f64::INFINITY),
+            ProvedEnd::Low => (-1.0, self.least_rotor()),
+            ProvedEnd::High => (1.0, f64::INFINITY),
         };
         let (mut fails, mut step) = (bound, 0.01 * larger(bound.abs(), LEAST));
         let mut holds = bound + sign * step;
         while !self.keeps(form, holds, &mut factor) {
-            if self.end == RangeEnd::Low && holds <= rotor {
+            if self.end == ProvedEnd::Low && holds <= rotor {
                 return rotor;
             }
             if !holds.is_finite() {
@@ -181,13 +182,13 @@ impl EndOfArm {
                 fails = middle;
             }
         }
-        if self.end == RangeEnd::Low && holds < rotor { rotor } else { holds }
+        if self.end == ProvedEnd::Low && holds < rotor { rotor } else { holds }
     }
 
     /// Cholesky of `bound M̄ − R − S`, or of `S + R − bound M̄`, of an upper triangle `S`; the factor is left.
     fn keeps(&self, form: &[f64], bound: f64, factor: &mut [f64]) -> bool {
         let n = self.nominal.len();
-        let sign = if self.end == RangeEnd::High { -1.0 } else { 1.0 };
+        let sign = if self.end == ProvedEnd::High { -1.0 } else { 1.0 };
         for i in 0..n {
             for j in i..n {
                 let diagonal = self.energy.rotor[i] - bound * self.nominal[i];
@@ -212,8 +213,8 @@ impl EndOfArm {
     /// Form at points of all joints.
     fn form(
         &self,
-        at: &[Point],
-        about: &[Option<Point>],
+        at: &[ScaledPoint],
+        about: &[Option<ScaledPoint>],
         load: usize,
         room: &mut EnergyRoom,
     ) -> Vec<f64> {
@@ -229,18 +230,19 @@ impl EndOfArm {
     /// Joint whose corner, moved to the joint's middle, changes most along the worst vector.
     fn weakest(
         &self,
-        cell: &Cell,
-        (hulls, middles): (&[Vec<Point>], &[Point]),
-        about: &[Option<Point>],
-        (worst, room): (&Worst, &mut EnergyRoom),
+        cell: &RangeCell,
+        (hulls, middles): (&[Vec<ScaledPoint>], &[ScaledPoint]),
+        about: &[Option<ScaledPoint>],
+        (worst, room): (&WorstCorner, &mut EnergyRoom),
     ) -> usize {
         let n = hulls.len();
-        let at: Vec<Point> = hulls.iter().zip(&worst.chosen).map(|(hull, i)| hull[*i]).collect();
+        let at: Vec<ScaledPoint> =
+            hulls.iter().zip(&worst.chosen).map(|(hull, i)| hull[*i]).collect();
         let form = self.form(&at, about, worst.load, room);
         let mut factor = vec![0.0; n * n];
         let (mut bound, mut step) = (worst.bound, 0.01 * larger(worst.bound.abs(), LEAST));
         while !self.keeps(&form, bound, &mut factor) && bound.is_finite() {
-            bound += if self.end == RangeEnd::High { step } else { -step };
+            bound += if self.end == ProvedEnd::High { step } else { -step };
             step *= 2.0;
         }
         let vector = nearest_zero(&factor, n);
@@ -256,7 +258,7 @@ impl EndOfArm {
             let mut moved = at.clone();
             moved[joint] = middles[joint];
             let changed = value(&self.form(&moved, about, worst.load, room));
-            if self.end == RangeEnd::High { most - changed } else { changed - most }
+            if self.end == ProvedEnd::High { most - changed } else { changed - most }
         };
         let open = (0..n).filter(|k| cell.ends[*k].1 > cell.ends[*k].0);
         let gains: Vec<(f64, usize)> = open.map(|joint| (gain(joint), joint)).collect();
@@ -266,8 +268,8 @@ impl EndOfArm {
     /// The posture nearest to the worst corners, if its eigenvalue is beyond `known`.
     fn nearest(
         &self,
-        cell: &Cell,
-        worst: &Worst,
+        cell: &RangeCell,
+        worst: &WorstCorner,
         known: f64,
         room: &mut EnergyRoom,
     ) -> Option<(Vec<f64>, f64)> {
@@ -287,7 +289,7 @@ impl EndOfArm {
     /// Extreme eigenvalue at a posture, or `known` where that is further out.
     fn eigenvalue(&self, q: &[f64], load: usize, known: f64, room: &mut EnergyRoom) -> f64 {
         let n = q.len();
-        let at: Vec<Point> =
+        let at: Vec<ScaledPoint> =
             q.iter().zip(&self.slides).map(|(q, slides)| point(*q, *slides)).collect();
         let form = self.form(&at, &[], load, room);
         let mut factor = vec![0.0; n * n];
@@ -328,8 +330,8 @@ fn nearest_zero(factor: &[f64], n: usize) -> Vec<f64> {
     v
 }
 
-/// Point of a joint's position; no number where its sine and cosine are not on the circle.
-fn point(q: f64, slides: bool) -> Point {
+/// ScaledPoint of a joint's position; no number where its sine and cosine are not on the circle.
+fn point(q: f64, slides: bool) -> ScaledPoint {
     if slides {
         return (q, 0.0);
     }
@@ -339,7 +341,7 @@ fn point(q: f64, slides: bool) -> Point {
 }
 
 /// Corners of a hull of the arc between two positions: where the tangents at both ends meet, and the ends.
-fn hull((low, high): (f64, f64), slides: bool) -> Vec<Point> {
+fn hull((low, high): (f64, f64), slides: bool) -> Vec<ScaledPoint> {
     let (a, b) = (point(low, slides), point(high, slides));
     if high <= low {
         return vec![a];

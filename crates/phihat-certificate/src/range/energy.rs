@@ -11,7 +11,7 @@ use crate::extremes::larger;
 pub(super) const MOST_JOINTS: usize = 32;
 
 /// Cosine and sine of a joint's angle, or its position \[m\] and 0.
-pub(super) type Point = (f64, f64);
+pub(super) type ScaledPoint = (f64, f64);
 
 /// One joint with the body that it moves.
 #[derive(Debug, Clone)]
@@ -108,13 +108,13 @@ impl Energy {
         EnergyRoom { chains: vec![chain; n + 1], sums: vec![0.0; n * n * (n + 1)] }
     }
 
-    /// Puts joint `k` at a point, after those before it, and adds the energy of its body; with middles of the joints, less
-    /// the energies of what each of them changes.
+    /// Puts joint `k` at a point, after those before it, and adds the energy of its body; with middles of the joints,
+    /// less the energies of what each of them changes.
     pub(super) fn place(
         &self,
         k: usize,
-        at: Point,
-        middles: &[Option<Point>],
+        at: ScaledPoint,
+        middles: &[Option<ScaledPoint>],
         room: &mut EnergyRoom,
     ) {
         let (n, link) = (self.joints(), &self.links[k]);
@@ -138,7 +138,7 @@ impl Energy {
     pub(super) fn sum(
         &self,
         load: usize,
-        middles: &[Option<Point>],
+        middles: &[Option<ScaledPoint>],
         room: &EnergyRoom,
         out: &mut [f64],
     ) {
@@ -148,7 +148,13 @@ impl Energy {
     }
 
     /// Placement of link `k` and its derivatives, from one chain to another.
-    fn put(&self, k: usize, (x, y): Point, (from, to): (usize, usize), room: &mut EnergyRoom) {
+    fn put(
+        &self,
+        k: usize,
+        (x, y): ScaledPoint,
+        (from, to): (usize, usize),
+        room: &mut EnergyRoom,
+    ) {
         let (n, link) = (self.joints(), &self.links[k]);
         let [fixed, first, second] = &link.terms;
         let turned = if link.slides { (1.0, 0.0) } else { (link.quarter * y, x) };
@@ -174,7 +180,7 @@ impl Energy {
         &self,
         k: usize,
         moment: &MassMoment,
-        (chains, middles): (&[PlacedChain], &[Option<Point>]),
+        (chains, middles): (&[PlacedChain], &[Option<ScaledPoint>]),
         sum: &mut [f64],
     ) {
         let n = self.joints();

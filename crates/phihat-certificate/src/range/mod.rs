@@ -10,7 +10,7 @@ use phihat_study::{InertiaSource, Study};
 use serde::Serialize;
 
 use bound::EndOfArm;
-pub use bound::{OutsideRange, RangeEnd};
+pub use bound::{OutsideRange, ProvedEnd};
 use energy::{Energy, MOST_JOINTS};
 use search::{EndSearch, Travel};
 
@@ -28,25 +28,26 @@ const OUTWARD: f64 = 1e-9;
 ///
 /// # Method
 ///
-/// Over a cell of postures each joint's `(cos q, sin q)` lies in the triangle between the ends of its arc and the point where
-/// the tangents there meet. With the derivatives `D` of the links' placements by the joints, which are affine in each
-/// pair, and the moments `P ⪰ 0` of the bodies, `M = DᵀPD + R`, `R` the rotors. For corners `v` of the triangles with
-/// weights `w_v` that make a posture, and `Δ_j(v)` the change of `D(v)` when joint `j` goes to the middle of its arc,
+/// Over a cell of postures each joint's `(cos q, sin q)` lies in the triangle between the ends of its arc and the point
+/// where the tangents there meet. With the derivatives `D` of the links' placements by the joints, which are affine in
+/// each pair, and the moments `P ⪰ 0` of the bodies, `M = DᵀPD + R`, `R` the rotors. For corners `v` of the triangles
+/// with weights `w_v` that make a posture, and `Δ_j(v)` the change of `D(v)` when joint `j` goes to the middle of its
+/// arc,
 ///
 /// ```text
 /// M ⪯ Σ w_v (D(v)ᵀP D(v)) + R,      M ⪰ Σ w_v (D(v)ᵀP D(v) − Σ_j Δ_j(v)ᵀP Δ_j(v)) + R                     as (RI1)
 /// ```
 ///
-/// So one Cholesky factor per product of corners decides whether all of a cell is inside. The cell with the worst bound is
-/// halved next, along the joint that adds most. Among payloads,
+/// So one Cholesky factor per product of corners decides whether all of a cell is inside. The cell with the worst bound
+/// is halved next, along the joint that adds most. Among payloads,
 /// [`PayloadSet::heaviest`](phihat_study::PayloadSet::heaviest) and
-/// [`PayloadSet::lightest`](phihat_study::PayloadSet::lightest) bound all others in the same order; so do the ends of the
-/// rotors' intervals, and `R` alone bounds from below.
+/// [`PayloadSet::lightest`](phihat_study::PayloadSet::lightest) bound all others in the same order; so do the ends of
+/// the rotors' intervals, and `R` alone bounds from below.
 ///
 /// # Rounding
 ///
-/// The error of a form that is computed in doubles is at most a multiple of the same sums of the sizes of all terms. It is
-/// added once. Neighbouring cells share their computed corners, whose distance from the circle is checked, so the
+/// The error of a form that is computed in doubles is at most a multiple of the same sums of the sizes of all terms. It
+/// is added once. Neighbouring cells share their computed corners, whose distance from the circle is checked, so the
 /// accuracy of a sine counts only at the ends of travel, which are moved outward by 1e-9.
 ///
 /// # Not claimed
@@ -109,9 +110,9 @@ pub enum RangeUnproved {
 }
 
 impl RangeProof {
-    /// Proves the range of a study's arm within factors of 1.5, 1.19, 1.09, 1.04, 1.02 and 1.005 of a stated one, as far as
-    /// `go_on` lets it: it is called with what is proved until then. Ends at a posture that is outside of the stated range
-    /// by more than 0.1 %.
+    /// Proves the range of a study's arm within factors of 1.5, 1.19, 1.09, 1.04, 1.02 and 1.005 of a stated one, as
+    /// far as `go_on` lets it: it is called with what is proved until then. Ends at a posture that is outside of the
+    /// stated range by more than 0.1 %.
     ///
     /// # Errors
     ///
@@ -121,8 +122,8 @@ impl RangeProof {
         stated: &ArmInertia,
         go_on: &mut dyn FnMut(&Self) -> bool,
     ) -> Result<Self, RangeUnproved> {
-        let mut low = search(study, stated, RangeEnd::Low)?;
-        let mut high = search(study, stated, RangeEnd::High)?;
+        let mut low = search(study, stated, ProvedEnd::Low)?;
+        let mut high = search(study, stated, ProvedEnd::High)?;
         loop {
             let cells = low.cells + high.cells;
             let outside = low.outside.clone().or_else(|| high.outside.clone());
@@ -140,7 +141,7 @@ impl RangeProof {
 }
 
 /// Search for one end of the range.
-fn search(study: &Study, stated: &ArmInertia, end: RangeEnd) -> Result<EndSearch, RangeUnproved> {
+fn search(study: &Study, stated: &ArmInertia, end: ProvedEnd) -> Result<EndSearch, RangeUnproved> {
     let joints = &study.robot.joints;
     if !matches!(study.design.inertia, InertiaSource::Robot) {
         return Err(RangeUnproved::NotOfARobot);
@@ -151,8 +152,8 @@ fn search(study: &Study, stated: &ArmInertia, end: RangeEnd) -> Result<EndSearch
     }
     let set = &study.design.payload;
     let (rotor, bodies, stated) = match end {
-        RangeEnd::Low => (Rotor::Least, vec![set.lightest()], stated.low),
-        RangeEnd::High => (Rotor::Most, set.heaviest(), stated.high),
+        ProvedEnd::Low => (Rotor::Least, vec![set.lightest()], stated.low),
+        ProvedEnd::High => (Rotor::Most, set.heaviest(), stated.high),
     };
     let models = bodies.iter().map(|body| loaded(study, (rotor, body), &set.frame));
     let models: Vec<_> = models.collect::<Result<_, _>>()?;

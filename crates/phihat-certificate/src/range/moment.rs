@@ -43,8 +43,8 @@ pub(super) fn sizes(moment: &MassMoment) -> MassMoment {
 
 /// Moments of all bodies of an arm, and the largest shift of one.
 ///
-/// A moment has to be positive semidefinite: that of a body is, but for rounding; that of a description need not be. The
-/// second moment is raised by the first of [`SHIFT`], `10 SHIFT`, … times its trace with which it is.
+/// A moment has to be positive semidefinite: that of a body is, but for rounding; that of a description need not be.
+/// The second moment is raised by the first of [`SHIFT`], `10 SHIFT`, … times its trace with which it is.
 pub(super) fn moments(model: &Model) -> Option<(Vec<MassMoment>, f64)> {
     let mut most = 0.0;
     let mut all = Vec::new();

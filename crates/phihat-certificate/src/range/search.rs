@@ -3,11 +3,12 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use super::bound::{Cell, EndOfArm, OutsideRange, RangeEnd, WIDEST};
+use super::bound::{EndOfArm, OutsideRange, ProvedEnd, RangeCell, WIDEST};
 use crate::extremes::{larger, smaller};
 use crate::parallel::shared;
 
-/// Factors of an end within which it is proved, one after the other: the second is inside of the usual margin of a window.
+/// Factors of an end within which it is proved, one after the other: the second is inside of the usual margin of a
+/// window.
 const FACTORS: [f64; 6] = [1.5, 1.19, 1.09, 1.04, 1.02, 1.005];
 
 /// Distance by which a posture has to pass an end that is stated, relative.
@@ -25,7 +26,7 @@ pub(super) struct EndSearch {
     arm: EndOfArm,
     left: BinaryHeap<Ranked>,
     /// Cells that are bounded within the present factor.
-    within: Vec<Cell>,
+    within: Vec<RangeCell>,
     /// Number of factors within which the end is proved.
     pub(super) stage: usize,
     stated: f64,
@@ -39,13 +40,13 @@ pub(super) struct EndSearch {
 
 /// A cell by how far out its bound is.
 #[derive(Debug)]
-struct Ranked(f64, Cell);
+struct Ranked(f64, RangeCell);
 
 impl EndSearch {
     pub(super) fn new(arm: EndOfArm, travel: &[Travel], stated: f64) -> Self {
         let bound = match arm.end {
-            RangeEnd::Low => arm.least_rotor(),
-            RangeEnd::High => f64::INFINITY,
+            ProvedEnd::Low => arm.least_rotor(),
+            ProvedEnd::High => f64::INFINITY,
         };
         let whole = |(k, ends): (usize, &Travel)| {
             if arm.energy.is_root(k) { (ends.0, ends.0) } else { *ends }
@@ -63,7 +64,9 @@ impl EndSearch {
             cells: 0,
             outside: None,
         };
-        search.left.push(Ranked(0.0, Cell { ends, share: 1.0, bound, joint: None, beyond: None }));
+        search
+            .left
+            .push(Ranked(0.0, RangeCell { ends, share: 1.0, bound, joint: None, beyond: None }));
         search
     }
 
@@ -71,8 +74,8 @@ impl EndSearch {
     fn floor(&self) -> f64 {
         let factor = FACTORS[self.stage.min(FACTORS.len() - 1)];
         match self.arm.end {
-            RangeEnd::Low => self.known / factor,
-            RangeEnd::High => self.known * factor,
+            ProvedEnd::Low => self.known / factor,
+            ProvedEnd::High => self.known * factor,
         }
     }
 
@@ -87,16 +90,16 @@ impl EndSearch {
         let within = self.floor();
         let worst = self.left.iter().map(|Ranked(_, cell)| cell.bound);
         let worst = match self.arm.end {
-            RangeEnd::Low => worst.fold(within, smaller),
-            RangeEnd::High => worst.fold(within, larger),
+            ProvedEnd::Low => worst.fold(within, smaller),
+            ProvedEnd::High => worst.fold(within, larger),
         };
         match self.arm.end {
-            RangeEnd::Low => {
+            ProvedEnd::Low => {
                 let below = smaller(worst, within) - self.slack;
                 // The rotors' part is a quotient of two numbers.
                 larger(below, self.arm.least_rotor() * (1.0 - 4.0 * f64::EPSILON))
             }
-            RangeEnd::High => larger(worst, within) + self.slack,
+            ProvedEnd::High => larger(worst, within) + self.slack,
         }
     }
 
@@ -124,13 +127,13 @@ impl EndSearch {
         if self.left.is_empty() {
             self.stage += 1;
             if self.stage < FACTORS.len() {
-                let again = |cell| Ranked(0.0, Cell { joint: None, ..cell });
+                let again = |cell| Ranked(0.0, RangeCell { joint: None, ..cell });
                 self.left = self.within.drain(..).map(again).collect();
             }
         }
     }
 
-    fn take(&mut self, cell: Cell) {
+    fn take(&mut self, cell: RangeCell) {
         self.cells += 1;
         if let Some((q, eigenvalue)) = &cell.beyond
             && self.arm.is_beyond(*eigenvalue, self.known)
@@ -146,7 +149,7 @@ impl EndSearch {
             };
             self.outside = passed.then(outside);
         }
-        let sign = if self.arm.end == RangeEnd::High { 1.0 } else { -1.0 };
+        let sign = if self.arm.end == ProvedEnd::High { 1.0 } else { -1.0 };
         // What is not a number is bounded by nothing, and comes first.
         if sign * cell.bound <= sign * self.floor() {
             self.within.push(cell);
@@ -186,10 +189,10 @@ fn slack(arm: &EndOfArm, travel: &[Travel]) -> f64 {
     (4.0 * joints + 1.0) * whole * sum
 }
 
-fn halved(cell: Cell, joint: usize) -> [Cell; 2] {
+fn halved(cell: RangeCell, joint: usize) -> [RangeCell; 2] {
     let (low, high) = cell.ends[joint];
     let middle = 0.5 * (low + high);
-    let mut upper = Cell { beyond: None, joint: None, share: 0.5 * cell.share, ..cell };
+    let mut upper = RangeCell { beyond: None, joint: None, share: 0.5 * cell.share, ..cell };
     let mut lower = upper.clone();
     lower.ends[joint].1 = middle;
     upper.ends[joint].0 = middle;

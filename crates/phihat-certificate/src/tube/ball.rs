@@ -20,16 +20,16 @@ const TERMS: u32 = 9;
 
 /// All reals within `r` of `m`.
 ///
-/// The middle of a result is the rounded result at the middles. That is off by at most `2⁻⁵³` of the exact one, so by at most
-/// `2⁻⁵²|m|`, which [`radius`] adds.
+/// The middle of a result is the rounded result at the middles. That is off by at most `2⁻⁵³` of the exact one, so by
+/// at most `2⁻⁵²|m|`, which [`radius`] adds.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Ball {
     pub(super) m: f64,
     pub(super) r: f64,
 }
 
-/// Radius of a result: `r` is a sum of up to 100 terms of one sign, and `sizes` that of what was rounded on the way. Sum and
-/// product of these lose at most `(1 − 2⁻⁵³)^120`, which the factor gives back.
+/// Radius of a result: `r` is a sum of up to 100 terms of one sign, and `sizes` that of what was rounded on the way.
+/// Sum and product of these lose at most `(1 − 2⁻⁵³)^120`, which the factor gives back.
 pub(super) fn radius(r: f64, sizes: f64) -> f64 {
     (r + UNIT * sizes) * (1.0 + 64.0 * UNIT) + TINY
 }
@@ -72,8 +72,8 @@ impl Ball {
 
 /// Sine and cosine of a double: those of the platform, with their distance from Taylor's sums in balls.
 ///
-/// With `x = kπ/2 + y`, `|y| < 0.8`: the sums end with `y¹⁹/19!` and `y¹⁸/18!`, and what is left of these alternating series is
-/// at most `0.8²¹/21! < 2e-22` and `0.8²⁰/20! < 5e-21`. No accuracy of the platform is used.
+/// With `x = kπ/2 + y`, `|y| < 0.8`: the sums end with `y¹⁹/19!` and `y¹⁸/18!`, and what is left of these alternating
+/// series is at most `0.8²¹/21! < 2e-22` and `0.8²⁰/20! < 5e-21`. No accuracy of the platform is used.
 pub(super) fn sin_cos_of(x: f64) -> (Ball, Ball) {
     let quarters = (x * FRAC_2_PI).round();
     if quarters.is_nan() || quarters.abs() > FAR {

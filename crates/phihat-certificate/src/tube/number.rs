@@ -46,7 +46,8 @@ impl TubeNumber for Ball {
 /// A function of up to `N` variables in `[−1, 1]`: its value and slopes at 0, and a bound on the rest.
 ///
 /// Products of rotations make balls of balls: each takes the sizes of what it is given, and seven joints on the
-/// first-order part is a hundred times too large. Here the first order is exact, but for rounding, which is in the rest.
+/// first-order part is a hundred times too large. Here the first order is exact, but for rounding, which is in the
+/// rest.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tangent<const N: usize> {
     m: f64,

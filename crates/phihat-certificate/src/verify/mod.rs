@@ -7,6 +7,7 @@ mod arm;
 mod bounds;
 mod document;
 mod joint;
+mod range;
 mod tip;
 mod tube;
 

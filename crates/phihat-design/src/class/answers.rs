@@ -1,12 +1,11 @@
 //! Sums over the responses of all joints that answer, side by side, sample by sample.
 
-use super::rows::LostRows;
+use super::joint_sums::{E, FREE, JointSums, KINDS, RowSums, STEP, V};
+use super::moving_sums::MovingSums;
+use super::rows::LossSums;
 use super::starts::StartSizes;
-use super::sums::{E, FREE, JointSums, KINDS, MovingSums, RowSums, STEP, V};
-use crate::coupled::abreast::{Abreast, NONE, SampleResponses};
-use crate::lanes::{Lane, WIDE, add_size};
-
-type Wide = Lane<WIDE>;
+use crate::coupled::abreast::{NONE, SampleResponses, WideKinds};
+use crate::lanes::{Lane, Wide, add_size};
 
 /// A list over the joints on which an input acts, or over pairs of joints, for each output.
 type WideAnswers = [Vec<Wide>; KINDS];
@@ -21,10 +20,10 @@ pub(super) struct WideSums<'a> {
     long: usize,
     /// Node of the kernels, from 0; `None`: the input's own sample.
     node: Option<usize>,
-    last: Vec<Abreast>,
+    last: Vec<WideKinds>,
     /// `g'` of the interval before, of `e`.
     last_slope: Vec<Wide>,
-    slopes: Vec<Abreast>,
+    slopes: Vec<WideKinds>,
     jumps: Vec<Wide>,
     /// Step responses.
     whole: WideAnswers,
@@ -34,7 +33,7 @@ pub(super) struct WideSums<'a> {
     lasting: WideAnswers,
     impulse: WideAnswers,
     begun: StartSizes,
-    rows: Option<LostRows>,
+    rows: Option<LossSums>,
     start_moves: [Vec<Wide>; 2],
     slope: WideAnswers,
     aged: WideAnswers,
@@ -49,41 +48,13 @@ pub(super) struct WideSums<'a> {
     chords: [Vec<Wide>; 2],
 }
 
-/// Columns of a matrix, or of matrices side by side, without their zeros.
-pub(super) struct SparseColumns(Vec<Vec<(usize, f64)>>);
-
-impl SparseColumns {
-    /// Of rows of so many columns.
-    pub(super) fn of(rows: &[f64], columns: usize) -> Self {
-        let column = |k: usize| -> Vec<(usize, f64)> {
-            let entries = rows.iter().skip(k).step_by(columns).copied().enumerate();
-            entries.filter(|(_, value)| *value != 0.0).collect()
-        };
-        Self((0..columns).map(column).collect())
-    }
-
-    /// `out += weight · |x · column|`, column by column.
-    #[inline]
-    fn add_sizes(&self, out: &mut [Wide], weight: f64, x: impl Fn(usize) -> Wide) {
-        for (out, column) in out.iter_mut().zip(&self.0) {
-            if let Some(((l, first), others)) = column.split_first() {
-                let mut sum = x(*l).affine(*first, 0.0);
-                for (l, value) in others {
-                    sum.add_scaled(*value, &x(*l));
-                }
-                out.add_scaled(weight, &sum.size());
-            }
-        }
-    }
-}
-
 impl<'a> WideSums<'a> {
     /// No sample yet, of joints from `first` on.
     pub(super) fn new(
         moving: &'a MovingSums,
         first: usize,
         (period, long): (f64, usize),
-        rows: Option<LostRows>,
+        rows: Option<LossSums>,
     ) -> Self {
         let n = moving.joints();
         let none = |count: usize| vec![Wide::ZERO; count];
@@ -149,7 +120,7 @@ impl<'a> WideSums<'a> {
     }
 
     /// One more node `g(kT)` of the kernels, which are straight between nodes.
-    fn kernels(&mut self, k: usize, now: &[Abreast]) {
+    fn kernels(&mut self, k: usize, now: &[WideKinds]) {
         let t = self.period;
         // Trapezes: the first node is the end of one interval only.
         let weight = if k == 0 { 0.5 * t } else { t };
@@ -194,7 +165,7 @@ impl<'a> WideSums<'a> {
     }
 
     /// The interval that is `m` samples old at its young end: slope `g' = H_m M^{-1}` of the kernels.
-    fn interval(&mut self, m: usize, now: &[Abreast]) {
+    fn interval(&mut self, m: usize, now: &[WideKinds]) {
         let t = self.period;
         let (age, older) = (m as f64 * t, (m as f64 + 1.0) * t);
         let early = m < self.long;
@@ -293,19 +264,7 @@ impl<'a> WideSums<'a> {
     }
 
     /// The sums over rows of lost commands, where they are counted.
-    pub(super) fn rows(&mut self) -> Option<&mut LostRows> {
+    pub(super) fn rows(&mut self) -> Option<&mut LossSums> {
         self.rows.as_mut()
-    }
-}
-
-impl SparseColumns {
-    /// `x · column`.
-    #[inline]
-    fn product(&self, column: usize, x: impl Fn(usize) -> Wide) -> Wide {
-        let mut sum = Wide::ZERO;
-        for (l, value) in self.0.get(column).into_iter().flatten() {
-            sum.add_scaled(*value, &x(*l));
-        }
-        sum
     }
 }

@@ -22,6 +22,8 @@ mod extent;
 mod faster;
 mod find;
 mod imperfect;
+mod joint_sums;
+mod moving_sums;
 mod parts;
 mod refusal;
 mod rows;

@@ -3,15 +3,13 @@
 use phihat_certificate::extremes::larger;
 
 use super::imperfect::LossSpan;
-use super::sums::{AnswerMatrices, RowSums, STEP};
-use crate::coupled::abreast::{Abreast, NONE, SampleResponses};
+use super::joint_sums::{AnswerMatrices, RowSums, STEP};
+use crate::coupled::abreast::{NONE, SampleResponses, WideKinds};
 use crate::coupled::linear::LEFT;
-use crate::lanes::{Lane, WIDE};
-
-type Wide = Lane<WIDE>;
+use crate::lanes::Wide;
 
 /// Sums over the answers to a deviation of the torque that acts from the command, up to the last sample.
-pub(super) struct LostRows {
+pub(super) struct LossSums {
     rows: LossSpan,
     delay: usize,
     horizon: usize,
@@ -19,10 +17,10 @@ pub(super) struct LostRows {
     age: usize,
     samples: usize,
     /// Sizes at the last samples, as many as a row has, the last first.
-    recent: Vec<Vec<Abreast>>,
-    largest: Vec<Abreast>,
+    recent: Vec<Vec<WideKinds>>,
+    largest: Vec<WideKinds>,
     /// Largest answer to a row in each of the spans from the start of a row to that of the next.
-    spans: Vec<Vec<Abreast>>,
+    spans: Vec<Vec<WideKinds>>,
     /// The same of the change of the command, over spans that begin a delay sooner.
     sooner: Vec<Vec<Wide>>,
     /// Size of the command so many samples after a deviation, and the largest so far.
@@ -33,7 +31,7 @@ pub(super) struct LostRows {
     changes: Vec<Vec<Wide>>,
 }
 
-impl LostRows {
+impl LossSums {
     pub(super) fn new(n: usize, rows: LossSpan, (delay, horizon): (usize, usize)) -> Self {
         let none = || vec![Wide::ZERO; n];
         Self {
@@ -88,7 +86,7 @@ impl LostRows {
     }
 
     /// Sizes of the answers at one more sample: of a row `Σ |c|` over its commands.
-    fn answer(&mut self, sizes: impl Fn(usize) -> Abreast) {
+    fn answer(&mut self, sizes: impl Fn(usize) -> WideKinds) {
         for (j, largest) in self.largest.iter_mut().enumerate() {
             for (largest, size) in largest.iter_mut().zip(&sizes(j)) {
                 *largest = largest.larger(size);
@@ -122,7 +120,7 @@ impl LostRows {
         self.age += 1;
     }
 
-    /// What a row's later commands answer after the last sample that counts, and what misreadings change then.
+    /// Answers of a row's later commands after the last sample that counts, and changes by misreadings then.
     pub(super) fn end(&mut self) {
         for _ in 0..self.rows.most {
             self.answer(|_| NONE);
@@ -171,7 +169,7 @@ impl LostRows {
 
 #[cfg(test)]
 mod tests {
-    use super::LostRows;
+    use super::LossSums;
     use crate::class::imperfect::LossSpan;
     use crate::class::sums::STEP;
     use crate::coupled::abreast::{NONE, SampleResponses};
@@ -183,7 +181,7 @@ mod tests {
 
     /// Sums of one joint, of all rows, of earlier ones, and the change over two samples.
     fn sums(rows: LossSpan, delay: usize) -> [f64; 3] {
-        let mut all = LostRows::new(1, rows, (delay, RESPONSE.len() / 2));
+        let mut all = LossSums::new(1, rows, (delay, RESPONSE.len() / 2));
         for x in RESPONSE {
             let mut own = NONE;
             own[STEP] = Lane::of(|c| if c == 1 { x } else { 7.0 });

@@ -2,31 +2,31 @@
 
 use phihat_certificate::extremes::larger;
 
-use super::sums::{AnswerMatrices, KINDS};
-use crate::coupled::abreast::{Abreast, NONE, SampleResponses};
+use super::joint_sums::{AnswerMatrices, KINDS};
+use crate::coupled::abreast::{NONE, SampleResponses, WideKinds};
 use crate::coupled::linear::LEFT;
 use crate::lanes::{Lane, WIDE};
 
 /// Sizes of the answers since the start, over the last samples, joint by joint on which an input acts.
 pub(super) struct StartSizes {
     /// Sums of sizes after an error of one reading, up to the last sample.
-    readings: Vec<Abreast>,
+    readings: Vec<WideKinds>,
     /// Sizes after a start of the law with a reading off by an angle, at the last sample.
-    laws: Vec<Abreast>,
+    laws: Vec<WideKinds>,
     /// The last intervals, the oldest first.
     near: [Vec<StartAnswers>; 3],
     intervals: usize,
     /// Largest sum of an answer to a start and of those to readings up to it; and the largest answer by itself.
-    most: Vec<[Abreast; 2]>,
+    most: Vec<[WideKinds; 2]>,
 }
 
 /// Sizes at one interval.
 #[derive(Clone)]
 struct StartAnswers {
     /// After a start of the arm off by an angle, over the interval.
-    arm: Abreast,
-    law: Abreast,
-    readings: Abreast,
+    arm: WideKinds,
+    law: WideKinds,
+    readings: WideKinds,
 }
 
 impl StartSizes {
@@ -50,7 +50,8 @@ impl StartSizes {
         }
         self.intervals += 1;
         if self.intervals > 1 {
-            // The one before the last: times between samples see two neighbours, so each answer is the largest of three.
+            // The one before the last: times between samples see two neighbours, so each answer is the largest of
+            // three.
             let [before, middle, last] = &self.near;
             let all = before.iter().zip(middle).zip(last);
             for (((before, middle), last), most) in all.zip(&mut self.most) {
@@ -84,7 +85,7 @@ impl StartSizes {
 }
 
 /// Counts the answers at one interval and its neighbours.
-fn grow(most: &mut [Abreast; 2], readings: &Abreast, near: [&StartAnswers; 3]) {
+fn grow(most: &mut [WideKinds; 2], readings: &WideKinds, near: [&StartAnswers; 3]) {
     let [sums, largest] = most;
     for o in 0..KINDS {
         let [a, b, c] = near;

@@ -16,25 +16,25 @@ const CHANGE: usize = 2;
 
 /// Outputs of up to [`WIDE`] joints side by side: `e` \[rad\], `ė` \[rad/s\], change of the commanded torque
 /// \[N·m\], `ë` without the push itself \[rad/s²\].
-pub(crate) type Abreast = [Lane<WIDE>; KINDS];
+pub(crate) type WideKinds = [Lane<WIDE>; KINDS];
 
 /// Outputs of no joint.
-pub(crate) const NONE: Abreast = [Lane::ZERO; KINDS];
+pub(crate) const NONE: WideKinds = [Lane::ZERO; KINDS];
 
 /// Responses at one sample: an entry for each joint on which an input acts.
 pub(crate) struct SampleResponses {
     /// After an impulse of 1 N·m·s at the end of an interval.
-    pub(crate) kick: Vec<Abreast>,
+    pub(crate) kick: Vec<WideKinds>,
     /// After an error of 1 rad of one reading.
-    pub(crate) reading: Vec<Abreast>,
+    pub(crate) reading: Vec<WideKinds>,
     /// After a start of the law with a reading 1 rad off.
-    pub(crate) start: Vec<Abreast>,
+    pub(crate) start: Vec<WideKinds>,
     /// After an interval in which the drive is given 1 N·m more than was commanded; where it was requested.
-    pub(crate) given: Vec<Abreast>,
+    pub(crate) given: Vec<WideKinds>,
 }
 
 /// Remainder of the sums over responses to an impulse of torque and to an error of a reading.
-pub(crate) type AbreastTails = [Abreast; 2];
+pub(crate) type AbreastTails = [WideKinds; 2];
 
 impl Linear {
     /// Shows the outputs of joints `first` to `first + WIDE − 1` after a unit of each input: at the input's own sample,
@@ -48,8 +48,8 @@ impl Linear {
         mut visit: impl FnMut(&SampleResponses),
     ) -> Vec<AbreastTails> {
         let n = self.joints();
-        let row = |k: usize| -> Abreast { self.place(first, |joint, o| joint[k][PLACES[o]]) };
-        let mut now: Vec<Abreast> = (0..self.columns.len()).map(row).collect();
+        let row = |k: usize| -> WideKinds { self.place(first, |joint, o| joint[k][PLACES[o]]) };
+        let mut now: Vec<WideKinds> = (0..self.columns.len()).map(row).collect();
         let mut next = now.clone();
         let mut total = NONE;
         let mut shown = SampleResponses {
@@ -59,7 +59,7 @@ impl Linear {
             given: self.given.iter().map(|given| abreast(&given.meanwhile, first)).collect(),
         };
         visit(&shown);
-        let changes = |list: &[Abreast]| list.iter().map(|own| own[CHANGE]).collect();
+        let changes = |list: &[WideKinds]| list.iter().map(|own| own[CHANGE]).collect();
         let mut before: [Vec<Lane<WIDE>>; 4] = [
             changes(&shown.kick),
             changes(&shown.reading),
@@ -100,8 +100,8 @@ impl Linear {
     fn left_out(
         &self,
         horizon: &SumHorizon,
-        total: &Abreast,
-        [before, now]: [&[Abreast]; 2],
+        total: &WideKinds,
+        [before, now]: [&[WideKinds]; 2],
     ) -> Vec<AbreastTails> {
         let rest = 1.0 / (1.0 - norm_inf(&horizon.power));
         let size = |x: &[(usize, f64)]| {
@@ -112,7 +112,7 @@ impl Linear {
         // The one change that leads to the sample after the last.
         let last =
             |x: &[(usize, f64)]| along(now, x)[CHANGE].minus(&along(before, x)[CHANGE]).size();
-        let tail = |size: f64, last: Lane<WIDE>| -> Abreast {
+        let tail = |size: f64, last: Lane<WIDE>| -> WideKinds {
             let mut tail = total.map(|total| Lane::of(|c| total[c] * size * rest));
             tail[CHANGE].add_scaled(1.0, &last);
             tail
@@ -129,21 +129,21 @@ impl Linear {
     }
 
     /// Outputs of joints side by side, of their rows on the state.
-    fn place(&self, first: usize, of: impl Fn(&[[f64; OUTPUTS]], usize) -> f64) -> Abreast {
+    fn place(&self, first: usize, of: impl Fn(&[[f64; OUTPUTS]], usize) -> f64) -> WideKinds {
         let rows = self.rows.get(first..).unwrap_or_default();
         core::array::from_fn(|o| Lane::of(|c| rows.get(c).map_or(0.0, |row| of(row, o))))
     }
 }
 
 /// Outputs of joints side by side.
-fn abreast(outputs: &[[f64; OUTPUTS]], first: usize) -> Abreast {
+fn abreast(outputs: &[[f64; OUTPUTS]], first: usize) -> WideKinds {
     let all = outputs.get(first..).unwrap_or_default();
     core::array::from_fn(|o| Lane::of(|c| all.get(c).map_or(0.0, |own| own[PLACES[o]])))
 }
 
 /// Outputs of a state.
 #[inline]
-fn along(rows: &[Abreast], x: &[(usize, f64)]) -> Abreast {
+fn along(rows: &[WideKinds], x: &[(usize, f64)]) -> WideKinds {
     let mut sum = NONE;
     for (k, value) in x {
         for (sum, row) in sum.iter_mut().zip(&rows[*k]) {

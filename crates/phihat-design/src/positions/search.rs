@@ -198,6 +198,13 @@ impl<'a> PositionSearch<'a> {
         (self.filtering, self.ordered) = (true, false);
     }
 
+    /// The same where a study allows it.
+    pub fn filter_as_stated(&mut self, study: &Study) {
+        if study.design.innovation_filter {
+            self.filter();
+        }
+    }
+
     /// From here on estimates are weighted so that for these laws they agree with the tube; a share is then
     /// one of all causes of a change of torque, not of the encoder's part.
     pub fn weigh(&mut self, gains: &Gains, found: &[TubeParts]) {
@@ -421,9 +428,7 @@ const NEAR: f64 = 1.02;
 /// Laws with the least noise whose estimates keep the error, joint by joint; their certificate says what holds.
 pub(crate) fn search(study: &Study, arm: &Arm, phi: PhiOf<'_>) -> Result<Outcome, DesignError> {
     let mut search = PositionSearch::new(study, arm, phi)?;
-    if study.design.innovation_filter {
-        search.filter();
-    }
+    search.filter_as_stated(study);
     let wanted = study.spec.error_bound.clone().ok_or(DesignError::NoSpec)?;
     let mut shares = vec![MIDDLE; wanted.len()];
     let mut clauses = Vec::new();

@@ -178,8 +178,8 @@ impl Rival for Suboptimal {
 mod tests {
     use super::{Turning, transient};
 
-    /// `σ̈ = −W sign(σ − ½ σ_M)` from rest is the time-optimal motion: half-way at `√(σ_0/W)`, there at twice that. A sign
-    /// that turns a sample late leaves `2 T √(σ_0 W)`.
+    /// `σ̈ = −W sign(σ − ½ σ_M)` from rest is the time-optimal motion: half-way at `√(σ_0/W)`, there at twice that. A
+    /// sign that turns a sample late leaves `2 T √(σ_0 W)`.
     #[test]
     fn without_disturbance_the_way_is_time_optimal() {
         let (period, authority, start) = (1e-4, 100.0_f64, 1.0_f64);
