@@ -255,7 +255,7 @@ $("beside").addEventListener("click", async () => {
 });
 
 // ── Arms.
-const shipped = [["panda", "Franka Panda, an unknown payload"], ["franka_any", "Franka Panda, any motion in a box"], ["first", "three joints in a plane"]];
+const shipped = [["panda", "Franka Panda, an unknown payload"], ["first", "three joints in a plane"], ["franka_any", "Franka Panda, any motion in a box"]];
 shipped.forEach(([name, words]) => $("built-in").append(new Option(words, name)));
 async function take(name) {
   const get = async (file) => { const found = await fetch(file); if (!found.ok) throw new Error(`${file}: ${found.status}`); return found.text(); };
@@ -307,6 +307,10 @@ async function closer(task, first) {
     const begun = await scout.ask(task, ({ step }) => { if (step && mine()) say(`Looking for a smaller error that can be promised: ${step} …`); });
     if (!mine()) return;
     if (!begun.gains || begun.study === first.study) return say("No smaller error was found.");
+    // What a second derivation does not confirm takes no proof away.
+    const found = await scout.ask({ task: "verify", name: "study", study: begun.study, files: begun.files, gains: begun.gains });
+    if (!mine()) return;
+    if (!found.verified || /^not/.test(found.verified.verdict)) return say(`No smaller error is proved: for ${milli_of(begun)} there are gains, and their bound is not confirmed by its second derivation.`);
     Object.assign(state, { files: begun.files, gains: begun.gains });
     await edited(begun.study);
     if (!(await run())) return;
