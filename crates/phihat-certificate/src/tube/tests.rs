@@ -43,8 +43,9 @@ fn balls_hold_what_their_members_make_and_hardly_more() {
         assert!(near(c.r, a.m.sin().abs() * a.r + 0.5 * a.r * a.r));
     }
     let around = Ball::around(-1.0, 3.0);
-    assert_eq!((around.m.to_bits(), around.r.to_bits()), (1.0_f64.to_bits(), 2.0_f64.to_bits()));
-    assert!((around.size() - 3.0).abs() < 1e-15 && Ball::exact(2.0).r.abs() < 1e-300);
+    assert_eq!(around.m.to_bits(), 1.0_f64.to_bits());
+    assert!(around.r >= 2.0 && around.r < 2.0 + 1e-13 && around.size() >= 3.0);
+    assert!((around.size() - 3.0).abs() < 1e-13 && Ball::exact(2.0).r.abs() < 1e-300);
 }
 
 #[test]
