@@ -15,13 +15,20 @@ struct TrustedRow {
     dynamics: bool,
 }
 
-const ROWS: [TrustedRow; 5] = [
+const ROWS: [TrustedRow; 6] = [
     TrustedRow {
         claim: "window, margins, (P2) to (P4), rates of return",
         verdict: "proved",
         files: &["window.rs", "frozen.rs", "margins.rs", "moving/check.rs", "moving/any_speed.rs"],
         kernel: true,
         dynamics: false,
+    },
+    TrustedRow {
+        claim: "range of inertia over all postures, with `--prove-range`",
+        verdict: "proved",
+        files: &["range/mod.rs"],
+        kernel: false,
+        dynamics: true,
     },
     TrustedRow {
         claim: "peak gains, noise, reading, largest step",

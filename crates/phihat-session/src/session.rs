@@ -302,29 +302,26 @@ impl Session {
     }
 
     /// Runs the loop; `progress` is told how many samples are done. With every signal of every joint.
-    pub fn run(self, mut progress: impl FnMut(u64)) -> (Done, Trace) {
-        self.recorded(usize::MAX, &mut progress, &mut |_| ())
+    pub fn run(self, progress: impl FnMut(u64)) -> (Done, Trace) {
+        let mut whole = Trace::default();
+        let take = |block: &mut Trace| -> Result<(), Infallible> {
+            whole = std::mem::take(block);
+            Ok(())
+        };
+        let Ok(done) = self.stream(usize::MAX, progress, take);
+        (done, whole)
     }
 
     /// Runs the loop with every signal of every joint, and hands each part of so many samples over as it comes: what
     /// looks on need not wait for the end.
     pub fn run_in_parts(self, samples: usize, mut part: impl FnMut(&Trace)) -> (Done, Trace) {
-        self.recorded(samples, &mut |_| (), &mut part)
-    }
-
-    fn recorded(
-        self,
-        samples: usize,
-        progress: &mut dyn FnMut(u64),
-        part: &mut dyn FnMut(&Trace),
-    ) -> (Done, Trace) {
         let mut whole = Trace::default();
         let take = |block: &mut Trace| -> Result<(), Infallible> {
             part(block);
             whole.extend(block);
             Ok(())
         };
-        let Ok(done) = self.stream(samples, progress, take);
+        let Ok(done) = self.stream(samples, |_| (), take);
         (done, whole)
     }
 
