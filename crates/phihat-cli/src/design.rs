@@ -20,6 +20,7 @@ use phihat_synthesis::{Advice, BudgetSearch, Steps};
 
 use crate::check::warn_of_renamed;
 use crate::failure::Failure;
+use crate::numbers::positive;
 use crate::proving::timed_proof;
 use crate::shown::TerminalWatch;
 use crate::table;
@@ -48,7 +49,7 @@ pub(crate) struct Design {
     /// Prove the range of the arm's inertia over all postures and payloads, within 50 % of what was searched, then
     /// within 19, 9, 4, 2 and 0.5 %, as far as it comes in so many seconds; `phihat verify --prove-range` proves it
     /// again.
-    #[arg(long, value_name = "SECONDS", num_args = 0..=1, default_missing_value = "60")]
+    #[arg(long, value_name = "SECONDS", num_args = 0..=1, default_missing_value = "60", value_parser = positive)]
     prove_range: Option<f64>,
     /// Tell how far each joint's law is from what no linear law undercuts at a known inertia, and what not knowing the
     /// inertia costs: takes some seconds more, and is kept in gains.json, for the report. No claim: nothing checks it.

@@ -32,6 +32,7 @@ mod fronts;
 mod identify;
 mod interrupt;
 mod new;
+mod numbers;
 mod png;
 mod proving;
 mod realtime;

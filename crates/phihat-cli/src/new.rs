@@ -13,6 +13,7 @@ use phihat_session::{ArmOptions, BeginOptions, Begun, begin};
 use serde_json::json;
 
 use crate::failure::Failure;
+use crate::numbers::{NoNumber, not_negative, positive};
 use crate::shown::TerminalWatch;
 use crate::xacro::Xacro;
 
@@ -73,31 +74,6 @@ pub(crate) struct New {
     /// Print one JSON document in place of sentences.
     #[arg(long)]
     json: bool,
-}
-
-/// Error of a text that is not a valid number.
-#[derive(Debug)]
-struct NoNumber(&'static str);
-
-impl std::fmt::Display for NoNumber {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "it must be a number {}", self.0)
-    }
-}
-
-impl std::error::Error for NoNumber {}
-
-fn number(text: &str, valid: fn(f64) -> bool, wanted: &'static str) -> Result<f64, NoNumber> {
-    let read: Option<f64> = text.trim().parse().ok();
-    read.filter(|x| x.is_finite() && valid(*x)).ok_or(NoNumber(wanted))
-}
-
-fn not_negative(text: &str) -> Result<f64, NoNumber> {
-    number(text, |x| x >= 0.0, "of 0 or more")
-}
-
-fn positive(text: &str) -> Result<f64, NoNumber> {
-    number(text, |x| x > 0.0, "above 0")
 }
 
 impl New {

@@ -13,7 +13,7 @@ pub(crate) fn timed_proof(
     stated: &ArmInertia,
     seconds: f64,
 ) -> Result<RangeProof, RangeUnproved> {
-    let time = Duration::from_secs_f64(seconds.clamp(0.0, 1e6));
+    let time = Duration::from_secs_f64(seconds.min(1e6));
     let bar = spinner();
     let proof = RangeProof::of(study, stated, &mut |proof| {
         if let Some(step) = proof.step {

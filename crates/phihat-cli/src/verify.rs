@@ -17,6 +17,7 @@ use serde_json::json;
 use crate::audit;
 use crate::check::warn_of_renamed;
 use crate::failure::Failure;
+use crate::numbers::positive;
 use crate::proving::timed_proof;
 use crate::shown::{second_derivation, spinner};
 use crate::table;
@@ -59,7 +60,8 @@ pub(crate) struct Verify {
     seed: u64,
     /// Prove the range of the arm's inertia over all postures of the joints' travel and all payloads of the study, as
     /// far as it comes in so many seconds: within 50 % of what was searched, then within 19, 9, 4, 2 and 0.5 %.
-    #[arg(long, value_name = "SECONDS", num_args = 0..=1, default_missing_value = "60", requires = "study")]
+    #[arg(long, value_name = "SECONDS", num_args = 0..=1, default_missing_value = "60", value_parser = positive,
+        requires = "study")]
     prove_range: Option<f64>,
     /// Check the record of a run: its files, its figures, and its gains against its study.
     #[arg(long, value_name = "FOLDER")]

@@ -122,3 +122,20 @@ fn the_range_of_inertia_is_proved_over_all_postures() {
     assert_eq!(range["inside_window"], true, "{range}");
     assert_eq!(range["proof"]["high"], proved["high"], "the same proof: {range}");
 }
+
+#[test]
+fn a_time_for_a_proof_is_a_number_above_zero() {
+    let folder = folder("prove-range-time");
+    fs::write(folder.join("two.toml"), STUDY).unwrap();
+    for time in ["NaN", "0", "soon", "inf"] {
+        let option = format!("--prove-range={time}");
+        for words in [
+            &["verify", "two.json", "--study", "two.toml", &option][..],
+            &["design", "two.toml", "--out", "two.json", &option],
+        ] {
+            let answer = phihat(&folder, words);
+            assert_eq!(answer.code, 2, "{words:?}: {}", answer.err);
+            assert!(answer.err.contains("it must be a number above 0"), "{}", answer.err);
+        }
+    }
+}
