@@ -28,6 +28,9 @@ const SOURCE: &str = "docs/book/src";
 const HTML: &str = "target/book/html";
 const SCRATCH: &str = "target/book/run";
 
+/// The scratch folders of pages' Python, apart: the gate runs both at once, and each begins by emptying its own.
+const SCRATCH_PYTHON: &str = "target/book/python";
+
 /// The version that is installed where there is none: built from source, as its authors publish it.
 const MDBOOK: &str = "0.5.4";
 
@@ -322,7 +325,8 @@ fn run(root: &Path, page: &Path, part: PagePart<'_>, program: &Path) -> Result<(
         return Ok(());
     }
     println!("{}", page.display());
-    let folder = root.join(SCRATCH).join(page.with_extension(""));
+    let scratch = if matches!(part, PagePart::Python(..)) { SCRATCH_PYTHON } else { SCRATCH };
+    let folder = root.join(scratch).join(page.with_extension(""));
     if folder.exists() {
         fs::remove_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     }
