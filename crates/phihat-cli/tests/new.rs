@@ -107,6 +107,11 @@ fn a_first_motion_narrows_what_was_estimated() {
     write(&folder, "two.urdf", &urdf("effort=\"60\"", false));
     let first = json(&folder, &["new", "two.urdf", "--json"]);
     assert_eq!(first["exit_code"], 0, "{first:#}");
+    // What is promised is what the check prints: gains of that study keep its error by both derivations.
+    let designed = phihat(&folder, &["design", "two.toml", "--out", "two.json"]);
+    assert_eq!(designed.code, 0, "{}{}", designed.out, designed.err);
+    let verified = phihat(&folder, &["verify", "two.json", "--study", "two.toml"]);
+    assert_eq!(verified.code, 0, "{}{}", verified.out, verified.err);
     let moved =
         phihat(&folder, &["drive", "two.toml", "--on", "sim", "--first-motion", "--out", "moved"]);
     assert_eq!(moved.code, 0, "{}{}", moved.out, moved.err);

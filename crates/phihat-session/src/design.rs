@@ -9,9 +9,10 @@ use phihat_sim::Trace;
 use phihat_study::{InertiaSource, PhiSource, Study};
 use phihat_synthesis::{
     Advice, BudgetSearch, Recording, Recordings, Steps, SynthesisError, SynthesisOptions,
-    synthesize, synthesize_in_steps,
+    synthesize_in_steps,
 };
 
+use crate::confirmed::confirmed;
 use crate::error::SessionError;
 use crate::files;
 use crate::origin::trace_at;
@@ -64,7 +65,7 @@ pub fn designed(study: &Study, path: &Path) -> Result<Outcome, SessionError> {
     designed_for(study, &arm(study, path)?, path, Advice::Clauses)
 }
 
-/// Gains for a study and its arm; see [`synthesize`]. `path` stands for the study in messages.
+/// Gains for a study and its arm; see [`phihat_synthesis::synthesize()`]. `path` stands for the study in messages.
 ///
 /// # Errors
 ///
@@ -89,9 +90,7 @@ pub fn designed_in_steps(
     path: &Path,
     (advice, steps): (Advice, Steps<'_>),
 ) -> Result<Outcome, SessionError> {
-    let options = SynthesisOptions { advice, beyond_drives: false };
-    let recordings = recordings(study)?;
-    synthesize_in_steps(study, (arm, &recordings), options, steps).map_err(|why| at(path, why))
+    found(study, arm, path, (SynthesisOptions { advice, beyond_drives: false }, steps))
 }
 
 /// As [`designed_for`], of a motion that the drives are known to bear or that shall go beyond them.
@@ -101,7 +100,21 @@ pub(crate) fn designed_beyond(
     path: &Path,
 ) -> Result<Outcome, SessionError> {
     let options = SynthesisOptions { advice: Advice::Clauses, beyond_drives: true };
-    synthesize(study, arm, &recordings(study)?, options).map_err(|why| at(path, why))
+    found(study, arm, path, (options, Steps::UNHEARD))
+}
+
+/// The outcome of a synthesis whose bounds the second derivation confirms, where there is one.
+fn found(
+    study: &Study,
+    arm: &Arm,
+    path: &Path,
+    (options, steps): (SynthesisOptions, Steps<'_>),
+) -> Result<Outcome, SessionError> {
+    let recordings = recordings(study)?;
+    let synthesize = |own: &Study| synthesize_in_steps(own, (arm, &recordings), options, steps);
+    let outcome =
+        synthesize(study).and_then(|outcome| confirmed(study, outcome, steps, &synthesize));
+    outcome.map_err(|why| at(path, why))
 }
 
 /// Error budget of a study; see [`phihat_synthesis::budget`].

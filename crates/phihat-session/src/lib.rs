@@ -17,6 +17,7 @@ mod audit;
 mod begin;
 mod budget;
 mod check;
+mod confirmed;
 mod design;
 mod dice;
 pub mod disk;

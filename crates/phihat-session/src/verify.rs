@@ -349,7 +349,8 @@ pub fn tube_standing(gains: &Gains) -> Option<BoundStanding> {
     BoundStanding::of(&joints.collect::<Vec<_>>(), Verdict::NotProved, gains)
 }
 
-fn derived_tube(
+/// The tube of gains for a study that they complete, derived again; `None`: they have none, or the study no motion.
+pub(crate) fn derived_tube(
     (gains, certificate): (&Gains, &Certificate),
     study: &Study,
     share: &(dyn Fn(f64) + Sync),

@@ -33,7 +33,7 @@ impl<'a> Steps<'a> {
     /// # Errors
     ///
     /// [`SynthesisError::Cancelled`], if the listener ends the synthesis.
-    pub(crate) fn begin(self, what: &str) -> Result<(), SynthesisError> {
+    pub fn begin(self, what: &str) -> Result<(), SynthesisError> {
         match (self.begins)(what) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(SynthesisError::Cancelled),

@@ -348,7 +348,9 @@ impl<'a> BeginStudy<'a> {
         };
         let beyond = share_of_tube(&study, &gains);
         if beyond.is_nan() || beyond > 1.0 {
-            let refused = gains.certificate.as_ref().and_then(|c| c.tube_refused.clone());
+            let certificate = gains.certificate.as_ref();
+            let refused = certificate
+                .and_then(|own| own.tube_refused.clone().or_else(|| own.unproved.first().cloned()));
             let why = refused.unwrap_or_else(|| format!("the tube goes beyond it by {beyond:.2}"));
             return Ok(ErrorOutcome::Beyond(why, beyond));
         }
