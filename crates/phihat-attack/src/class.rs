@@ -13,7 +13,7 @@ use crate::run::{NoRun, run};
 pub struct ClassRuns {
     /// Runs that were made.
     pub runs: u64,
-    /// Runs that left a bound of error, velocity error or torque step.
+    /// Runs that left a bound of error, velocity error, torque step or torque.
     pub outside: u64,
     /// Largest `|e|` of each joint over its bound.
     pub errors: Vec<f64>,
@@ -21,14 +21,16 @@ pub struct ClassRuns {
     pub velocities: Vec<f64>,
     /// Largest change of torque per sample of each joint over its bound.
     pub steps: Vec<f64>,
+    /// Largest commanded torque of each joint over its bound.
+    pub torques: Vec<f64>,
     /// Seeds of the runs that left a bound.
     pub broken: Vec<u64>,
 }
 
 impl ClassRuns {
-    /// The least of bound over measured, over joints: errors, velocity errors, torque steps.
-    pub fn least(&self) -> [f64; 3] {
-        [&self.errors, &self.velocities, &self.steps]
+    /// The least of bound over measured, over joints: errors, velocity errors, torque steps, torques.
+    pub fn least(&self) -> [f64; 4] {
+        [&self.errors, &self.velocities, &self.steps, &self.torques]
             .map(|list| 1.0 / list.iter().copied().fold(f64::MIN_POSITIVE, f64::max))
     }
 
@@ -38,6 +40,7 @@ impl ClassRuns {
             (&mut self.errors, &other.errors),
             (&mut self.velocities, &other.velocities),
             (&mut self.steps, &other.steps),
+            (&mut self.torques, &other.torques),
         ];
         for (own, other) in lists {
             own.resize(other.len().max(own.len()), 0.0);
@@ -52,7 +55,7 @@ impl ClassRuns {
 
     /// One run with its judgement: outside where it was lost, or a share is beyond 1 or is no number.
     pub(crate) fn judged(mut self, lost: bool, seed: u64) -> Self {
-        let lists = [&self.errors, &self.velocities, &self.steps];
+        let lists = [&self.errors, &self.velocities, &self.steps, &self.torques];
         let beyond = |share: &f64| share.is_nan() || *share > 1.0;
         if lost || lists.iter().any(|list| list.iter().any(beyond)) {
             self.outside = 1;
@@ -93,6 +96,8 @@ pub fn class_run(
         found.velocities.push(velocity / bound.velocity_error_bound_rad_s[i]);
         let step = outcome.told_step_max.get(i).copied().unwrap_or(0.0);
         found.steps.push(step / (changes * bound.torque_step_nm[i]));
+        let torque = outcome.told_max.get(i).copied().unwrap_or(0.0);
+        found.torques.push(torque / bound.torque_nm[i]);
     }
     Ok(found.judged(lost, seed))
 }

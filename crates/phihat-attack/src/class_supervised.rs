@@ -64,6 +64,7 @@ pub fn hostile_run(
         errors: zero(),
         velocities: zero(),
         steps: zero(),
+        torques: zero(),
         ..ClassRuns::default()
     };
     let mut tau = zero();
@@ -89,6 +90,7 @@ pub fn hostile_run(
                 (at.dq - reference.dq).abs() / bound.velocity_error_bound_rad_s[i],
             );
             more(&mut found.steps, (tau[i] - before[i]).abs() / bound.torque_step_nm[i]);
+            more(&mut found.torques, tau[i].abs() / bound.torque_nm[i]);
         }
         before.copy_from_slice(&tau);
     }

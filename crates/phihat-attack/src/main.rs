@@ -139,9 +139,10 @@ fn attack_class(
     for part in all? {
         found.and(&part);
     }
-    let [error, velocity, step] = found.least();
+    let [error, velocity, step, torque] = found.least();
     println!(
-        "{} runs, {} outside; bound over measured at least {error:.2} (|e|), {velocity:.2} (|ė|), {step:.2} (|Δτ|)",
+        "{} runs, {} outside; bound over measured at least {error:.2} (|e|), {velocity:.2} (|ė|), {step:.2} (|Δτ|), \
+         {torque:.2} (|τ|)",
         found.runs, found.outside
     );
     if !found.broken.is_empty() {

@@ -311,7 +311,7 @@ impl ClassSetting<'_> {
         let inverse = crate::coupled::inverse(&dynamics.mass, self.n)?;
         let sums = PlayedSums::at(loops, (&dynamics, &inverse), (self.period, self.rows))?;
         let sizes = |m: &crate::Matrix| m.iter().flatten().map(|x| x.abs()).collect();
-        Ok(PlayedPosture { sums, mass: sizes(&dynamics.mass), inverse: sizes(&inverse) })
+        Ok(PlayedPosture { sums, inverse: sizes(&inverse) })
     }
 
     /// Maxima of derivatives over the postures, with their margin.

@@ -4,7 +4,7 @@ use super::bends::ClassBends;
 use super::maxima::Maxima;
 use super::setting::{CLAIM, ClassSetting, SAME};
 use super::sums::{
-    AGED, BEGUN, E, EDGE, FREE, IMPULSE, JUMP_BENT, KINDS, LASTING, LOST, LOST_BEFORE, PlayedSums,
+    ACTS, AGED, BEGUN, E, EDGE, IMPULSE, JUMP_BENT, KINDS, LASTING, LOST, LOST_BEFORE, PlayedSums,
     RAMP, READING, SLOPE, SLOPE_AGED, SLOPE_BENT, STEP, SquareBlock, TORQUE, V,
 };
 use crate::Refutation;
@@ -23,8 +23,7 @@ const GIVEN_UP: f64 = 2.0;
 /// The sums at a posture with its matrices.
 pub(super) struct PlayedPosture {
     pub(super) sums: PlayedSums,
-    /// `|M|` and `|M^{-1}|`.
-    pub(super) mass: SquareBlock,
+    /// `|M^{-1}|`.
     pub(super) inverse: SquareBlock,
 }
 
@@ -355,17 +354,11 @@ impl BoundProblem<'_> {
     /// The largest torque: of the motion and of smooth friction along it, and what the law adds to that.
     fn torques(
         &self,
-        (all, maps): (&[PlayedPosture], &[PostureMaps]),
+        played: (&[PlayedPosture], &[PostureMaps]),
         at: (&[BoundInputs], AtBounds<'_>),
     ) -> Vec<f64> {
-        let (setting, maxima, n) = (self.setting, self.maxima, self.setting.n);
-        let mut most = vec![0.0; n];
-        for pair in all.iter().zip(maps) {
-            let free = self.output(pair, FREE, at, LOST);
-            for (i, most) in most.iter_mut().enumerate() {
-                *most = larger(*most, along(&pair.0.mass, i, &free));
-            }
-        }
+        let (setting, maxima) = (self.setting, self.maxima);
+        let mut most = self.most(played, ACTS, at);
         for (i, most) in most.iter_mut().enumerate() {
             let start = self.start.0.get(i).copied().unwrap_or(0.0);
             // Where the part in the acceleration is a force, the law's answer to it stands in its place.

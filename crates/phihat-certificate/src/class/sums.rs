@@ -16,12 +16,16 @@ const RESTED: f64 = 1e-10;
 /// Largest share of the answer to an impulse, summed, that a torque which goes on may leave by rounding.
 const FADED: f64 = 1e-6;
 
-/// Outputs: `e`, `ė`, change of the commanded torque, `ë` without the force itself.
+/// Outputs: `e`, `ė`, change of the commanded torque, torque that acts, `ë` without the force itself.
 pub(super) const E: usize = 0;
 pub(super) const V: usize = 1;
 pub(super) const STEP: usize = 2;
-pub(super) const FREE: usize = 3;
-pub(super) const KINDS: usize = 4;
+pub(super) const ACTS: usize = 3;
+const FREE: usize = 4;
+pub(super) const KINDS: usize = 5;
+
+/// Output of a played run that each is, and by how much its sizes grow as it sees two samples.
+const SEEN: [(usize, f64); KINDS] = [(0, 1.0), (1, 1.0), (3, 2.0), (4, 1.0), (2, 1.0)];
 
 /// Sums by size: `∫|g|`, `∫ age |g|`, `T Σ|γ|`, `Σ age T|γ|`, `Σ ½ age² T|γ|`, `Σ age |δ|`, `Σ ½ age² |δ|`, `∫|G|`,
 /// `Σ|n|`.
@@ -69,14 +73,16 @@ struct WeightBlocks {
     once: SquareBlock,
     gravity: SquareBlock,
     inverse: SquareBlock,
+    identity: SquareBlock,
 }
 
 impl WeightBlocks {
     fn of(dynamics: &Dynamics, inverse: &Matrix) -> Self {
+        let n = dynamics.n;
         let side = |of: &dyn Fn(usize) -> Matrix| -> SquareBlock {
-            let all: Vec<Matrix> = (0..dynamics.n).map(of).collect();
+            let all: Vec<Matrix> = (0..n).map(of).collect();
             let row = |l: usize| all.iter().flat_map(move |m| m[l].iter().copied());
-            (0..dynamics.n).flat_map(row).collect()
+            (0..n).flat_map(row).collect()
         };
         Self {
             slopes: side(&|c| dynamics.slopes[c].clone()),
@@ -84,6 +90,19 @@ impl WeightBlocks {
             once: side(&|c| dynamics.less(c, 1.0)),
             gravity: dynamics.gravity.iter().flatten().copied().collect(),
             inverse: inverse.iter().flatten().copied().collect(),
+            identity: (0..n * n).map(|k| if k / n == k % n { 1.0 } else { 0.0 }).collect(),
+        }
+    }
+}
+
+impl WeightBlocks {
+    /// What a torque that goes on would do by itself: to `ë` what it does at once, and of the torque that acts what
+    /// opposes it in the end; entry `at` of a square.
+    fn at_once(&self, o: usize, at: usize) -> f64 {
+        match o {
+            FREE => self.inverse[at],
+            ACTS => self.identity[at],
+            _ => 0.0,
         }
     }
 }
@@ -206,7 +225,7 @@ impl PlayedSums {
             }
             played.step(|i, run, outputs: &[f64; OUTPUTS]| {
                 let change = outputs[3] - core::mem::replace(&mut commands[i][run], outputs[3]);
-                let values = [outputs[0], outputs[1], change, outputs[2]];
+                let values = [outputs[0], outputs[1], change, outputs[4], outputs[2]];
                 let (set, at) = (run / n, i * n + run % n);
                 let into = match set {
                     0 => &mut now.kick,
@@ -266,7 +285,7 @@ impl PlayedSums {
                 }
                 self.interval((o, sample - 1), (&now.kick[o], &slope), before, (blocks, t));
             }
-            if o != FREE {
+            if o < ACTS {
                 self.products(o, sample, (&now.kick[o], &slope), before, (blocks, t));
             }
             before.slope[o].copy_from_slice(&slope);
@@ -284,7 +303,9 @@ impl PlayedSums {
         (blocks, t): (&WeightBlocks, f64),
     ) {
         let sizes = &mut self.sizes[o];
-        let age = m as f64 * t;
+        // What acts is that of the last sample, up to a sample later.
+        let held = if o == ACTS { t } else { 0.0 };
+        let age = m as f64 * t + held;
         // Between two samples every age is up to a sample more, and each interval shares two slopes.
         let bent = if o == E { age + 0.5 * t } else { age + t };
         for at in 0..node.len() {
@@ -300,13 +321,16 @@ impl PlayedSums {
             sizes[JUMP_BENT][at] += 0.5 * bent * bent * jump.abs();
             sizes[EDGE][at] = larger(sizes[EDGE][at], (age + 2.0 * t) * size);
             // A torque that goes on: off its chord by T²/12 times the slope in the mean, by T²/8 times it at most.
-            let free = if o == FREE { blocks.inverse[at] } else { 0.0 };
+            let free = blocks.at_once(o, at);
             let last = before.whole[o][at] + free;
             let next = last + 0.5 * t * (a + b);
             before.whole[o][at] = next - free;
             sizes[RAMP][at] += t * straight(last, next) + t * t * t / 12.0 * size;
             let lasting = larger(last.abs(), next.abs()) + t * t / 8.0 * size;
             sizes[LASTING][at] = larger(sizes[LASTING][at], lasting);
+            if m == 0 {
+                sizes[RAMP][at] += held * free;
+            }
         }
     }
 
@@ -377,7 +401,7 @@ impl PlayedSums {
     ) {
         let n = self.n;
         for o in 0..KINDS {
-            let (output, twice) = [(0, 1.0), (1, 1.0), (3, 2.0), (2, 1.0)][o];
+            let (output, twice) = SEEN[o];
             for at in 0..n * n {
                 let sizes: Vec<f64> = others.iter().map(|own| own[o][at].abs()).collect();
                 let rest = twice * decay.rest((at / n, output), samples)[0];
@@ -442,7 +466,7 @@ impl PlayedSums {
         let runs: Vec<f64> = (0..4 * n).map(|run| recent.sum(run)).collect();
         for o in 0..KINDS {
             // A change per sample sees two samples; ë is the third output that is played.
-            let (output, twice) = [(0, 1.0), (1, 1.0), (3, 2.0), (2, 1.0)][o];
+            let (output, twice) = SEEN[o];
             for i in 0..n {
                 let rest = decay.rest((i, output), samples).map(|rest| twice * rest);
                 for j in 0..n {
@@ -450,8 +474,7 @@ impl PlayedSums {
                     let kick = rest.map(|rest| rest * runs[j]);
                     let torque = t * kick[0];
                     self.after(o, at, kick, t);
-                    let left =
-                        before.whole[o][at] + if o == FREE { blocks.inverse[at] } else { 0.0 };
+                    let left = before.whole[o][at] + blocks.at_once(o, at);
                     let scale = larger(self.sizes[o][TORQUE][at], self.sizes[o][TORQUE][i * n + i]);
                     let fades = left.abs() <= torque + FADED * scale;
                     Refutation::unless(
@@ -477,7 +500,9 @@ impl PlayedSums {
                 }
             }
         }
-        late[FREE] = [JUMP_AGED, SLOPE, SLOPE_AGED, TORQUE].map(|k| self.sizes[FREE][k].clone());
+        for o in [ACTS, FREE] {
+            late[o] = [JUMP_AGED, SLOPE, SLOPE_AGED, TORQUE].map(|k| self.sizes[o][k].clone());
+        }
         let [own @ .., free] = &mut self.sizes;
         let eighth = t * t / 8.0;
         for (own, free) in own[E].iter_mut().zip(free.iter()) {

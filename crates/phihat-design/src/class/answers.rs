@@ -1,6 +1,6 @@
 //! Sums over the responses of all joints that answer, side by side, sample by sample.
 
-use super::joint_sums::{E, FREE, JointSums, KINDS, RowSums, STEP, V};
+use super::joint_sums::{ACTING, E, FREE, JointSums, KINDS, RowSums, STEP, V, withstood};
 use super::moving_sums::MovingSums;
 use super::rows::LossSums;
 use super::starts::StartSizes;
@@ -13,8 +13,11 @@ type WideAnswers = [Vec<Wide>; KINDS];
 /// Sums of up to [`WIDE`] joints that answer, up to the last sample.
 pub(super) struct WideSums<'a> {
     moving: &'a MovingSums,
-    /// `M^{-1}`, rows of these joints, by column.
+    /// First of these joints.
+    first: usize,
+    /// `M^{-1}`, and the identity, rows of these joints, by column.
     inverse: Vec<Wide>,
+    identity: Vec<Wide>,
     period: f64,
     /// Samples after which products are bounded by products of sizes.
     long: usize,
@@ -64,7 +67,9 @@ impl<'a> WideSums<'a> {
         };
         Self {
             moving,
+            first,
             inverse: (0..n).map(row).collect(),
+            identity: (0..n).map(|j| Lane::of(|c| withstood(ACTING, first + c == j))).collect(),
             period,
             long,
             node: None,
@@ -141,12 +146,14 @@ impl<'a> WideSums<'a> {
                 let mut net = self.whole[o][j];
                 if o == FREE {
                     net.add_scaled(1.0, &self.inverse[j]);
+                } else if o == ACTING {
+                    net.add_scaled(1.0, &self.identity[j]);
                 }
                 let net = net.size();
                 self.ramp[o][j].add_scaled(weight, &net);
                 self.lasting[o][j] = self.lasting[o][j].larger(&net);
                 self.impulse[o][j] = self.impulse[o][j].larger(&size);
-                if !early || o == FREE {
+                if !early || o >= ACTING {
                     self.late_torque[o][j].add_scaled(1.0, &part);
                 }
                 if o == E {
@@ -177,8 +184,10 @@ impl<'a> WideSums<'a> {
                 self.slope[o][j].add_scaled(t, &size);
                 if o != E {
                     self.bent[o][j].add_scaled(bend, &size);
-                    if o == FREE || !early {
-                        self.late_age[o][j].add_scaled(older * t, &size);
+                    if o >= ACTING || !early {
+                        // What acts is that of the sample, up to a sample later.
+                        let held = if o == ACTING { t } else { 0.0 };
+                        self.late_age[o][j].add_scaled((older + held) * t, &size);
                     }
                 }
                 if o == FREE {
@@ -238,6 +247,7 @@ impl<'a> WideSums<'a> {
         let each = |own: &WideAnswers| core::array::from_fn(|o| list(&own[o]));
         JointSums {
             n,
+            joint: self.first + c,
             period: self.period,
             whole: each(&self.whole),
             torque: each(&self.torque),

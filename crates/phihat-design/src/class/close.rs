@@ -6,7 +6,7 @@ use super::effect::{ClassEffect, ClassInputs};
 use super::extent::{Bent, ClassPaceLimits, Rates};
 use super::imperfect::{LossSpan, cogging};
 use super::scene::ClassScene;
-use super::sums::{E, FREE, KINDS, PostureSums, STEP, V};
+use super::sums::{ACTING, E, KINDS, PostureSums, STEP, V};
 use crate::square::product;
 
 /// Iterations at most.
@@ -524,29 +524,20 @@ impl<'a> Problem<'a> {
         [list(E, &closed.at), list(STEP, &closed.steepest)]
     }
 
-    /// The largest torque of each joint: of the motion, of friction, and of the error.
+    /// The largest torque of each joint: of the motion with its smooth friction, and the answer of the torque that acts
+    /// to all else. Cogging and the start's imbalance, whose answers are bounded beside what they ask for, count twice.
     fn torques(
         &self,
-        (all, maps): (&[PostureSums], &[Maps]),
+        summed: (&[PostureSums], &[Maps]),
         at: (&ClassInputs, &ClosedBounds),
     ) -> Vec<f64> {
-        let (scene, n, velocity) = (self.scene, self.scene.n, &at.1.velocity);
-        let mut most = vec![0.0_f64; n];
-        for (sums, maps) in all.iter().zip(maps) {
-            let free = self.output((sums, maps), FREE, at);
-            let mut own = vec![0.0; n];
-            let mass: Vec<f64> = sums.mass.iter().map(|x| x.abs()).collect();
-            add(&mut own, &mass, &free);
-            for (most, own) in most.iter_mut().zip(own) {
-                *most = larger(*most, own);
-            }
-        }
+        let scene = self.scene;
+        let mut most: Vec<f64> =
+            self.most(summed, ACTING, at).into_iter().map(|(x, _)| x).collect();
         for (i, most) in most.iter_mut().enumerate() {
-            let friction =
-                scene.dry[i] + self.sliding(i, velocity) + scene.slope[i] * self.pace.v[i];
-            let friction = friction + cogging(&scene.signals, i, 0.0)[0];
-            let added = scene.period * self.moved_gravity(i, velocity);
-            *most += self.rates.torque[i] + friction + 2.0 * self.held(i) + scene.start[i] + added;
+            let motion = self.rates.torque[i] + scene.slope[i] * self.pace.v[i];
+            let cogging = cogging(&scene.signals, i, 0.0)[0];
+            *most += motion + 2.0 * self.held(i) + cogging + scene.start[i];
             // Where the part in the acceleration is a force, the law's answer to it stands in its place.
             *most += self.rates.size[i];
         }

@@ -6,11 +6,13 @@ use super::refusal::ClassRefusal;
 use super::slopes::Slopes;
 use crate::coupled::linear::LEFT;
 
-/// Outputs: `e`, `ė`, change of the commanded torque per sample, `ë` without the force itself.
+/// Outputs: `e`, `ė`, change of the commanded torque per sample, commanded torque that acts, `ë` without the force
+/// itself.
 pub(super) const E: usize = 0;
 pub(super) const V: usize = 1;
 pub(super) const STEP: usize = 2;
-pub(super) const FREE: usize = 3;
+pub(super) const ACTING: usize = 3;
+pub(super) const FREE: usize = 4;
 pub(super) use crate::coupled::abreast::KINDS;
 
 /// Largest share of a sum over time that its tail may be: rounding of the step response.
@@ -44,6 +46,8 @@ impl RowSums {
 /// Sums of one joint that answers.
 pub(super) struct JointSums {
     pub(super) n: usize,
+    /// The joint.
+    pub(super) joint: usize,
     pub(super) period: f64,
     /// Step responses.
     pub(super) whole: AnswerMatrices,
@@ -69,6 +73,11 @@ pub(super) struct JointSums {
     pub(super) late_torque: AnswerMatrices,
     /// `Σ (2 age + T) T|α|` and `T Σ|α|`, `α` the `ë` of `g'`: what lies between samples.
     pub(super) chords: [Vec<f64>; 2],
+}
+
+/// Part of a torque that goes on which the torque that acts opposes in the end; of no other output.
+pub(super) fn withstood(output: usize, own_joint: bool) -> f64 {
+    if output == ACTING && own_joint { 1.0 } else { 0.0 }
 }
 
 /// Remainder of the sums of one joint that answers, of torque and reading, per joint on which they act.
@@ -108,7 +117,7 @@ impl JointSums {
                     continue;
                 }
                 // A step response that does not fade: Σ|G| does not end.
-                let left = self.whole[o][j].abs();
+                let left = (self.whole[o][j] + withstood(o, i == j)).abs();
                 let scale = self.torque[o][j].max(self.torque[o][i]);
                 if left > torque + FADED * scale {
                     return Err(ClassRefusal::NoIntegrator { joint: i + 1 });
@@ -132,6 +141,8 @@ impl JointSums {
                 self.lasting[o][j] += t / 8.0 * self.slope[o][j];
             }
         }
+        // What acts stays over a sample, in which a torque with a rate goes on.
+        self.ramp[ACTING][self.joint] += t;
         for c in 0..n {
             let (dm, coriolis) = (&slopes.dm[c], slopes.coriolis(c));
             for l in 0..n {

@@ -4,7 +4,7 @@ use phihat_certificate::Refutation;
 
 use super::answers::WideSums;
 use super::joint_sums::JointTails;
-pub(super) use super::joint_sums::{AnswerMatrices, E, FREE, JointSums, KINDS, RowSums, STEP, V};
+pub(super) use super::joint_sums::{ACTING, AnswerMatrices, E, JointSums, KINDS, RowSums, STEP, V};
 use super::moving_sums::MovingSums;
 use super::refusal::ClassRefusal;
 use super::rows::LossSums;
@@ -21,7 +21,6 @@ pub(super) struct PostureSums {
     pub(super) q: Vec<f64>,
     pub(super) case: usize,
     pub(super) inverse: Vec<f64>,
-    pub(super) mass: Vec<f64>,
     /// Γ from a torque of any course; `e` at all times, like those that follow.
     pub(super) torque: AnswerMatrices,
     /// Γ from the rate of a torque.
@@ -75,7 +74,6 @@ impl PostureSums {
             q: q.to_vec(),
             case,
             inverse: flat,
-            mass: slopes.mass.clone(),
             torque: each(),
             ramp: each(),
             reading: each(),

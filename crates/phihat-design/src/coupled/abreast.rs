@@ -6,16 +6,16 @@ use super::linear::{CHANGES, Linear, OUTPUTS, SumHorizon, norm_inf};
 use crate::lanes::{Lane, WIDE, add_size};
 
 /// Number of outputs.
-pub(crate) const KINDS: usize = 4;
+pub(crate) const KINDS: usize = 5;
 
 /// Place of each output among those of [`Linear`].
-const PLACES: [usize; KINDS] = [0, 1, CHANGES[0], 2];
+const PLACES: [usize; KINDS] = [0, 1, CHANGES[0], CHANGES[1], 2];
 
 /// Place of the output that is a change from sample to sample.
 const CHANGE: usize = 2;
 
 /// Outputs of up to [`WIDE`] joints side by side: `e` \[rad\], `ė` \[rad/s\], change of the commanded torque
-/// \[N·m\], `ë` without the push itself \[rad/s²\].
+/// \[N·m\], commanded torque that acts \[N·m\], `ë` without the push itself \[rad/s²\].
 pub(crate) type WideKinds = [Lane<WIDE>; KINDS];
 
 /// Outputs of no joint.
