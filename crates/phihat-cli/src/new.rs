@@ -44,7 +44,7 @@ pub(crate) struct New {
     /// The study to write [default: NAME.toml, of the arm's name].
     #[arg(long, value_name = "STUDY.toml")]
     out: Option<PathBuf>,
-    /// Heaviest payload at the tip, which the run carries.
+    /// Heaviest payload, centred within 10 cm of the tip along each axis; the run carries it at the tip.
     #[arg(long, value_name = "KG", value_parser = not_negative)]
     payload: Option<f64>,
     /// Largest error of a joint [default: the smallest that can be promised, with a margin].

@@ -155,6 +155,8 @@ fn a_first_motion_narrows_what_was_estimated() {
     assert!(promised > 1.5 * 3.3, "{promised}");
     let second = json(&folder, &["new", arm, "--error", less, "--json"]);
     assert_eq!(second["exit_code"], 0, "{second:#}");
+    // Where no laws keep this and no less, stiffer ones do.
+    assert!(second["error_bound_rad"][0].as_f64().unwrap() <= 3.3e-3, "{second:#}");
 }
 
 /// The same gains with every rotor at either end of its interval.

@@ -525,7 +525,8 @@ impl<'a> Problem<'a> {
     }
 
     /// The largest torque of each joint: of the motion with its smooth friction, and the answer of the torque that acts
-    /// to all else. Cogging and the start's imbalance, whose answers are bounded beside what they ask for, count twice.
+    /// to all else. Cogging and the start's imbalance, whose answers are bounded beside what they ask for, count twice; a
+    /// torque that acts in place of a lost command deviates from it.
     fn torques(
         &self,
         summed: (&[PostureSums], &[Maps]),
@@ -537,7 +538,7 @@ impl<'a> Problem<'a> {
         for (i, most) in most.iter_mut().enumerate() {
             let motion = self.rates.torque[i] + scene.slope[i] * self.pace.v[i];
             let cogging = cogging(&scene.signals, i, 0.0)[0];
-            *most += motion + 2.0 * self.held(i) + cogging + scene.start[i];
+            *most += motion + 2.0 * self.held(i) + cogging + scene.start[i] + at.0.deviation[i];
             // Where the part in the acceleration is a force, the law's answer to it stands in its place.
             *most += self.rates.size[i];
         }

@@ -251,15 +251,13 @@ impl<'a> BeginStudy<'a> {
                 }
                 ErrorOutcome::Kept(kept) => return Ok(self.found(error, Some(kept), None)),
                 ErrorOutcome::Never(why) => return Ok(self.infeasible(error, why)),
-                ErrorOutcome::No(no) if fixed.is_some() => {
-                    return Ok(self.infeasible(error, no.to_string()));
-                }
-                ErrorOutcome::Beyond(why, _) if fixed.is_some() => {
-                    return Ok(self.infeasible(error, why));
-                }
                 ErrorOutcome::Beyond(why, by) => (why, by.clamp(1.1, 4.0)),
                 ErrorOutcome::No(no) => (no.to_string(), MORE),
             };
+            if fixed.is_some() {
+                let stiffer = self.by_stiffer_laws(error, out, step)?;
+                return Ok(stiffer.unwrap_or_else(|| self.infeasible(error, why)));
+            }
             last = Some(why);
             if error >= self.stands_still() || round == ROUNDS {
                 break;
@@ -276,6 +274,29 @@ impl<'a> BeginStudy<'a> {
         let why =
             last.map_or_else(|| tried.clone(), |last| format!("{tried}; the last try: {last}"));
         Ok(self.infeasible(error, why))
+    }
+
+    /// A smaller error that is kept where this one is not: bounds of softer laws may be wider than these laws are soft.
+    fn by_stiffer_laws(
+        &mut self,
+        asked: f64,
+        out: &Path,
+        step: &mut dyn FnMut(&str),
+    ) -> Result<Option<BeginResult>, SessionError> {
+        let mut error = asked;
+        for _ in 0..LESS_ROUNDS {
+            error = two_digits(FORM_CHOSEN * error);
+            step(&format!("stiffer laws, for an error of {:.3} mrad, and runs", 1e3 * error));
+            if let ErrorOutcome::Kept(kept) = self.in_either_form(error, out)? {
+                self.notes.push(format!(
+                    "no laws were found that keep {:.3} mrad and no less; those of this study keep {:.3} mrad",
+                    1e3 * asked,
+                    1e3 * error
+                ));
+                return Ok(Some(self.found(error, Some(kept), None)));
+            }
+        }
+        Ok(None)
     }
 
     /// Gains for an error: of the observer form, and where its tube or a run exceeds the error, of the form that the

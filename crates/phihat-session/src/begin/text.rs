@@ -32,6 +32,10 @@ pub(super) enum Centre<'a> {
     Posture(&'a [f64]),
 }
 
+/// Distance of a payload's centre of mass from the tip along each axis, and its radius of gyration \[m\].
+const PAYLOAD_REACH_M: f64 = 0.1;
+const PAYLOAD_GYRATION_M: f64 = 0.05;
+
 const HEAD: &str = "# A study made by `phihat new`: a first run of this arm, to change step by step.
 # `phihat run THIS FILE` designs gains, proves what can be proved, and simulates. Every key: docs/study.md.";
 
@@ -64,10 +68,10 @@ impl Words<'_> {
         line(format!("error_bound_rad = {}", numbers(self.error)));
         line("\n# What the gains must bear. No gains are stated: `phihat run` finds them.".into());
         line("[design]".into());
-        line(format!(
-            "payload_max_kg = {:?}           # anything from nothing to this, at the tip",
-            self.payload_kg
-        ));
+        self.write_payload(&mut text);
+        let mut line = |words: String| {
+            let _ = writeln!(text, "{words}");
+        };
         line(
             "\n# The control loop: rate, and the samples from measuring to the torque that acts."
                 .into(),
@@ -99,6 +103,29 @@ impl Words<'_> {
         self.write_start(&mut text);
         self.write_reference(&mut text);
         text
+    }
+
+    /// The payload: what a hand holds.
+    fn write_payload(&self, text: &mut String) {
+        let mut line = |words: String| {
+            let _ = writeln!(text, "{words}");
+        };
+        line(format!(
+            "payload_max_kg = {:?}           # anything from nothing to this",
+            self.payload_kg
+        ));
+        if self.payload_kg > 0.0 {
+            let (reach, spread) = (PAYLOAD_REACH_M, PAYLOAD_GYRATION_M);
+            line(format!(
+                "# Its centre of mass within {:.0} cm of the tip along each axis, spread by {:.0} cm about it: assumed, as \
+                 of a thing in a hand. State yours.",
+                100.0 * reach,
+                100.0 * spread
+            ));
+            let side = list(&[-reach, reach]);
+            line(format!("payload_com_m = [{side}, {side}, {side}]"));
+            line(format!("payload_gyration_m = {spread:?}"));
+        }
     }
 
     /// Torque interface, where it is no bare drive's, and the supervisor that a drive needs.

@@ -4,7 +4,9 @@ use phihat::{Form, VelocitySource};
 use phihat_certificate::extremes::Extremes as _;
 use phihat_design::budget::TriedChange;
 use phihat_design::{Gains, Outcome};
-use phihat_study::{AHEAD_MAX, DesignMethod, FeedForward, InertiaSource, Known, Study};
+use phihat_study::{
+    AHEAD_MAX, DesignMethod, FeedForward, InertiaSource, Known, ReferenceRequest, Study,
+};
 
 use super::slower::slower;
 use crate::arm::arm;
@@ -104,9 +106,11 @@ fn shares_of(study: &Study, recordings: &Recordings) -> Option<f64> {
     }
     let bounds = || {
         let allowed = study.spec.error_bound.iter().flatten();
-        let used = allowed.enumerate();
-        used.filter_map(|(i, most)| Some(certificate.own_bounds(i)?.error_bound_rad / most))
-            .largest()
+        let bound = |i: usize| match &certificate.class {
+            Some(class) => class.error_bound_rad.get(i).copied(),
+            None => Some(certificate.own_bounds(i)?.error_bound_rad),
+        };
+        allowed.enumerate().filter_map(|(i, most)| Some(bound(i)? / most)).largest()
     };
     let by_tube = certificate
         .tube
@@ -135,7 +139,12 @@ fn motion(study: &Study) -> Ladder {
     let rung = |factor: &f64| Rung {
         change: format!("the motion {factor} times slower"),
         key: "reference",
-        value: format!("all times × {factor}, frequencies / {factor}"),
+        value: match study.reference {
+            ReferenceRequest::Any { .. } => {
+                format!("speeds / {factor}, accelerations / {factor}², jerks / {factor}³")
+            }
+            _ => format!("all times × {factor}, frequencies / {factor}"),
+        },
         study: slower(study, *factor),
     };
     SLOWER.iter().map(rung).collect()
