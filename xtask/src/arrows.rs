@@ -235,7 +235,8 @@ const CRATES: [CrateRow; 25] = [
             "phihat-study",
             "phihat-synthesis",
         ],
-        "phihat in a browser: tasks and answers as documents, without disk and threads; `page/` the page. Its part for \
+        "phihat in a browser: tasks and answers as documents, without disk and threads; `page/` the page, also in the \
+         place of the book's pictures. Its part for \
          browsers is compiled for `wasm32` alone: `cargo xtask web`",
     ),
     (

@@ -25,7 +25,8 @@ use crate::shown::{in_order, renewed};
 use crate::{programs, tools};
 
 const SOURCE: &str = "docs/book/src";
-const HTML: &str = "target/book/html";
+/// Folder of the book as it is built.
+pub(crate) const HTML: &str = "target/book/html";
 const SCRATCH: &str = "target/book/run";
 
 /// The scratch folders of pages' Python, apart: the gate runs both at once, and each begins by emptying its own.
@@ -35,22 +36,24 @@ const SCRATCH_PYTHON: &str = "target/book/python";
 const MDBOOK: &str = "0.5.4";
 
 /// Figures of the book and of the README: page whose commands make them, study, name.
-const FIGURES: [(&str, &str, &str); 6] = [
+const FIGURES: [(&str, &str, &str); 7] = [
     ("tutorial", "panda_design", "error"),
     ("tutorial", "panda_design", "inertia-window"),
     ("tutorial", "panda_design", "trade-off"),
     ("tutorial", "panda_design", "arm"),
     ("how-to/franka", "panda", "error"),
     ("how-to/franka", "panda_any", "arm"),
+    ("docs/theory/stop", "estop_restart", "tracking"),
 ];
 
-/// Pages whose commands take more than a quarter of a minute: the gate leaves them to `--all`.
-const LONG: [&str; 5] = [
+/// Pages whose commands take more than a quarter of a minute or make figures: the gate leaves them to `--all`.
+const LONG: [&str; 6] = [
     "tutorial.md",
     "how-to/own-arm.md",
     "how-to/franka.md",
     "how-to/export.md",
     "how-to/budget.md",
+    "docs/theory/stop.md",
 ];
 
 /// Documents outside of the book whose links are followed too, beside those of [`THEORY`].
@@ -121,7 +124,8 @@ pub(crate) fn check_long(root: &Path) -> Result<(), String> {
 
 fn checked(root: &Path, chosen: impl Fn(&Path) -> bool) -> Result<(), String> {
     let program = program(root)?;
-    let pages = build(root)?;
+    build(root)?;
+    let pages = pages(root)?;
     links(root, &pages)?;
     pages
         .iter()
@@ -157,7 +161,7 @@ fn stale(what: &str) -> String {
 }
 
 /// Every figure as its page's commands have just drawn it, and as it is kept.
-fn figures(root: &Path) -> [(PathBuf, PathBuf); 6] {
+fn figures(root: &Path) -> [(PathBuf, PathBuf); 7] {
     FIGURES.map(|(page, study, name)| {
         let made = format!("{SCRATCH}/{page}/out/{study}/figures/{name}.svg");
         let kept = format!("{SOURCE}/figures/{study}-{name}.svg");
@@ -175,11 +179,12 @@ fn program(root: &Path) -> Result<PathBuf, String> {
     programs::program(root, "phihat-cli/phihat")
 }
 
-/// Builds the page tree and returns the pages in the order of the summary.
-fn build(root: &Path) -> Result<Vec<PathBuf>, String> {
-    pages_of(root, Path::new("docs/book"), &root.join(HTML))?;
-    copy(&root.join(THEORY).join("figures"), &root.join(HTML).join(THEORY).join("figures"))?;
-    pages(root)
+/// Builds the page tree and returns its folder.
+pub(crate) fn build(root: &Path) -> Result<PathBuf, String> {
+    let html = root.join(HTML);
+    pages_of(root, Path::new("docs/book"), &html)?;
+    copy(&root.join(THEORY).join("figures"), &html.join(THEORY).join("figures"))?;
+    Ok(html)
 }
 
 /// Builds the pages of a book, with the styles and fonts of its formulas.

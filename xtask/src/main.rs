@@ -22,6 +22,7 @@ mod gate;
 mod instructions;
 mod labels;
 mod laws;
+mod live_book;
 mod mutants;
 mod pages;
 mod programs;
@@ -97,7 +98,8 @@ const USAGE: &str = "usage:
                                torque, what
                                `phihat new` and `phihat run` make of them; kept in docs/zoo.md (hours; resumes)
   cargo xtask web [--only-build]
-                               phihat as a page for a browser, target/web/page, tried in Chromium (minutes)
+                               phihat as a page for a browser, target/web/page, and in the book,
+                               target/web/book, tried in Chromium (minutes)
   cargo xtask screenshots [OUT [PAGE …]]
                                pictures of every page, of further ones and of the studio, to be looked at: 1300 and \
                                390 px wide, light,

@@ -1,4 +1,5 @@
-//! `cargo xtask web`: the module and the page for a browser, in `target/web/page`, tried in headless Chromium.
+//! `cargo xtask web`: the module and the page for a browser in `target/web/page`, and the book with them in
+//! `target/web/book`, tried in headless Chromium.
 //!
 //! The module is built for `wasm32-unknown-unknown`. Where the toolchain at hand has that target, it is used; else, on
 //! Debian, a compiler with the source of its standard library is unpacked into `target/web/root`, and nothing is
@@ -10,15 +11,15 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::shell::{command, read, run as run_command, write};
-use crate::{browser, programs};
+use crate::{book, browser, live_book, programs};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
 /// Packages of Debian: a compiler that knows the target, what it is linked to, and the source of the standard library.
 const PACKAGES: [&str; 3] = ["rustc-web", "libstd-rust-web-dev", "rust-web-src"];
 
-/// Studies that the page begins with, their gains designed beside them.
-const STUDIES: [&str; 3] = ["panda", "first", "franka_any"];
+/// Studies that the page begins with and those of the book's pictures, their gains designed beside them.
+const STUDIES: [&str; 5] = ["panda", "first", "franka_any", "panda_design", "estop_restart"];
 
 /// Largest size of all that a visitor loads before the first run, with brotli \[bytes\].
 const SIZE_MAX: u64 = 2_000_000;
@@ -38,10 +39,11 @@ pub(crate) fn run(root: &Path, words: &[String]) -> Result<(), String> {
     parts(root, &page)?;
     studies(root, &page)?;
     sizes(root, &page)?;
+    let together = live_book::put_together(root, &page, &STUDIES)?;
     if only_build {
         return Ok(());
     }
-    tried(root, &page)
+    tried(root, &page, &together)
 }
 
 /// The module, built with the target that the toolchain has, else with Debian's compiler.
@@ -73,8 +75,14 @@ fn sysroot() -> Result<PathBuf, String> {
 fn with_debians_compiler(root: &Path, folder: &Path, cargo: &mut Command) -> Result<(), String> {
     let own = folder.join("root");
     let compiler = own.join("usr/bin/rustc");
-    if !compiler.exists() {
-        unpack(root, folder, &own)?;
+    if !own.exists() {
+        // Whole or absent: unpacked beside its place.
+        let partial = folder.join("root.partial");
+        if partial.exists() {
+            fs::remove_dir_all(&partial).map_err(|e| format!("{}: {e}", partial.display()))?;
+        }
+        unpack(root, folder, &partial)?;
+        fs::rename(&partial, &own).map_err(|e| format!("{}: {e}", own.display()))?;
     }
     let host = host()?;
     let lld = sysroot()?.join("lib/rustlib").join(&host).join("bin/rust-lld");
@@ -134,12 +142,17 @@ fn unpack(root: &Path, folder: &Path, own: &Path) -> Result<(), String> {
         command(root, "dpkg-deb", &["-x", &package, &to])?;
     }
     fs::remove_dir_all(&packed).map_err(|e| format!("{}: {e}", packed.display()))?;
-    // Where cargo looks for the source of the standard library.
+    // Where cargo looks for the source of the standard library; newer packages bring the link themselves.
     let place = own.join("usr/lib/rustlib/src/rust");
+    if place.join("library").exists() {
+        return Ok(());
+    }
     fs::create_dir_all(&place).map_err(|e| format!("{}: {e}", place.display()))?;
     let source = fs::read_dir(own.join("usr/src")).map_err(|e| e.to_string())?.flatten().next();
     let source = source.ok_or("rust-web-src holds no source")?.path().join("library");
-    std::os::unix::fs::symlink(source, place.join("library")).map_err(|e| e.to_string())
+    let inside = source.strip_prefix(own).unwrap_or(&source);
+    std::os::unix::fs::symlink(Path::new("../../../../..").join(inside), place.join("library"))
+        .map_err(|e| e.to_string())
 }
 
 /// JavaScript for the module, by a program of the same version as the module's macros.
@@ -176,7 +189,15 @@ fn studies(root: &Path, page: &Path) -> Result<(), String> {
     for name in STUDIES {
         let study = format!("studies/{name}.toml");
         let out = page.join(format!("studies/{name}.gains.json")).display().to_string();
-        command(root, &program, &["design", &study, "--out", &out, "--quiet"])?;
+        let status = Command::new(&program)
+            .args(["design", &study, "--out", &out, "--quiet"])
+            .current_dir(root)
+            .status()
+            .map_err(|e| format!("{program}: {e}"))?;
+        // 3: gains that are not proved to keep the specification, as those of a run with a stop.
+        if !matches!(status.code(), Some(0 | 3)) {
+            return Err(format!("{study}: design: {status}"));
+        }
         write(&page.join(&study), &read(&root.join(&study))?)?;
     }
     Ok(())
@@ -203,9 +224,14 @@ fn sizes(root: &Path, page: &Path) -> Result<(), String> {
 }
 
 /// The page in Chromium, its runs and gains beside those of the command line.
-fn tried(root: &Path, page: &Path) -> Result<(), String> {
+fn tried(root: &Path, page: &Path, together: &Path) -> Result<(), String> {
     let folder = browser::tools(root)?;
     let native = programs::program(root, "phihat-web/answer")?.display().to_string();
-    let [page, studies] = [page.to_owned(), root.join("studies")].map(|p| p.display().to_string());
-    command(&folder, "node", &["web.mjs", &page, &native, &studies])
+    let [page, together, studies] = [page.to_owned(), together.to_owned(), root.join("studies")]
+        .map(|p| p.display().to_string());
+    command(&folder, "node", &["web.mjs", &page, &native, &studies])?;
+    command(&folder, "node", &["careless.mjs", &page, &studies])?;
+    command(&folder, "node", &["same.mjs", &page, &native, &studies])?;
+    let plain = root.join(book::HTML).display().to_string();
+    command(&folder, "node", &["live.mjs", &together, &plain])
 }

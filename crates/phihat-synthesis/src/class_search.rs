@@ -1,13 +1,14 @@
 //! Gains for every motion of a class: searched by estimates, joint by joint, and judged by the class bound.
 
-use phihat::Form;
 use phihat_certificate::extremes::Extremes as _;
 use phihat_design::{
-    Arm, ClassBound, ClassDemand, ClassRefusal, Clause, Gains, Infeasible, LeastError, Outcome,
-    Phi, PositionSearch, TubeParts, class_bound, class_parts, quick_class_bound, requested_gains,
+    Arm, ClassBound, ClassDemand, ClassRefusal, Clause, Gains, Infeasible, Outcome, Phi,
+    PositionSearch, TubeParts, class_bound, class_parts, quick_class_bound, requested_gains,
 };
-use phihat_study::{ReferenceRequest, Study};
+use phihat_study::Study;
 
+use crate::beyond::BeyondAnyLaw;
+use crate::class_study::in_its_form;
 use crate::error::SynthesisError;
 use crate::judged::ERROR_KEY;
 use crate::steps::Steps;
@@ -43,11 +44,6 @@ const ENOUGH: f64 = 0.9;
 
 /// Largest relative change of a share at which the search has come to rest.
 const STILL: f64 = 0.02;
-
-/// Returns true if a study's reference is a class of motions.
-pub(crate) fn is_class(study: &Study) -> bool {
-    matches!(study.reference, ReferenceRequest::Any { .. })
-}
 
 /// Shares of what is allowed: error and torque step of each joint.
 struct Shares {
@@ -118,7 +114,7 @@ struct BestOfClass {
 }
 
 /// Gains for a study's class: those that it states, else those that are searched for; with the class bound in their
-/// certificate.
+/// certificate. A class of which no law keeps a clause has a short search for what can be asked for.
 ///
 /// # Errors
 ///
@@ -126,14 +122,10 @@ struct BestOfClass {
 pub(crate) fn for_class(
     study: &Study,
     arm: &Arm,
+    beyond: Option<BeyondAnyLaw>,
     steps: Steps<'_>,
 ) -> Result<Outcome, SynthesisError> {
-    let mut own = Box::new(study.clone());
-    if own.control.form_designed {
-        own.control.form_designed = false;
-        own.control.takes(Form::Positions);
-    }
-    let study = &*own;
+    let study = &*in_its_form(study);
     steps.begin("largest rates of the class")?;
     let demand = ClassDemand::of(study)?;
     let phi = |joint: usize, _: f64| -> Phi { demand.phi(joint) };
@@ -148,12 +140,11 @@ pub(crate) fn for_class(
     if let Some(stated) = requested_gains(study) {
         return certified(Box::new(stated), &search, None);
     }
-    let (clauses, words) = beyond_any_law(study, &demand);
-    let rounds = if clauses.is_empty() { ROUNDS } else { FEW_ROUNDS };
+    let rounds = if beyond.is_none() { ROUNDS } else { FEW_ROUNDS };
     let first = vec![FIRST; study.robot.joints.len()];
     let (best, radius) = searched(study, &mut search, (&first, rounds), steps)?;
-    if !clauses.is_empty() {
-        return Ok(Outcome::Infeasible(impossible(study, (clauses, words), best.as_ref())));
+    if let Some(beyond) = beyond {
+        return Ok(Outcome::Infeasible(impossible(study, beyond, best.as_ref())));
     }
     let best = best.map(|plain| weighed(study, &mut search, plain, steps)).transpose()?;
     match best {
@@ -184,49 +175,20 @@ fn weighed(
     Ok(found.filter(|own| own.rank < plain.rank).unwrap_or(plain))
 }
 
-/// Clauses that no law keeps, and why: a sentence about the joint whose error is the largest of those.
-fn beyond_any_law(study: &Study, demand: &ClassDemand) -> (Vec<Clause>, Vec<String>) {
-    let (mut clauses, mut most) = (Vec::new(), None);
-    for (joint, wanted) in study.spec.error_bound.iter().flatten().enumerate() {
-        let LeastError { reading_rad, force_rad } = demand.least_error(joint);
-        let least = reading_rad + force_rad;
-        if *wanted > least {
-            continue;
-        }
-        let name = &study.robot.joints[joint].name;
-        if most.as_ref().is_none_or(|(before, _)| least > *before) {
-            let words = format!(
-                "no law keeps less than {least:.3e} rad on {name}: its readings are off by up to {reading_rad:.3e} rad \
-                 (encoder step, bias, noise), and dry friction or a push moves it by {force_rad:.3e} rad before a \
-                 torque answers"
-            );
-            most = Some((least, words));
-        }
-        let (key, joint) = (ERROR_KEY.to_owned(), Some(name.clone()));
-        clauses.push(Clause { key, joint, wanted: *wanted, possible: None });
-    }
-    (clauses, most.into_iter().map(|(_, words)| words).collect())
-}
-
 /// The outcome where no law keeps some clauses, with the error that the best laws of a short search reach.
-fn impossible(
-    study: &Study,
-    (mut clauses, mut words): (Vec<Clause>, Vec<String>),
-    best: Option<&BestOfClass>,
-) -> Infeasible {
-    if let Some(best) = best {
-        for clause in &mut clauses {
-            let mut joints = study.robot.joints.iter().zip(&best.errors);
-            let own = joints.find(|(joint, _)| clause.joint.as_ref() == Some(&joint.name));
-            clause.possible = own.map(|(_, error)| QUICK_IS_LOW * error);
-        }
+fn impossible(study: &Study, beyond: BeyondAnyLaw, best: Option<&BestOfClass>) -> Infeasible {
+    let possible = |name: &str| {
+        let mut joints = study.robot.joints.iter().zip(&best?.errors);
+        joints.find(|(joint, _)| joint.name == name).map(|(_, error)| QUICK_IS_LOW * error)
+    };
+    let words = best.map(|best| {
         let least = QUICK_IS_LOW * best.errors.iter().copied().largest();
-        words.push(format!(
+        format!(
             "the least that can be asked for on every joint is about {ERROR_KEY} = {least:.2e}: what laws within the \
              torque step reach, by a quick bound"
-        ));
-    }
-    Infeasible { clauses, words, beyond_any_law: true, ..Infeasible::default() }
+        )
+    });
+    beyond.with_possible(possible, words)
 }
 
 /// The best laws of so many rounds at most, and the last spectral radius at which the class did not close.

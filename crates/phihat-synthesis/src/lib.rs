@@ -22,9 +22,11 @@
 
 mod along;
 mod arm;
+mod beyond;
 mod budget;
 mod candidates;
 mod class_search;
+mod class_study;
 mod coarser;
 mod commanded;
 pub mod digits;

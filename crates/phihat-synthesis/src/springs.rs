@@ -7,7 +7,7 @@ use phihat_design::{Arm, Certificate, ElasticJoints, Gains};
 use phihat_study::Study;
 
 use crate::along::arm_along;
-use crate::class_search::is_class;
+use crate::class_study::is_class;
 use crate::error::SynthesisError;
 use crate::tube_of::bound_by_tube;
 

@@ -5,13 +5,17 @@ use std::borrow::Cow;
 use phihat::Form;
 use phihat_certificate::extremes::Extremes as _;
 use phihat_certificate::parallel::{both, threads};
-use phihat_design::{Arm, Clause, Gains, Infeasible, Outcome, PhiOf, alternatives, find_moving};
+use phihat_design::{
+    Arm, Clause, Gains, Infeasible, Outcome, PhiOf, alternatives, find_moving, requested_gains,
+};
 use phihat_sim::{Demand, SimError, error_for_tip, overload};
 use phihat_study::{DesignMethod, InertiaSource, PhiSource, Study};
 
 use crate::along::coupled_along;
+use crate::beyond::BeyondAnyLaw;
 use crate::candidates::{candidates, with_phi};
-use crate::class_search::{for_class, is_class};
+use crate::class_search::for_class;
+use crate::class_study::is_class;
 use crate::coarser::coarser;
 use crate::error::SynthesisError;
 use crate::judged::{ERROR_KEY, Merit, beyond_error, missed};
@@ -97,9 +101,17 @@ pub fn synthesize_in_steps(
     }
     let specified = with_tip(study)?;
 
+    // An error that no law keeps: the answer comes first, then a search says how little can be asked for.
+    let searched =
+        requested_gains(&specified).is_none() && specified.design.method == DesignMethod::Ours;
+    let beyond = if searched { BeyondAnyLaw::of(&specified)? } else { None };
+    if let Some(beyond) = &beyond {
+        steps.begin(&beyond.step())?;
+    }
+
     // A class of motions: candidates from the largest rates of the class, judged by the class bound.
     if is_class(study) {
-        let mut outcome = for_class(&specified, arm, steps)?;
+        let mut outcome = for_class(&specified, arm, beyond, steps)?;
         if let Outcome::Designed(gains) = &mut outcome {
             complete_certificate(&specified, arm, gains, steps)?;
         }
@@ -120,6 +132,9 @@ pub fn synthesize_in_steps(
     } else {
         (None, search_form(&specified, (arm, recordings), options.advice, steps)?)
     };
+    if let Some(beyond) = beyond {
+        return Ok(beyond.beside(&specified, outcome));
+    }
     let study = formed.as_deref().unwrap_or(&specified);
 
     // Certificate: the claims that no search needs.

@@ -48,9 +48,10 @@ function begun(run) {
       return made;
     },
   };
-  const script = document.createElement("script");
-  script.src = "arm.js";
-  document.head.append(script);
+  // Where a browser cannot draw in a worker, the view draws here.
+  const canvas = document.getElementById("arm-view");
+  const elsewhere = canvas.transferControlToOffscreen && globalThis.WebGL2RenderingContext ? draws_in_worker(canvas) : Promise.resolve(true);
+  elsewhere.then((drawn) => { if (drawn) document.head.append(Object.assign(document.createElement("script"), { src: "arm.js" })); });
   // The view begins when it is idle; then it moves by itself, unless less motion is wanted.
   const begin = () => {
     if (known <= nearest(start_s) || !document.documentElement.classList.contains("alive")) return void setTimeout(begin, 20);

@@ -1,5 +1,5 @@
 // Keeps the page for when there is no network: from the network where there is one, else as it was loaded before.
-const FILES = ["./", "page.css", "web.css", "web.js", "curves.js", "worker.js", "phihat_web.js", "phihat_web_bg.wasm", "arm.html", "arm-frame.js", "arm.js",
+const FILES = ["./", "page.css", "web.css", "web.js", "curves.js", "figures.js", "dropped.js", "workshop.js", "worker.js", "compiler.js", "phihat_web.js", "phihat_web_bg.wasm", "arm.html", "arm-frame.js", "gl.js", "gl-worker.js", "arm.js",
   "studies/panda.toml", "studies/panda.gains.json", "studies/first.toml", "studies/first.gains.json", "studies/franka_any.toml", "studies/franka_any.gains.json"];
 const NAME = "phihat";
 

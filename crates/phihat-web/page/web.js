@@ -1,52 +1,20 @@
 // The page: tasks go to a worker, its answers become verdict, arm, curves and files. Nothing leaves this machine.
 import { curves, cursor } from "./curves.js";
+import { LARGEST, dropped } from "./dropped.js";
+import { figures } from "./figures.js";
+import { workshop } from "./workshop.js";
 
 const $ = (id) => document.getElementById(id);
 const state = { study: "", files: {}, gains: null, run: null, name: "study" };
 const tell = (text) => { $("told").textContent = text; };
 
-// ── Tasks. A worker has one at a time; cancelling ends it, and another one takes its place. The module is compiled once for all.
-const compiled = WebAssembly.compileStreaming(fetch("phihat_web_bg.wasm"));
-function workshop() {
-  let [worker, waiting, next, begun] = [null, new Map(), 0, null];
-  function start() {
-    worker = new Worker("worker.js", { type: "module" });
-    const mine = worker;
-    begun = compiled.then((module) => mine.postMessage({ module }));
-    worker.addEventListener("message", ({ data }) => {
-      const own = waiting.get(data.id);
-      if (!own) return void (data.failed && tell(`the module did not start: ${data.failed}`));
-      if (data.event) return own.event(data.event);
-      waiting.delete(data.id);
-      if (data.failed) {
-        // After a panic the memory of the module is worth nothing.
-        const why = `the module stopped: ${data.failed}`;
-        stop(why);
-        own.no(new Error(why));
-      } else if (data.answer.error) own.no(new Error(data.answer.error));
-      else own.yes(data.answer);
-    });
-  }
-  function stop(why) {
-    worker?.terminate();
-    worker = null;
-    const left = [...waiting.values()];
-    waiting = new Map();
-    left.forEach(({ no }) => no(new Error(why)));
-  }
-  function ask(task, event = () => {}) {
-    if (!worker) start();
-    return new Promise((yes, no) => {
-      const id = next++;
-      const mine = worker;
-      waiting.set(id, { yes, no, event });
-      begun.then(() => mine.postMessage({ id, task }), (why) => no(new Error(`the module did not start: ${why}`)));
-    });
-  }
-  return { ask, stop, start };
-}
-// One for what is waited for, one that checks what is typed, one for the check of a certificate, which takes longer, one for a smaller error.
-const [bench, desk, prover, scout] = [workshop(), workshop(), workshop(), workshop()];
+// In the book this page stands in the place of a picture, and draws its figure with each run.
+const [book, book_study, book_figure] = /^#book=([a-z0-9_]+)\/([a-z-]+)$/.exec(location.hash) ?? [];
+
+// ── Tasks: a workshop for each thing that goes on by itself.
+// One for what is waited for, one that checks what is typed, one for the check of a certificate, which takes longer, one for a smaller error,
+// one for figures.
+const [bench, desk, prover, scout, drawer] = [1, 2, 3, 4, 5].map(() => workshop(tell));
 const { ask } = bench;
 bench.start();
 const texts = (more = {}) => ({ name: state.name, study: state.study, files: state.files, ...(state.gains ? { gains: state.gains } : {}), ...more });
@@ -68,14 +36,18 @@ async function long(what, work) {
       if (event.of) { bar.max = event.of; bar.value = event.samples; }
     });
   } catch (why) {
-    tell(why.message);
+    // After a cancelled step comes what it had said.
+    if (why.message !== OVERTAKEN) tell(why.message === CANCELLED && word !== what ? `${CANCELLED}; ${word}` : why.message);
     return null;
   } finally {
     clearInterval(clock);
     if (mine === busy) { $("working").hidden = true; delete document.body.dataset.busy; }
   }
 }
-$("cancel").addEventListener("click", () => bench.stop("cancelled"));
+const [CANCELLED, OVERTAKEN] = ["cancelled", "another run has begun"];
+$("cancel").addEventListener("click", () => bench.stop(CANCELLED));
+// What begins ends what goes on, and the search for a smaller error.
+const fresh = () => { bench.overtake(OVERTAKEN); scout.overtake(OVERTAKEN); };
 
 // ── The run: verdict first, then arm and curves, then the check of the certificate.
 const milli = (v) => (v == null ? "–" : String(Number((1e3 * v).toPrecision(3))));
@@ -114,11 +86,18 @@ function show(run) {
   const same = planned?.t.length === run.t.length && run.joints.every((own, j) => own.q_d.every((q, k) => q === planned.joints[j].q_d[k]));
   if (!same) { watch({ beginning: { ...run, start_s: planned?.start_s ?? 0 } }); watch({ part: { t: run.t[0], joints: run.joints } }); }
 }
+// In the book, another picture than the arm's has no view of it, and no moment that it shows.
+const still = book && book_figure !== "arm";
+if (still) {
+  $("arm").src = "about:blank";
+  $("stop").textContent = "stop it from then on";
+}
 // ── The view of the arm. It is made once: another run has another one. Where the run is planned, the view has its beginning; its
 // parts follow as they are computed.
 let [moving, frame] = [null, 0];
 function watch({ beginning, part }) {
   const view = $("arm");
+  if (still) return;
   if (beginning) {
     moving = { beginning, parts: [] };
     $("title").textContent = beginning.title;
@@ -148,17 +127,34 @@ addEventListener("message", ({ source, data }) => {
 });
 async function run(more = {}, start_s = 0) {
   [shown, moving] = [more, null];
+  bench.overtake(OVERTAKEN);
   prover.stop(OVERTAKEN);
   $("proving").textContent = "";
   delete document.body.dataset.proving;
   const done = await long("running", (event) => ask({ task: "run", ...texts(more) }, (own) => { event(own); watch({ ...own, ...(own.beginning ? { beginning: { ...own.beginning, start_s } } : {}) }); }));
   if (!done) return false;
   show(done);
+  figures([]);
+  if (book) draw();
   return true;
 }
 // What the run that is shown had beyond the study.
 let shown = {};
-const OVERTAKEN = "another run has begun";
+// ── Figures of the run.
+async function draw() {
+  const run = state.run;
+  drawer.stop(OVERTAKEN);
+  try {
+    const drawn = await drawer.ask({ task: "figures", ...texts(shown) });
+    if (run === state.run) figures(drawn.figures, book_figure ?? "error");
+    document.body.dataset.drawn = "yes";
+  } catch (why) { if (run === state.run && why.message !== OVERTAKEN) tell(why.message); }
+}
+$("draw").addEventListener("click", draw);
+if (book) {
+  document.body.classList.add("in-book", `shows-${book_figure}`);
+  new ResizeObserver(() => parent.postMessage({ page_height: Math.ceil(document.body.scrollHeight) }, "*")).observe(document.body);
+}
 async function prove() {
   const run = state.run;
   $("proof").hidden = true;
@@ -223,8 +219,11 @@ $("form").addEventListener("submit", (event) => event.preventDefault());
 // ── Design, run, and what happens to the arm.
 async function design() {
   tell("");
+  fresh();
+  const asked = state.study;
   const found = await long("designing", (event) => ask({ task: "design", ...texts({ gains: undefined }) }, event));
   if (!found) return;
+  if (state.study !== asked) return tell("the study was changed while its gains were designed: design again");
   if (!found.gains) { state.gains = null; return tell(found.infeasible); }
   state.gains = found.gains;
   if (await run()) prove();
@@ -241,7 +240,7 @@ async function happens(stop_s) {
   if (made && await run({ study: made.study }, Math.max(0, (stop_s ?? from_s) - 0.5)) && stop_s != null) tell(`the supervisor stops the arm at ${stop_s} s; the motion is shown from just before`);
 }
 $("meet").addEventListener("click", () => happens().catch(wrong));
-$("stop").addEventListener("click", () => happens(Math.max(0.1, Number(document.body.dataset.at) || 0)).catch(wrong));
+$("stop").addEventListener("click", () => happens(Math.max(0.1, Number(still ? $("from").value : document.body.dataset.at) || 0)).catch(wrong));
 $("beside").addEventListener("click", async () => {
   tell("");
   if (!state.gains) return tell("design gains first");
@@ -262,6 +261,7 @@ async function take(name) {
   const [study, gains] = await Promise.all([get(`studies/${name}.toml`), get(`studies/${name}.gains.json`)]);
   // Another one was chosen while this one was on its way.
   if ($("built-in").value !== name) return;
+  fresh();
   Object.assign(state, { name, files: {}, gains, study });
   $("text").value = study;
   const good = await run();
@@ -270,15 +270,12 @@ async function take(name) {
 }
 $("built-in").addEventListener("change", () => take($("built-in").value).catch((why) => tell(why.message)));
 async function own(list) {
-  const files = Object.fromEntries(await Promise.all([...list].map(async (file) => [file.name, await file.text()])));
-  const names = Object.keys(files);
-  const gains = names.find((name) => name.endsWith(".json"));
-  if (gains) return checked(files[gains]);
-  // The description that no other one includes.
-  const described = names.filter((name) => /\.(urdf|xml|xacro)$/i.test(name));
-  const included = (name) => described.some((other) => other !== name && files[other].includes(name));
-  const file = described.find((name) => !included(name)) ?? described[0] ?? names[0];
   tell("");
+  const found = await dropped(list);
+  if (found.gains) return checked(found.gains);
+  fresh();
+  if (found.study) return given(found);
+  const { file, files, notes } = found;
   const task = { task: "begin", file, files, payload_kg: Number($("own-payload").value) || 0 };
   const begun = await long(`looking at ${file}`, (event) => ask({ ...task, first_kept: true }, event));
   if (!begun) return;
@@ -286,13 +283,20 @@ async function own(list) {
   if (!Object.keys(begun.files).length) state.files = files;
   await edited(begun.study);
   if (begun.infeasible) return tell(begun.infeasible);
-  if (begun.notes.length) tell(begun.notes.join(" · "));
+  tell([...notes, ...begun.notes].join(" · "));
   if (!begun.gains) return design();
   // The search for the error ended with gains for it.
   state.gains = begun.gains;
   if (!(await run())) return;
   await prove();
   await closer(task, begun);
+}
+// A study that somebody hands over, without gains.
+async function given({ study, name, files }) {
+  Object.assign(state, { name, files, gains: null });
+  await edited(study);
+  $("verdict").textContent = "A study of somebody: no gains yet";
+  tell("design gains for it, or take an arm below");
 }
 // The least error that `phihat new` finds takes longer: looked for while the first one is on view, and shown if nothing was changed.
 async function closer(task, first) {
@@ -345,7 +349,16 @@ document.querySelectorAll("[data-take]").forEach((button) => button.addEventList
   if (!state.gains && button.dataset.take !== "study") return tell("design gains first");
   takes[button.dataset.take]().catch(wrong);
 }));
-const through = async (stream, bytes) => new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(stream)).arrayBuffer());
+// Through a stream, as far as a text may go: a small link can hold a very large one.
+async function through(stream, bytes) {
+  const [parts, reader] = [[], new Blob([bytes]).stream().pipeThrough(stream).getReader()];
+  for (let size = 0; ;) {
+    const { done, value } = await reader.read();
+    if (done) return new Uint8Array(await new Blob(parts).arrayBuffer());
+    parts.push(value);
+    if ((size += value.length) > LARGEST) throw new Error("too large");
+  }
+}
 async function fragment() {
   const bytes = await through(new CompressionStream("deflate-raw"), new TextEncoder().encode(JSON.stringify({ study: state.study, files: state.files })));
   let text = "";
@@ -362,17 +375,18 @@ async function checked(text) {
 }
 $("gains").addEventListener("change", async (event) => { if (event.target.files.length) checked(await event.target.files[0].text()); });
 
-const given = /^#study=([A-Za-z0-9_-]+)$/.exec(location.hash);
-if (given) {
-  const bytes = Uint8Array.from(atob(given[1].replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
+const link = /^#study=([A-Za-z0-9_-]+)$/.exec(location.hash);
+if (link) {
   try {
+    const bytes = Uint8Array.from(atob(link[1].replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
     const { study, files } = JSON.parse(new TextDecoder().decode(await through(new DecompressionStream("deflate-raw"), bytes)));
-    Object.assign(state, { name: "study", files: files ?? {}, gains: null });
-    await edited(String(study));
-    $("verdict").textContent = "A study from a link: no gains yet";
-    tell("design gains for it, or take an arm below");
+    if (typeof study !== "string") throw new Error("no study");
+    await given({ study, name: "study", files: files ?? {} });
   } catch { tell("the link holds no study"); }
-} else await take("panda").catch(wrong);
+} else {
+  if (book) $("built-in").replaceChildren(new Option(book_study, book_study));
+  await take(book_study ?? "panda").catch(wrong);
+}
 document.body.dataset.started = "yes";
 // After the first picture: what is kept for later does not wait in its way.
 navigator.serviceWorker?.register("offline.js").catch(() => {});

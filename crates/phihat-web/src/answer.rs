@@ -41,6 +41,7 @@ fn answered(task: BrowserTask, event: &dyn Fn(Value)) -> Result<Value, AnswerErr
         BrowserTask::Beside(texts) => beside::run(&texts, event),
         BrowserTask::Happens(what) => what.study_text().map(|study| json!({ "study": study })),
         BrowserTask::Page(texts) => study::page(&texts, event),
+        BrowserTask::Figures(texts) => study::figures(&texts, event),
         BrowserTask::Verify(texts) => documents::verified(&texts),
         BrowserTask::Export { gains, format } => documents::exported(&gains, &format),
     }

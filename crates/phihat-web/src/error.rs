@@ -23,6 +23,19 @@ pub(crate) enum AnswerError {
     /// A check without gains.
     #[error("give gains: a gains.json")]
     NoGains,
+    /// A run that a browser's memory does not take.
+    #[error(
+        "duration_s: {samples} samples of {joints} joints, and a run in a browser has at most {most} together: a \
+         shorter one, or a lower loop.rate_hz"
+    )]
+    Long {
+        /// Samples of the run.
+        samples: u64,
+        /// Joints of the arm.
+        joints: usize,
+        /// Most samples, those of its joints counted each.
+        most: u64,
+    },
     /// A payload that is none.
     #[error("payload_kg = {0}: a finite number, at least 0")]
     Payload(f64),

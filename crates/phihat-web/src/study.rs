@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use phihat_design::Outcome;
+use phihat_report::Picture;
 use phihat_session::{
     ArmOptions, BeginOptions, Done, Session, begun, check_text, described, designed_in_steps,
 };
@@ -48,6 +49,11 @@ pub(crate) fn begun_with(
 
 /// Mistakes of a study, its warnings, and the values of the form.
 pub(crate) fn checked(texts: &StudyTexts) -> Value {
+    // A run that is too long is too long to look along, too.
+    if let Err(long @ AnswerError::Long { .. }) = texts.read() {
+        let errors = [json!({ "line": null, "column": null, "text": long.to_string() })];
+        return json!({ "errors": errors, "warnings": [], "form": FORM, "values": values(&texts.study) });
+    }
     let check = check_text(&texts.study, &texts.path(), &named(&texts.files));
     let errors: Vec<Value> = check
         .errors
@@ -89,6 +95,15 @@ pub(crate) fn run(texts: &StudyTexts, event: &dyn Fn(Value)) -> Result<Value, An
 pub(crate) fn page(texts: &StudyTexts, event: &dyn Fn(Value)) -> Result<Value, AnswerError> {
     let (done, _) = finished(texts, event)?;
     Ok(json!({ "page": phihat_report::page(&done.record()) }))
+}
+
+/// Every figure of a run as the command line writes it, by its name.
+pub(crate) fn figures(texts: &StudyTexts, event: &dyn Fn(Value)) -> Result<Value, AnswerError> {
+    let (done, _) = finished(texts, event)?;
+    let figure = |own: Picture| json!({ "name": own.name, "title": own.title, "svg": own.svg });
+    let figures: Vec<Value> =
+        phihat_report::figures(&done.record()).into_iter().map(figure).collect();
+    Ok(json!({ "figures": figures }))
 }
 
 fn finished(texts: &StudyTexts, event: &dyn Fn(Value)) -> Result<(Done, Trace), AnswerError> {

@@ -12,6 +12,9 @@ use serde::Deserialize;
 use crate::error::AnswerError;
 use crate::happening::Happening;
 
+/// Most samples of a run, those of its joints counted each: some 100 bytes each, and a module has 4 GB.
+const SAMPLES_MAX: u64 = 10_000_000;
+
 /// A task with its texts.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "task", rename_all = "snake_case", deny_unknown_fields)]
@@ -62,6 +65,8 @@ pub(crate) enum BrowserTask {
     Happens(Happening),
     /// The page of a run.
     Page(StudyTexts),
+    /// The figures of a run, as files.
+    Figures(StudyTexts),
     /// Claims of gains, checked again.
     Verify(StudyTexts),
     /// Gains in another format.
@@ -97,9 +102,15 @@ impl StudyTexts {
         PathBuf::from(format!("{}.toml", self.name))
     }
 
-    /// The study.
+    /// The study, of a length that a browser's memory takes.
     pub(crate) fn read(&self) -> Result<Box<Study>, AnswerError> {
-        Ok(study_of_texts(&self.study, &self.path(), &named(&self.files))?)
+        let study = study_of_texts(&self.study, &self.path(), &named(&self.files))?;
+        let samples = phihat_sim::samples(study.duration, study.control.period_ns);
+        let joints = study.robot.joints.len();
+        if samples.saturating_mul(joints as u64) > SAMPLES_MAX {
+            return Err(AnswerError::Long { samples, joints, most: SAMPLES_MAX });
+        }
+        Ok(study)
     }
 
     /// The gains; `None`: none were given.

@@ -55,6 +55,12 @@ fn texts_on_one_thread_give_the_bytes_of_the_disk_and_all_threads() {
     assert!(done.study.robot.look(1000, None).shapes.len() == 1);
     assert_eq!(page["page"].as_str(), Some(&*native), "{}", page["error"]);
 
+    let drawn = ask(&task("figures", Some(gains)));
+    let native = phihat_report::figures(&done.record());
+    let pair = |own: &phihat_report::Picture| json!({ "name": own.name, "title": own.title, "svg": own.svg });
+    assert!(native.len() > 5);
+    assert_eq!(drawn["figures"], native.iter().map(pair).collect::<Value>(), "{}", drawn["error"]);
+
     let found = alone(|| ask(&task("verify", Some(gains))));
     assert_eq!(found["holds"], json!(true), "{}", found["error"]);
     let threads = ask(&task("verify", Some(gains)));

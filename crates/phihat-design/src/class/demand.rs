@@ -2,6 +2,7 @@
 
 use phihat_certificate::extremes::larger;
 use phihat_certificate::{Gains, JointRecord, Phi, PhiBasis, ReferenceBounds};
+use phihat_model::Joint;
 use phihat_study::Study;
 
 use super::extent::{ClassPaceLimits, Rates};
@@ -19,7 +20,6 @@ pub struct ClassDemand {
     rate: Vec<f64>,
     jump: Vec<f64>,
     motion: Vec<ReferenceBounds>,
-    least: Vec<LeastError>,
 }
 
 /// Part of a joint's error bound that no law with an integrator takes away \[rad\]: their sum is below every class
@@ -37,8 +37,14 @@ pub struct LeastError {
 }
 
 impl LeastError {
-    /// Least error of each joint, over payloads in the middle of the box.
-    fn of(scene: &ClassScene<'_>) -> Vec<Self> {
+    /// Least error of each joint of a study's class, over payloads in the middle of the box.
+    ///
+    /// # Errors
+    ///
+    /// [`ClassRefusal`]: the study has no class, or the theorem does not cover it.
+    pub fn of_class(study: &Study) -> Result<Vec<Self>, ClassRefusal> {
+        let gains = blank(study, &vec![1.0; study.robot.joints.len()]);
+        let scene = ClassScene::new(study, &gains)?;
         let n = scene.n;
         let before = (scene.delay as f64 + 1.0) * scene.period;
         let mut forces = vec![0.0; n];
@@ -51,7 +57,7 @@ impl LeastError {
             }
         }
         let each = scene.reading.iter().zip(forces);
-        each.map(|(reading, force)| Self { reading_rad: *reading, force_rad: force }).collect()
+        Ok(each.map(|(reading, force)| Self { reading_rad: *reading, force_rad: force }).collect())
     }
 }
 
@@ -62,21 +68,8 @@ impl ClassDemand {
     ///
     /// [`ClassRefusal`]: the study has no class, or the theorem does not cover it.
     pub fn of(study: &Study) -> Result<Self, ClassRefusal> {
-        let blank = |inertia_kg_m2: f64, name: &str| JointRecord {
-            name: name.to_owned(),
-            inertia_kg_m2,
-            kp_per_s2: 1.0,
-            kd_per_s: 1.0,
-            a: Vec::new(),
-            observer: None,
-        };
-        let of = |inertia: &[f64]| {
-            let joints = study.robot.joints.iter().zip(inertia);
-            let records = joints.map(|(joint, inertia)| blank(*inertia, &joint.name)).collect();
-            Gains::of(study, records, "none")
-        };
         let mut inertia = vec![1.0; study.robot.joints.len()];
-        let gains = of(&inertia);
+        let gains = blank(study, &inertia);
         let scene = ClassScene::new(study, &gains)?;
         if let Some(case) = scene.cases.first() {
             let slopes = Slopes::at(&mut scene.posed(case), &scene.class.center);
@@ -84,7 +77,7 @@ impl ClassDemand {
                 *inertia = slopes.mass[i * scene.n + i];
             }
         }
-        let gains = of(&inertia);
+        let gains = blank(study, &inertia);
         let scene = ClassScene::new(study, &gains)?;
         let pace = ClassPaceLimits::of(scene.class);
         let rates = Rates::of(&scene, &pace);
@@ -99,13 +92,7 @@ impl ClassDemand {
             rate: (0..n).map(rate).collect(),
             jump: scene.dry.clone(),
             motion: (0..n).map(motion).collect(),
-            least: LeastError::of(&scene),
         })
-    }
-
-    /// Error of a joint below which no law is certified.
-    pub fn least_error(&self, joint: usize) -> LeastError {
-        self.least[joint]
     }
 
     /// Bounds on a joint's `φ`.
@@ -119,4 +106,18 @@ impl ClassDemand {
             motion: Some(self.motion[joint]),
         }
     }
+}
+
+/// Gains of these nominal inertias \[kg·m²\] and any law.
+fn blank(study: &Study, inertia: &[f64]) -> Gains {
+    let joints = study.robot.joints.iter().zip(inertia);
+    let record = |(joint, inertia): (&Joint, &f64)| JointRecord {
+        name: joint.name.clone(),
+        inertia_kg_m2: *inertia,
+        kp_per_s2: 1.0,
+        kd_per_s: 1.0,
+        a: Vec::new(),
+        observer: None,
+    };
+    Gains::of(study, joints.map(record).collect(), "none")
 }
