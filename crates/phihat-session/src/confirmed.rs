@@ -6,7 +6,7 @@ use phihat_design::{Gains, Outcome, requested_gains};
 use phihat_study::{DesignMethod, Study};
 use phihat_synthesis::{Steps, SynthesisError};
 
-use crate::verify::derived_tube;
+use crate::second_tube::derived_tube;
 
 /// Designs with a tighter specification, at most.
 const ROUNDS: u32 = 2;

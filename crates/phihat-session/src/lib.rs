@@ -42,6 +42,7 @@ mod referred;
 mod renamed;
 mod rigid;
 mod run_record;
+mod second_tube;
 mod served;
 mod served_record;
 mod session;
@@ -89,13 +90,13 @@ pub use record::Done;
 pub use referred::referred;
 pub use rigid::rigid_joints;
 pub use run_record::{RunRecord, are_of_a_run, recorded, report_again};
+pub use second_tube::tube_reference;
 pub use served::{Serve, ServeOptions, ServeWatch};
 pub use served_record::ServedMotion;
 pub use session::{RunOptions, Session};
 pub use unfinished::{LOST_MAX_S, Recovered, none_unfinished, recover};
 pub use verify::{
-    BoundStanding, Checked, Verification, VerifyStage, class_standing, tube_reference,
-    tube_standing, verify,
+    BoundStanding, Checked, Verification, VerifyStage, class_standing, tube_standing, verify,
 };
 pub use watch::{Watch, threads};
 pub use words::stopped;

@@ -4,11 +4,10 @@ use std::path::{Path, PathBuf};
 
 use phihat_certificate::extremes::Extremes as _;
 use phihat_certificate::parallel::{both, threads};
-use phihat_certificate::tube::TubeReference;
-use phihat_certificate::{Certificate, Refutation, TubeAgain, Verdict, Verified};
+use phihat_certificate::{Certificate, Refutation, Verdict, Verified};
 use phihat_design::Gains;
 use phihat_report::RecordedBound;
-use phihat_sim::{Metrics, Motion, fed_along};
+use phihat_sim::Metrics;
 use phihat_study::Study;
 use serde::Serialize;
 
@@ -20,6 +19,7 @@ use crate::hash::seed_of;
 use crate::origin::trace_of;
 use crate::rigid::rigid_joints;
 use crate::run_record::RunRecord;
+use crate::second_tube::derived_tube;
 
 /// Subject of a check.
 #[derive(Debug, Clone, Copy)]
@@ -331,30 +331,9 @@ pub(crate) fn recorded_bound(
     }))
 }
 
-/// The motion of a study for the second derivation of a tube, with the torque that is fed forward along it; `None`: the
-/// study has no motion of its own.
-pub fn tube_reference(gains: &Gains, study: &Study) -> Option<TubeReference> {
-    let motion = Motion::of(study).ok()?;
-    let n = study.robot.joints.len();
-    let reference = TubeReference::of(study, |t| (0..n).map(|i| motion.told(i, t)).collect());
-    let inertia: Vec<f64> = gains.joints.iter().map(|joint| joint.inertia_kg_m2).collect();
-    let fed = fed_along(study, &motion, &inertia, reference.q.len()).ok()?;
-    Some(reference.feeding(&fed))
-}
-
 /// Largest bound of gains for the motion of their tube, as the file claims it.
 pub fn tube_standing(gains: &Gains) -> Option<BoundStanding> {
     let tube = gains.certificate.as_ref()?.tube.as_ref()?;
     let joints = tube.joints.iter().map(|joint| (&*joint.name, joint.error_bound_rad));
     BoundStanding::of(&joints.collect::<Vec<_>>(), Verdict::NotProved, gains)
-}
-
-/// The tube of gains for a study that they complete, derived again; `None`: they have none, or the study no motion.
-pub(crate) fn derived_tube(
-    (gains, certificate): (&Gains, &Certificate),
-    study: &Study,
-    share: &(dyn Fn(f64) + Sync),
-) -> Result<Option<TubeAgain>, Refutation> {
-    let Some(reference) = tube_reference(gains, study) else { return Ok(None) };
-    certificate.derive_tube(gains, (study, &reference), share)
 }

@@ -271,8 +271,8 @@ fn within_step(
     Ok((gains, None))
 }
 
-/// Power of the share by which a torque step changed from one pair of both to the next; that of its own causes where the
-/// share hardly changed.
+/// Power of the share by which a torque step changed from one pair of both to the next; that of its own causes where
+/// the share hardly changed.
 fn power_of([share, step]: &[f64; 2], [next_share, next_step]: &[f64; 2]) -> f64 {
     let moved = libm::log(next_share / share);
     if moved.abs() < STILL {

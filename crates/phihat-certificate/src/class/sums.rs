@@ -96,7 +96,7 @@ impl WeightBlocks {
 }
 
 impl WeightBlocks {
-    /// What a torque that goes on would do by itself: to `ë` what it does at once, and of the torque that acts what
+    /// Effect of a torque that goes on by itself: to `ë` what it does at once, and of the torque that acts what
     /// opposes it in the end; entry `at` of a square.
     fn at_once(&self, o: usize, at: usize) -> f64 {
         match o {

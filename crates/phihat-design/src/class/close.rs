@@ -525,8 +525,8 @@ impl<'a> Problem<'a> {
     }
 
     /// The largest torque of each joint: of the motion with its smooth friction, and the answer of the torque that acts
-    /// to all else. Cogging and the start's imbalance, whose answers are bounded beside what they ask for, count twice; a
-    /// torque that acts in place of a lost command deviates from it.
+    /// to all else. Cogging and the start's imbalance, whose answers are bounded beside what they ask for, count
+    /// twice; a torque that acts in place of a lost command deviates from it.
     fn torques(
         &self,
         summed: (&[PostureSums], &[Maps]),

@@ -117,8 +117,8 @@ impl Words<'_> {
         if self.payload_kg > 0.0 {
             let (reach, spread) = (PAYLOAD_REACH_M, PAYLOAD_GYRATION_M);
             line(format!(
-                "# Its centre of mass within {:.0} cm of the tip along each axis, spread by {:.0} cm about it: assumed, as \
-                 of a thing in a hand. State yours.",
+                "# Its centre of mass within {:.0} cm of the tip along each axis, spread by {:.0} cm about it: \
+                 assumed, as of a thing in a hand. State yours.",
                 100.0 * reach,
                 100.0 * spread
             ));
