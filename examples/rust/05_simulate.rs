@@ -84,6 +84,7 @@ fn origin(study: &Study) -> RunInfo {
         command: "cargo run -p phihat-examples --example 05_simulate".to_owned(),
         warnings: vec!["the first 4 s of a study of 10 s".to_owned()],
         bound: None,
+        contact: None,
     }
 }
 

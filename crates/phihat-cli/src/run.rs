@@ -8,7 +8,8 @@ use clap::Args;
 use phihat_certificate::Verdict;
 use phihat_report::{RecordedBound, limits_acted};
 use phihat_session::{
-    Done, RunOptions, SessionError, TraceKind, files, log_layout, short_hash, stopped, trace_at,
+    Done, RunOptions, SessionError, TraceKind, contact_lines, files, log_layout, short_hash,
+    stopped, trace_at,
 };
 use serde_json::json;
 
@@ -237,6 +238,11 @@ fn figures(done: &Done) {
     }
     if let Some(bound) = &done.run.bound {
         println!("{}", checked(bound, done));
+    }
+    if let Some(record) = &done.run.contact {
+        for line in contact_lines(record) {
+            println!("{line}");
+        }
     }
     match &done.abort {
         Some(abort) => println!("{}", stopped(abort)),

@@ -7,6 +7,7 @@ mod blocks;
 mod bound;
 mod budget;
 mod compare;
+mod contact;
 mod design;
 mod drive;
 mod every_verb;

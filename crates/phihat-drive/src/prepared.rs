@@ -472,20 +472,21 @@ impl DriveInputs<'_> {
             let mut control = control;
             let given = if patient { Vec::new() } else { system::enter(processor) };
             let tally = cycles(&mut link, &mut control, &mut tape, &mut desk, &plan);
-            (link, tally, given)
+            (link, tally, given, control.contact())
         };
         let (read, ran) = thread::scope(|scope| {
             let ran = scope.spawn(control_thread);
             let seen = |count| watch.progress(count, self.samples);
             (evidence.read(reader, take, seen), ran.join())
         });
-        let (mut link, tally, given) = ran.map_err(|_| DriveError::Control)?;
+        let (mut link, tally, given, contact) = ran.map_err(|_| DriveError::Control)?;
         read?;
         let recovered = match tally.end {
             End::Fault(_) if self.options.recover => Some(link.recover()),
             _ => None,
         };
         let ended = link.into_ended().unwrap_or_else(|| ended(&facts, &tally));
+        let ended = Ended { contact: contact.map(Box::new), ..ended };
         Ok((self.told((facts, given), (&tally, recovered), &evidence, ended), tally))
     }
 
@@ -599,5 +600,11 @@ fn ended(facts: &Facts, tally: &Tally) -> Ended {
         }),
         _ => None,
     };
-    Ended { divergence: None, abort, told_max: Vec::new(), told_step_max: Vec::new() }
+    Ended {
+        divergence: None,
+        abort,
+        told_max: Vec::new(),
+        told_step_max: Vec::new(),
+        contact: None,
+    }
 }

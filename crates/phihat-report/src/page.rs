@@ -56,7 +56,7 @@ use maud::{Markup, PreEscaped, html};
 /// #     robot_description: study.robot.description.clone(),
 /// #     robot_provenance: study.robot.provenance.clone(), phihat_version: String::new(),
 /// #     toolchain: String::new(), form: "observer".to_owned(), rate_hz: 1000.0, delay_samples: 0,
-/// #     world: Vec::new(), command: String::new(), warnings: Vec::new(), bound: None,
+/// #     world: Vec::new(), command: String::new(), warnings: Vec::new(), bound: None, contact: None,
 /// # };
 /// // A study, its gains, and what a run of them left: trace, metrics, and where it came from.
 /// let drawing = Drawing::of(&trace, study.spec.settle);

@@ -1,7 +1,7 @@
 //! Data that a page is made from.
 
 use phihat_design::{Gains, Verdict};
-use phihat_sim::Metrics;
+use phihat_sim::{ContactRecord, Metrics};
 use serde::{Deserialize, Serialize};
 
 use crate::band::Envelope;
@@ -82,6 +82,9 @@ pub struct RunInfo {
     /// Bound on the error as it was checked for this run; `None`: the certificate was not checked again.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bound: Option<RecordedBound>,
+    /// Contacts and payload; `None`: they were not watched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contact: Option<ContactRecord>,
 }
 
 /// Bound on the error of a run with its standing, as a check that shares no code with its finder left it.

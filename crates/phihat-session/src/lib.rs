@@ -18,6 +18,7 @@ mod begin;
 mod budget;
 mod check;
 mod confirmed;
+mod contact;
 mod design;
 mod dice;
 pub mod disk;
@@ -59,6 +60,7 @@ pub use begin::{
 };
 pub use budget::{BudgetFiles, write_budget};
 pub use check::{Mistake, StudyCheck, check, check_rewritten, check_text};
+pub use contact::{contact_lines, contact_watch};
 pub use design::{
     arm, beside_limits, budget, designed, designed_for, designed_in_steps, read, study_of_texts,
 };

@@ -1,5 +1,6 @@
 //! Evaluation of the record of a run, block by block.
 
+use phihat_certificate::ClassBound;
 use phihat_design::Gains;
 use phihat_report::{Drawing, TubeRun, TubeSeen};
 use phihat_sim::{ErrorShares, Measured, Metrics, Trace};
@@ -74,13 +75,19 @@ pub(crate) fn watch_bound(study: &mut Study, gains: &Gains) {
 /// Bound per joint on the measured `|e|` \[rad\] of a study's runs by the certificate of its gains: `E_i + N_i` of the
 /// class of motions in which their references are; `None`: there is no class, or they are not kept in it.
 fn bound_on_measured_error(study: &Study, gains: &Gains) -> Option<Vec<f64>> {
+    let class = class_in_force(study, gains)?;
+    let ends = class.error_bound_rad.iter().enumerate();
+    Some(ends.map(|(i, error)| error + class.reading(i)).collect())
+}
+
+/// The bound of gains for a class of motions, where a study's references are kept in it.
+pub(crate) fn class_in_force<'a>(study: &Study, gains: &'a Gains) -> Option<&'a ClassBound> {
     let class = gains.certificate.as_ref()?.class.as_deref()?;
     let covered = match &study.supervisor {
         Some(own) => class.covers(own.reference_box.as_ref(), own.motion.as_ref()),
         None => matches!(study.reference, ReferenceRequest::Any { .. }),
     };
-    let ends = class.error_bound_rad.iter().enumerate();
-    covered.then(|| ends.map(|(i, error)| error + class.reading(i)).collect())
+    covered.then_some(class)
 }
 
 /// Shares of that bound that the measured errors of a run take up; `None`: there is no such bound.

@@ -12,6 +12,7 @@ use phihat_study::{JOINT_BY_JOINT, Study};
 use phihat_synthesis::BudgetSearch;
 
 use crate::budget::{BudgetFiles, write_budget};
+use crate::contact::watched;
 use crate::design::{self, budget};
 use crate::disk::{DiskError, Lock};
 use crate::error::SessionError;
@@ -199,7 +200,7 @@ impl Session {
         let forecast = phihat_sim::forecast(&study).map_err(|e| SessionError::at(path, e))?;
         warnings.extend(forecast.into_iter().map(|line| format!("{FORECAST} {line}")));
         let simulation = Simulation::new(&study, &law).map_err(|e| SessionError::at(path, e))?;
-        let simulation = Box::new(simulation);
+        let simulation = Box::new(watched(simulation, (&study, &chosen), source, &mut warnings)?);
         let (gains, trace, log, designed_by) = (*chosen, TraceKind::default(), None, None);
         Ok(Self {
             study,
@@ -365,6 +366,7 @@ pub(crate) fn finished(
     let RunFigures { metrics, drawing, tube } = figures;
     warnings.extend(ended.abort.as_ref().map(words::stopped));
     let run = run_info(&study, form(&study), (command, warnings), ended.divergence.as_ref());
+    let run = crate::contact::recorded(run, ended.contact);
     let (divergence, abort) = (ended.divergence, ended.abort);
     let (gains, designed_by) = (Some(gains), None);
     Done { study, gains, run, designed_by, drawing, metrics, tube, divergence, abort }
@@ -458,5 +460,6 @@ pub(crate) fn run_info(
         command,
         warnings,
         bound: None,
+        contact: None,
     }
 }

@@ -3,15 +3,16 @@
 use core::f64::consts::TAU;
 
 use phihat::{
-    Command, Form, Gate, JointGains, JointState, Limits, Outlet, Reference, Report, Tank, Unwrap,
-    update_joints,
+    Command, Events, Form, Gate, JointGains, JointState, Limits, Mode, Outlet, Reference, Report,
+    Tank, Unwrap, update_joints,
 };
 use phihat_model::JointKind;
-use phihat_study::{SampleStamps, Study};
+use phihat_study::{AfterContact, SampleStamps, Study};
 
 use crate::driver::{Driver, Moment};
 use crate::echo::Echo;
 use crate::error::SimError;
+use crate::external::{ContactRecord, ContactWatch};
 use crate::feedforward::FeedForwardTorque;
 use crate::motion::Motion;
 use crate::sample::Sample;
@@ -47,6 +48,8 @@ pub struct ControlSide {
     early: f64,
     /// The last thing before a torque leaves.
     gate: Gate<f64, Vec<Outlet<f64>>>,
+    /// Watch over torques from outside.
+    watch: Option<Box<ContactWatch>>,
     pub(crate) references: Vec<Reference<f64>>,
     pub(crate) commands: Vec<Command<f64>>,
 }
@@ -153,7 +156,12 @@ impl ControlSide {
     /// but it and the study's motion decides the commands; `None`: more does.
     pub(crate) fn law_alone(&self) -> Option<LawAlone<'_>> {
         let Brain::Law { gains, states, .. } = &self.brain else { return None };
-        if self.fed.is_some() || self.echo.is_some() || self.starts || self.early > 0.0 {
+        if self.fed.is_some()
+            || self.echo.is_some()
+            || self.watch.is_some()
+            || self.starts
+            || self.early > 0.0
+        {
             return None;
         }
         let held = self.takes_over.then(|| self.commands.iter().map(|c| c.tau).collect());
@@ -193,6 +201,7 @@ impl ControlSide {
             endless: Endless::of(study),
             early: counted_on(study),
             gate,
+            watch: None,
             commands: vec![Command::default(); n],
         }
     }
@@ -279,7 +288,33 @@ impl ControlSide {
         if let Some(echo) = &mut self.echo {
             echo.sent(&self.commands);
         }
+        self.watch(t, sample);
         self.endless = endless;
+    }
+
+    /// Holds the sample that was answered against the certificate's model.
+    fn watch(&mut self, t: f64, sample: &Sample) {
+        let Some(mut watch) = self.watch.take() else { return };
+        let tracks = self.report().is_none_or(|report| {
+            let modes = [Mode::Holding, Mode::Tracking];
+            modes.contains(&report.mode) && !report.events.contains(Events::MISSED)
+        });
+        let limited = self.commands.iter().any(|c| c.status.saturated || c.status.rate_limited);
+        let begins = watch.sample(t, sample, &self.references, (tracks, limited));
+        if begins && watch.then() == AfterContact::Stop {
+            self.stop();
+        }
+        self.watch = Some(watch);
+    }
+
+    /// The same with a watch over torques from outside.
+    pub(crate) fn watched(self, watch: Option<ContactWatch>) -> Self {
+        Self { watch: watch.map(Box::new), ..self }
+    }
+
+    /// Contacts and payload so far; `None`: they are not watched.
+    pub fn contact(&self) -> Option<ContactRecord> {
+        self.watch.as_ref().map(|watch| watch.record())
     }
 
     /// Computes the torques of a sample.

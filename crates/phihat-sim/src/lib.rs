@@ -25,6 +25,7 @@ mod driver;
 mod echo;
 mod error;
 mod error_share;
+mod external;
 mod feedforward;
 mod forecast;
 mod in_force;
@@ -61,6 +62,10 @@ pub use demand::{Demand, PhiAlong};
 pub use driver::{Driver, Moment};
 pub use error::{OutOfReach, SimError};
 pub use error_share::{ErrorShares, LargestShare};
+pub use external::{
+    ContactEvent, ContactReach, ContactRecord, ContactRefusal, ContactWatch, PayloadEstimate,
+    VelocityErrorBounds,
+};
 pub use feedforward::{FeedForwardTorque, fed_along};
 pub use forecast::forecast;
 pub use integrator::{AccelerationOf, Rk4, integrate_adaptive};

@@ -6,6 +6,7 @@ use phihat_study::Study;
 use crate::control::ControlSide;
 use crate::driver::Driver;
 use crate::error::SimError;
+use crate::external::{ContactRecord, ContactWatch};
 use crate::motion::Motion;
 use crate::recorder::Recorder;
 use crate::trace::{Integral, Trace};
@@ -41,7 +42,7 @@ pub struct SimulationOutcome {
 impl SimulationOutcome {
     /// From a record that was handed over whole, and how the run ended.
     pub fn of(trace: Trace, ended: Ended) -> Self {
-        let Ended { divergence, abort, told_max, told_step_max } = ended;
+        let Ended { divergence, abort, told_max, told_step_max, contact: _ } = ended;
         Self { trace, divergence, abort, told_max, told_step_max }
     }
 }
@@ -57,6 +58,8 @@ pub struct Ended {
     pub told_max: Vec<f64>,
     /// Largest change of it from one sample to the next \[N·m\].
     pub told_step_max: Vec<f64>,
+    /// Contacts and payload, where they were watched.
+    pub contact: Option<Box<ContactRecord>>,
 }
 
 /// One study under one set of gains, ready to run.
@@ -174,6 +177,12 @@ impl Simulation {
         })
     }
 
+    /// The same with a watch over torques from outside, if there is one.
+    #[must_use]
+    pub fn watched(self, watch: Option<ContactWatch>) -> Self {
+        Self { control: self.control.watched(watch), ..self }
+    }
+
     /// Number of samples the run will have.
     pub fn samples(&self) -> u64 {
         self.samples
@@ -283,7 +292,8 @@ impl Simulation {
 
     /// End of the run.
     pub(crate) fn ended(self, divergence: Option<Divergence>) -> Ended {
-        ended(*self.world, divergence)
+        let contact = self.control.contact().map(Box::new);
+        Ended { contact, ..ended(*self.world, divergence) }
     }
 
     /// Closes the sample: measurement, reference, command and the resulting motion.
@@ -303,7 +313,7 @@ impl Simulation {
 pub(crate) fn ended(world: SimulatedWorld, divergence: Option<Divergence>) -> Ended {
     let path = world.path;
     let (told_max, told_step_max) = (path.told_max, path.step_max);
-    Ended { divergence, abort: path.abort, told_max, told_step_max }
+    Ended { divergence, abort: path.abort, told_max, told_step_max, contact: None }
 }
 
 /// Divergence of the arm in the sample of time `t` \[s\], if any.

@@ -38,7 +38,8 @@ impl Survival {
         surviving.block(&outcome.trace);
         let (divergence, abort) = (outcome.divergence.clone(), outcome.abort.clone());
         let (told_max, told_step_max) = (outcome.told_max.clone(), outcome.told_step_max.clone());
-        surviving.survival(&Ended { divergence, abort, told_max, told_step_max }, study)
+        let ended = Ended { divergence, abort, told_max, told_step_max, contact: None };
+        surviving.survival(&ended, study)
     }
 }
 

@@ -179,7 +179,7 @@ fn compare(studies: &[Study]) -> usize {
         let own = run(study);
         let end = (&own.divergence, &own.abort, &own.told_max, &own.told_step_max);
         for ended in [&ends[arm], &measured[arm].1] {
-            let Ended { divergence, abort, told_max, told_step_max } = ended;
+            let Ended { divergence, abort, told_max, told_step_max, contact: _ } = ended;
             assert_eq!((divergence, abort, told_max, told_step_max), end, "arm {arm}");
         }
         let mut from = 0;

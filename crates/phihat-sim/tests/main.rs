@@ -13,6 +13,7 @@ mod accuracy;
 mod batch;
 mod blocks;
 mod cases;
+mod contact;
 mod driver;
 mod error_share;
 mod false_alarms;

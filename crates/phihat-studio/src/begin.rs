@@ -24,6 +24,8 @@ impl Begin {
             .gains
             .joint_gains(&names, study.control.period_ns, study.control.form)
             .map_err(|why| StudioError::refused(why.to_string()))?;
-        Ok(Simulation::new(study, &law)?.apart())
+        // Gains that were changed by hand have no bound that a watch could rest on.
+        let watch = phihat_session::contact_watch(study, &self.gains).ok().flatten();
+        Ok(Simulation::new(study, &law)?.watched(watch).apart())
     }
 }

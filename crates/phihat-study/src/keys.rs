@@ -1,5 +1,6 @@
 //! The format of a study, all but `[design]` and `[reference]`: every key with unit, range, default and meaning.
 
+use crate::contact::CONTACT;
 use crate::design_keys::DESIGN;
 use crate::feedforward::FEEDFORWARD;
 use crate::format::{FormatSection, Key, Need, NumberBounds, Shape};
@@ -72,6 +73,12 @@ pub(crate) static STUDY: FormatSection = FormatSection {
             Need::Optional("the law runs bare"),
             &SUPERVISOR,
             "Guard, limits and modes around the law.",
+        ),
+        table(
+            "contact",
+            Need::Optional("nothing is watched"),
+            &CONTACT,
+            "What follows a torque from outside.",
         ),
         Key {
             name: "fault",

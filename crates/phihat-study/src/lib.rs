@@ -23,6 +23,7 @@ mod arm;
 mod base;
 mod cartesian;
 mod check;
+mod contact;
 mod control;
 mod design;
 mod design_keys;
@@ -65,6 +66,7 @@ mod value;
 mod world;
 mod world_keys;
 
+pub use contact::{AfterContact, ContactRequest};
 pub use control::AHEAD_MAX;
 pub use error::{StudyError, StudyErrorKind};
 pub use fault::{Fault, FaultKind};

@@ -19,8 +19,8 @@ use crate::source::Source;
 use crate::study::{Interface, MotionClass, ReferenceRequest, Sensor, Study};
 use crate::supervisor::SupervisorRequest;
 use crate::{
-    control, design, fault, feedforward, gains, profile, reference, renamed, spec, supervisor,
-    world,
+    contact, control, design, fault, feedforward, gains, profile, reference, renamed, spec,
+    supervisor, world,
 };
 
 /// Largest study \[byte\].
@@ -224,8 +224,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
     // Along a run of no known length there is nothing to look at.
     let seed = top.count("seed")?;
     let run = period_ns.map(|_| ReferenceRun { duration, rate, seed, base });
-    let reference = run.map(|run| reference::read(&top.child("reference"), &arm, run));
-    let reference = reference.map_or(Ok(None), |reference| found.keep(reference))?;
+    let reference = run.map_or(Ok(None), |run| motion(top, &arm, run))?;
     let (
         Some(sensor),
         Some(interface),
@@ -249,6 +248,7 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         gains,
         design,
         feedforward,
+        contact: contact::read(top, supervisor.is_some())?,
         supervisor: of_class(supervisor, &reference),
         control,
         sensor,
@@ -261,6 +261,15 @@ fn resolve(top: &Node<'_>, name: String, base: Base<'_>) -> Result<Study, StudyE
         robot: arm.robot,
         springs: arm.springs,
     })
+}
+
+/// `[reference]`; `None`: it is wrong, and that is found.
+fn motion(
+    top: &Node<'_>,
+    arm: &StudyArm,
+    run: ReferenceRun<'_>,
+) -> Result<Option<ReferenceRequest>, StudyError> {
+    top.source.found.keep(reference::read(&top.child("reference"), arm, run))
 }
 
 /// The supervisor of a class of motions shapes references to the class.

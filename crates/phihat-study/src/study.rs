@@ -83,6 +83,8 @@ pub struct Study {
     pub interface: Box<Interface>,
     /// Guard, limits and modes around the law; `None`: the law runs bare.
     pub supervisor: Option<Box<crate::SupervisorRequest>>,
+    /// Watch over torques from outside; `None`: none.
+    pub contact: Option<crate::ContactRequest>,
     /// Faults, each with its start and duration.
     pub faults: Vec<Fault>,
     /// Reference motion of the arm.

@@ -782,3 +782,23 @@ fn mistakes_in_the_papers_recipe() {
     assert_eq!(paper.phi_max.as_deref(), Some(&[2.0; 3][..]));
     assert!(!paper.per_joint && !paper.by_40);
 }
+
+#[test]
+fn what_follows_a_contact_is_refused_with_its_reason() {
+    let with = |then: &str| {
+        let text = format!("{GOOD}\n[contact]\nthen = \"{then}\"\n");
+        let line = text.lines().count();
+        (text, line)
+    };
+    for (then, kind, why) in [
+        ("stop", Conflict, "nothing but a supervisor stops the arm"),
+        ("hold", Conflict, "with φ̂ kept, the law is a PD law"),
+        ("stopp", UnknownName, "did you mean `stop`?"),
+    ] {
+        let (text, line) = with(then);
+        check(&text, (line, "contact.then", kind, why));
+    }
+    assert!(read(&with("report").0).unwrap().contact.is_some());
+    let supervised = format!("{}\n[supervisor]\n", with("stop").0);
+    assert!(read(&supervised).is_ok());
+}

@@ -1,7 +1,7 @@
 //! Imperfect signals of a study as the class bound counts them: stiction, cogging, jitter, rows of lost commands.
 
 use phihat::TorqueSource;
-use phihat_study::{Drive, SampleStamps, Study};
+use phihat_study::{Drive, FaultKind, Payload, SampleStamps, Study};
 
 use super::document::ClassSignals;
 use super::sums::LostSpacing;
@@ -95,6 +95,16 @@ pub(super) fn without_imperfections(study: &Study) -> Study {
     own.world.network.rows = None;
     if own.world.drive.as_deref().is_some_and(cogs_alone) {
         own.world.drive = None;
+    }
+    if own.contact.is_some() {
+        // A claim until the first contact: what comes from outside, and a payload that changes, end it.
+        own.world.forces = Vec::new();
+        own.world.walls = Vec::new();
+        let outside = [FaultKind::Push, FaultKind::Payload];
+        own.faults = own.faults.iter().filter(|f| !outside.contains(&f.kind)).cloned().collect();
+        if let Some(payload) = own.world.payload.take() {
+            own.world.payload = Some(Payload { start: 0.0, end: f64::INFINITY, ..payload });
+        }
     }
     own
 }

@@ -45,6 +45,8 @@ impl NotCounted {
             world,
             interface,
             supervisor,
+            // It looks on, or asks the supervisor to stop.
+            contact: _,
             faults,
             // In φ, and in what its motion costs; a supervisor keeps a class of motions.
             reference,

@@ -3,7 +3,7 @@
 use phihat::TorqueSource;
 use phihat_certificate::ClassSignals;
 use phihat_certificate::extremes::larger;
-use phihat_study::{SampleStamps, Study};
+use phihat_study::{FaultKind, SampleStamps, Study};
 
 use super::refusal::ClassRefusal;
 
@@ -125,5 +125,18 @@ pub(super) fn imperfections(study: &Study) -> Study {
     if perfect {
         own.world.drive = None;
     }
+    if own.contact.is_some() {
+        until_contact(&mut own);
+    }
     own
+}
+
+/// Takes what a watch reports as a contact out of a study: the bound is one until then.
+fn until_contact(study: &mut Study) {
+    study.world.forces.clear();
+    study.world.walls.clear();
+    study.faults.retain(|fault| !matches!(fault.kind, FaultKind::Push | FaultKind::Payload));
+    if let Some(payload) = &mut study.world.payload {
+        (payload.start, payload.end) = (0.0, f64::INFINITY);
+    }
 }

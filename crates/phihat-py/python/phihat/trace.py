@@ -149,6 +149,16 @@ class Trace:
         """Where the run came from, as in ``run.json``: study, seed, version, world, warnings."""
         return self._record.run
 
+    @property
+    def contact(self) -> dict[str, Any] | None:
+        """Contacts and payload, as ``contact`` in run.json; None where nothing was watched.
+
+        ``events`` lists contacts with time, joint, torque and, where there is one, the force at the tip; ``payloads``
+        has the intervals of mass [kg] and centre of mass [m] of each part of the run.
+        """
+        watched: dict[str, Any] | None = self.run.get("contact")
+        return watched
+
     def to_pandas(self) -> pandas.DataFrame:
         """All signals, one row per sample, columns ``(signal, joint)``; the index is the time [s]."""
         pd = _optional("pandas", "pandas")

@@ -271,5 +271,6 @@ fn run_info() -> RunInfo {
         command: "phihat run studies/figure-of-eight.toml --seed 7".into(),
         warnings: vec![],
         bound: None,
+        contact: None,
     }
 }

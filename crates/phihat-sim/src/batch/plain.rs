@@ -122,7 +122,7 @@ impl<'a> Plain<'a> {
         }
         let arm = |(lane, study): (usize, &&Study)| {
             let [told_max, told_step_max] = self.path.most(lane);
-            let ended = Ended { divergence: None, abort: None, told_max, told_step_max };
+            let ended = Ended { told_max, told_step_max, ..Ended::default() };
             (self.figures.of(lane, Measured::new(study)), ended)
         };
         Some(self.studies.iter().enumerate().map(arm).collect())
