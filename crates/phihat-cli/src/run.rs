@@ -275,7 +275,10 @@ fn of_motions(done: &Done) -> Option<String> {
     let certificate = done.gains.as_ref()?.certificate.as_ref()?;
     let class = certificate.class.as_ref().filter(|_| certificate.tube.is_none())?;
     let slides: Vec<bool> = done.metrics.joints.iter().map(|joint| joint.slides).collect();
-    Some(format!(", for any motion within {}", class.limits_in_words(&slides)))
+    // A push that is too small to be reported is not counted either.
+    let untouched =
+        if done.run.contact.is_some() { ", as long as nothing touches the arm" } else { "" };
+    Some(format!(", for any motion within {}{untouched}", class.limits_in_words(&slides)))
 }
 
 /// Prints the path of a run's page, or of its trace.

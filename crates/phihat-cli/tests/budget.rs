@@ -140,7 +140,7 @@ fn advice_leads_to_gains_as_typed_and_the_page_is_there() {
 fn a_robots_interface_is_not_told_to_be_another() {
     let folder = folder("budget-profile");
     let profile = "[profile]\nname = \"ur\"\n";
-    fs::write(folder.join("small.toml"), planar(1e-6, profile)).unwrap();
+    fs::write(folder.join("small.toml"), planar(2e-5, profile)).unwrap();
     let told = json(&folder, &["design", "small.toml", "--json"]);
     assert_eq!(told["outcome"], "infeasible");
     let changes = told["budget"]["changes"].as_array().unwrap();

@@ -97,7 +97,7 @@ pub(super) fn without_imperfections(study: &Study) -> Study {
         own.world.drive = None;
     }
     if own.contact.is_some() {
-        // A claim until the first contact: what comes from outside, and a payload that changes, end it.
+        // A claim about an arm that nothing touches: what comes from outside, and a payload that changes, end it.
         own.world.forces = Vec::new();
         own.world.walls = Vec::new();
         let outside = [FaultKind::Push, FaultKind::Payload];

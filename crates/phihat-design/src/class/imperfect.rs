@@ -131,7 +131,7 @@ pub(super) fn imperfections(study: &Study) -> Study {
     own
 }
 
-/// Takes what a watch reports as a contact out of a study: the bound is one until then.
+/// Takes what a watch looks for out of a study: the bound is one of an arm that nothing touches.
 fn until_contact(study: &mut Study) {
     study.world.forces.clear();
     study.world.walls.clear();
