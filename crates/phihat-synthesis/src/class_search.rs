@@ -30,9 +30,6 @@ const SHARES: (f64, f64) = (0.01, 1.0);
 const POWER: f64 = 0.4;
 const STEP_POWER: f64 = 0.9;
 
-/// Least power that is believed of two laws whose steps hardly differ.
-const LEAST_POWER: f64 = 0.2;
-
 /// Share of the allowed torque step that a search aims at.
 const ROOM: f64 = 0.97;
 
@@ -250,7 +247,6 @@ fn within_step(
     BestOfClass { mut shares, mut gains, .. }: BestOfClass,
     steps: Steps<'_>,
 ) -> Result<(Box<Gains>, Option<ClassBound>), SynthesisError> {
-    let mut before: Vec<[f64; 2]> = Vec::new();
     for _ in 0..MENDED {
         steps.begin("the whole bound of the best laws")?;
         let Ok(class) = class_bound(study, &gains) else { break };
@@ -258,27 +254,13 @@ fn within_step(
         if found.most().1 <= 1.0 {
             return Ok((gains, Some(class)));
         }
-        let now: Vec<[f64; 2]> = shares.iter().zip(&found.steps).map(|(a, b)| [*a, *b]).collect();
-        for (i, (share, step)) in shares.iter_mut().zip(&found.steps).enumerate() {
-            // What the last change of the share did to the step: other causes of it fall less.
-            let power = before.get(i).map_or(STEP_POWER, |last| power_of(last, &now[i]));
-            *share *= libm::pow(ROOM / step.max(ROOM), 1.0 / power);
+        for (share, step) in shares.iter_mut().zip(&found.steps) {
+            *share *= libm::pow(ROOM / step.max(ROOM), 1.0 / STEP_POWER);
         }
-        before = now;
         let Some((quieter, _)) = search.laws(&shares) else { break };
         gains = Box::new(quieter);
     }
     Ok((gains, None))
-}
-
-/// Power of the share by which a torque step changed from one pair of both to the next; that of its own causes where
-/// the share hardly changed.
-fn power_of([share, step]: &[f64; 2], [next_share, next_step]: &[f64; 2]) -> f64 {
-    let moved = libm::log(next_share / share);
-    if moved.abs() < STILL {
-        return STEP_POWER;
-    }
-    (libm::log(next_step / step) / moved).clamp(LEAST_POWER, STEP_POWER)
 }
 
 /// No law that was tried closes the class.
