@@ -17,10 +17,10 @@ const ROOM: f64 = 0.98;
 /// Largest factor by which a limit is tightened at once, where the ratio of both derivations is that of other figures.
 const MOST: f64 = 1.5;
 
-/// The outcome of a design, or that of a tighter specification where the second derivation of the tube, which
-/// `phihat verify` prints, does not keep the study's by the first gains and does by the second.
+/// The outcome of a design whose tube keeps the specification by the second derivation too, which `phihat verify`
+/// prints. Where it goes beyond, the search is repeated with tighter limits.
 ///
-/// Gains for which there is no such specification stay, and the clauses are listed in their certificate as not proved.
+/// Where no such gains are found, the first ones stay, and their certificate lists the clauses as not proved.
 ///
 /// # Errors
 ///
@@ -33,7 +33,7 @@ pub(crate) fn confirmed(
 ) -> Result<Outcome, SynthesisError> {
     let Outcome::Designed(mut gains) = outcome else { return Ok(outcome) };
     let searched = study.design.method == DesignMethod::Ours && requested_gains(study).is_none();
-    let Some(mut derived) = derived(&gains, study, steps)? else {
+    let Some(mut derived) = derived_for(&gains, study, steps)? else {
         return Ok(Outcome::Designed(gains));
     };
     let unkept = derived.unkept.clone();
@@ -45,7 +45,7 @@ pub(crate) fn confirmed(
         tighten(&mut harder, &derived);
         let Outcome::Designed(next) = again(&harder)? else { break };
         let kept = next.certificate.as_ref().is_some_and(|own| own.unproved.is_empty());
-        let Some(own) = self::derived(&next, study, steps)?.filter(|_| kept) else { break };
+        let Some(own) = derived_for(&next, study, steps)?.filter(|_| kept) else { break };
         if own.unkept.is_empty() {
             return Ok(Outcome::Designed(next));
         }
@@ -58,7 +58,7 @@ pub(crate) fn confirmed(
 }
 
 /// The tube of gains, derived again; `None`: they have none, or it cannot be.
-fn derived(
+fn derived_for(
     gains: &Gains,
     study: &Study,
     steps: Steps<'_>,
