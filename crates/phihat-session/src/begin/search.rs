@@ -1,6 +1,8 @@
 //! The smallest error that can be promised for an arm, and the runs that show it.
 
+use std::cell::RefCell;
 use std::error::Error;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use phihat_certificate::extremes::{Extremes as _, larger};
@@ -10,7 +12,8 @@ use phihat_model::{JointKind, Profile, Robot, Rotor};
 use phihat_sim::{Demand, SimError, derive_substeps};
 use phihat_study::Study;
 use phihat_synthesis::{
-    Advice, SETTLED_S, any_law, arm_along, digits, lacking, late_error, one_search, smallest_rotor,
+    Advice, SETTLED_S, Steps, any_law, arm_along, digits, lacking, late_error, one_search,
+    smallest_rotor,
 };
 
 use super::arm::{ChosenArm, READY};
@@ -18,7 +21,7 @@ use super::motion::Sines;
 use super::options::BeginOptions;
 use super::posture::unit;
 use super::text::{Centre, Words};
-use crate::design::{at, designed_for};
+use crate::design::{at, designed_in_steps};
 use crate::error::SessionError;
 use crate::session::Session;
 
@@ -31,6 +34,10 @@ const UNASKED: f64 = 1e-2;
 /// Allowed error over the least that the search finds, and its increase while the tube or a run exceeds it.
 const MARGIN: f64 = 2.0;
 const MORE: f64 = 1.4;
+
+/// Allowed error over the least where the first error that is kept is enough, and errors that are tried in turn.
+const SOON_MARGIN: f64 = 4.0;
+const SOON_ROUNDS: u32 = 3;
 
 /// Allowed error of the last step, over the one that gains satisfied, where the design may choose the form of
 /// law.
@@ -235,7 +242,14 @@ impl<'a> BeginStudy<'a> {
         let mut error = match fixed {
             Some(error) => error,
             None => match self.least(step)? {
-                Least::Error(least) => two_digits(MARGIN * least).min(self.stands_still()),
+                Least::Error(least) => {
+                    if self.options.first_kept
+                        && let Some(found) = self.soon_kept(least, out, step)?
+                    {
+                        return Ok(found);
+                    }
+                    two_digits(MARGIN * least).min(self.stands_still())
+                }
                 Least::None(why) => {
                     self.stable = false;
                     return Ok(self.infeasible(UNASKED, why));
@@ -244,8 +258,8 @@ impl<'a> BeginStudy<'a> {
         };
         let mut last = None;
         for round in 1..=ROUNDS {
-            step(&format!("try {round}: gains for an error of {:.3} mrad, and runs", 1e3 * error));
-            let (why, by) = match self.in_either_form(error, out)? {
+            step(&format!("try {round}, {}", for_error(error)));
+            let (why, by) = match self.in_either_form(error, out, step)? {
                 ErrorOutcome::Kept(kept) if fixed.is_none() && !self.options.first_kept => {
                     return Ok(self.with_form_chosen((error, kept), out, step));
                 }
@@ -276,6 +290,29 @@ impl<'a> BeginStudy<'a> {
         Ok(self.infeasible(error, why))
     }
 
+    /// An error well above the least, by laws of the observer form alone: where it is kept, a search in a few seconds.
+    fn soon_kept(
+        &self,
+        least: f64,
+        out: &Path,
+        step: &mut dyn FnMut(&str),
+    ) -> Result<Option<BeginResult>, SessionError> {
+        let mut error = two_digits(SOON_MARGIN * least);
+        for _ in 0..SOON_ROUNDS {
+            if error >= self.stands_still() {
+                break;
+            }
+            error *= match self.asked(error, out, step)? {
+                ErrorOutcome::Kept(kept) => return Ok(Some(self.found(error, Some(kept), None))),
+                ErrorOutcome::Beyond(_, by) => by.clamp(1.1, 4.0),
+                ErrorOutcome::Never(_) => break,
+                ErrorOutcome::No(_) => MORE,
+            };
+            error = two_digits(error);
+        }
+        Ok(None)
+    }
+
     /// A smaller error that is kept where this one is not: bounds of softer laws may be wider than these laws are soft.
     fn by_stiffer_laws(
         &mut self,
@@ -286,8 +323,8 @@ impl<'a> BeginStudy<'a> {
         let mut error = asked;
         for _ in 0..LESS_ROUNDS {
             error = two_digits(FORM_CHOSEN * error);
-            step(&format!("stiffer laws, for an error of {:.3} mrad, and runs", 1e3 * error));
-            if let ErrorOutcome::Kept(kept) = self.in_either_form(error, out)? {
+            step(&format!("stiffer laws, {}", for_error(error)));
+            if let ErrorOutcome::Kept(kept) = self.in_either_form(error, out, step)? {
                 self.notes.push(format!(
                     "no laws were found that keep {:.3} mrad and no less; those of this study keep {:.3} mrad",
                     1e3 * asked,
@@ -301,14 +338,19 @@ impl<'a> BeginStudy<'a> {
 
     /// Gains for an error: of the observer form, and where its tube or a run exceeds the error, of the form that the
     /// design chooses.
-    fn in_either_form(&mut self, error: f64, out: &Path) -> Result<ErrorOutcome, SessionError> {
-        let first = self.asked(error, out)?;
+    fn in_either_form(
+        &mut self,
+        error: f64,
+        out: &Path,
+        step: &mut dyn FnMut(&str),
+    ) -> Result<ErrorOutcome, SessionError> {
+        let first = self.asked(error, out, step)?;
         let exceeds = matches!(first, ErrorOutcome::Beyond(..) | ErrorOutcome::No(_));
         if !exceeds || self.study.control.form_designed {
             return Ok(first);
         }
         self.study.control.form_designed = true;
-        if let Ok(ErrorOutcome::Kept(kept)) = self.asked(error, out) {
+        if let Ok(ErrorOutcome::Kept(kept)) = self.asked(error, out, step) {
             return Ok(ErrorOutcome::Kept(kept));
         }
         self.study.control.form_designed = false;
@@ -325,11 +367,10 @@ impl<'a> BeginStudy<'a> {
     ) -> BeginResult {
         for _ in 0..LESS_ROUNDS {
             let less = two_digits(FORM_CHOSEN * error);
-            let milli = 1e3 * less;
-            step(&format!("laws from positions for an error of {milli:.3} mrad, and runs"));
+            step(&format!("laws from positions, {}", for_error(less)));
             let form_designed = core::mem::replace(&mut self.study.control.form_designed, true);
             // A search that cannot begin is no reason to have nothing.
-            let Ok(ErrorOutcome::Kept(own)) = self.asked(less, out) else {
+            let Ok(ErrorOutcome::Kept(own)) = self.asked(less, out, step) else {
                 self.study.control.form_designed = form_designed;
                 break;
             };
@@ -360,10 +401,21 @@ impl<'a> BeginStudy<'a> {
     }
 
     /// Gains for an error, and runs with every rotor between and at the ends of its interval.
-    fn asked(&self, error: f64, out: &Path) -> Result<ErrorOutcome, SessionError> {
+    fn asked(
+        &self,
+        error: f64,
+        out: &Path,
+        step: &mut dyn FnMut(&str),
+    ) -> Result<ErrorOutcome, SessionError> {
         let mut study = self.study.clone();
         ask(&mut study, error);
-        let gains = match designed_for(&study, &self.arm, &self.path, Advice::Clauses)? {
+        let step = RefCell::new(step);
+        let begins = |what: &str| {
+            (*step.borrow_mut())(&format!("{}: {what}", for_error(error)));
+            ControlFlow::Continue(())
+        };
+        let steps = (Advice::Clauses, Steps::to(&begins));
+        let gains = match designed_in_steps(&study, &self.arm, &self.path, steps)? {
             Outcome::Designed(gains) => gains,
             Outcome::Infeasible(no) => return Ok(ErrorOutcome::No(no)),
         };
@@ -375,46 +427,8 @@ impl<'a> BeginStudy<'a> {
             let why = refused.unwrap_or_else(|| format!("the tube goes beyond it by {beyond:.2}"));
             return Ok(ErrorOutcome::Beyond(why, beyond));
         }
-        let places: &[Rotor] = if study.robot.has_rotor_interval() {
-            &[Rotor::Stated, Rotor::Least, Rotor::Most]
-        } else {
-            &[Rotor::Stated]
-        };
-        let mut most = vec![0.0; study.robot.joints.len()];
-        for place in places {
-            let mut own = study.clone();
-            for joint in &mut own.robot.joints {
-                joint.armature = joint.armature_at(*place);
-            }
-            derive_substeps(&mut own);
-            let session = match Session::new(own, out, Some((*gains.clone(), out)), false) {
-                Ok(session) => session,
-                Err(SessionError::NotArmed { why, .. }) => {
-                    return Ok(ErrorOutcome::Beyond(why.to_string(), MORE));
-                }
-                Err(why) if too_stiff(&why) => {
-                    return Ok(ErrorOutcome::Never(format!(
-                        "rotors at {place:?}: {why}: dry friction is estimated from the torque limit, which may be a \
-                         placeholder; state the drives' with --torque-max"
-                    )));
-                }
-                Err(why) => return Err(why),
-            };
-            let (done, _) = session.run(|_| ());
-            let good = if *place == Rotor::Stated {
-                done.good()
-            } else {
-                done.divergence.is_none() && done.abort.is_none() && done.metrics.within_spec
-            };
-            if !good {
-                let why = format!("a run with rotors at {place:?} was {}", done.verdict());
-                return Ok(ErrorOutcome::Beyond(why, MORE));
-            }
-            for (most, joint) in most.iter_mut().zip(&done.metrics.joints) {
-                *most = larger(*most, joint.error_steady_max_rad);
-            }
-        }
-        Ok(ErrorOutcome::Kept(KeptGains { simulated: most, gains }))
+        (*step.borrow_mut())(&format!("{}: runs", for_error(error)));
+        run_with_rotors(&study, gains, out)
     }
 
     fn found(
@@ -439,6 +453,54 @@ impl<'a> BeginStudy<'a> {
         let said = (&chosen.lines[..], &found.error_bound[..], left);
         words(self.options, chosen, said, &self.motion)
     }
+}
+
+/// Runs under gains, with every rotor between and at the ends of its interval.
+fn run_with_rotors(
+    study: &Study,
+    gains: Box<Gains>,
+    out: &Path,
+) -> Result<ErrorOutcome, SessionError> {
+    let places: &[Rotor] = if study.robot.has_rotor_interval() {
+        &[Rotor::Stated, Rotor::Least, Rotor::Most]
+    } else {
+        &[Rotor::Stated]
+    };
+    let mut most = vec![0.0; study.robot.joints.len()];
+    for place in places {
+        let mut own = Box::new(study.clone());
+        for joint in &mut own.robot.joints {
+            joint.armature = joint.armature_at(*place);
+        }
+        derive_substeps(&mut own);
+        let session = match Session::new(own, out, Some((*gains.clone(), out)), false) {
+            Ok(session) => session,
+            Err(SessionError::NotArmed { why, .. }) => {
+                return Ok(ErrorOutcome::Beyond(why.to_string(), MORE));
+            }
+            Err(why) if too_stiff(&why) => {
+                return Ok(ErrorOutcome::Never(format!(
+                    "rotors at {place:?}: {why}: dry friction is estimated from the torque limit, which may be a \
+                     placeholder; state the drives' with --torque-max"
+                )));
+            }
+            Err(why) => return Err(why),
+        };
+        let (done, _) = session.run(|_| ());
+        let good = if *place == Rotor::Stated {
+            done.good()
+        } else {
+            done.divergence.is_none() && done.abort.is_none() && done.metrics.within_spec
+        };
+        if !good {
+            let why = format!("a run with rotors at {place:?} was {}", done.verdict());
+            return Ok(ErrorOutcome::Beyond(why, MORE));
+        }
+        for (most, joint) in most.iter_mut().zip(&done.metrics.joints) {
+            *most = larger(*most, joint.error_steady_max_rad);
+        }
+    }
+    Ok(ErrorOutcome::Kept(KeptGains { simulated: most, gains }))
 }
 
 fn arm_of(study: &Study, path: &Path) -> Result<Arm, SessionError> {
@@ -620,6 +682,11 @@ fn units(study: &Study) -> impl Iterator<Item = f64> {
 fn ask(study: &mut Study, error: f64) {
     let errors = units(study).map(|unit| digits::places(error * unit, 9).max(1e-9)).collect();
     study.spec.error_bound = Some(errors);
+}
+
+/// A requested error, as a step names it.
+fn for_error(error: f64) -> String {
+    format!("gains for {:.3} mrad", 1e3 * error)
 }
 
 /// An error as it is written.
