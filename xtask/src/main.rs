@@ -97,7 +97,7 @@ const USAGE: &str = "usage:
                                other people's descriptions of arms: which load, whether Pinocchio finds the same \
                                torque, what
                                `phihat new` and `phihat run` make of them; kept in docs/zoo.md (hours; resumes)
-  cargo xtask web [--only-build]
+  cargo xtask web [--only-build | --every-study]
                                phihat as a page for a browser, target/web/page, and in the book,
                                target/web/book, tried in Chromium (minutes)
   cargo xtask screenshots [OUT [PAGE …]]

@@ -24,12 +24,13 @@ const STUDIES: [&str; 5] = ["panda", "first", "franka_any", "panda_design", "est
 /// Largest size of all that a visitor loads before the first run, with brotli \[bytes\].
 const SIZE_MAX: u64 = 2_000_000;
 
-/// Builds module and page, prints their sizes, and tries them; `--only-build` stops before that.
+/// Builds module and page, prints their sizes, and tries them; `--only-build` stops before that, and `--every-study`
+/// compares the studies whose design takes minutes in a browser too.
 pub(crate) fn run(root: &Path, words: &[String]) -> Result<(), String> {
-    let only_build = match words {
-        [] => false,
-        [word] if word == "--only-build" => true,
-        _ => return Err("cargo xtask web [--only-build]".to_owned()),
+    let word = match words {
+        [] => "",
+        [word] if ["--only-build", "--every-study"].contains(&word.as_str()) => word,
+        _ => return Err("cargo xtask web [--only-build | --every-study]".to_owned()),
     };
     let folder = root.join("target/web");
     let page = folder.join("page");
@@ -40,10 +41,10 @@ pub(crate) fn run(root: &Path, words: &[String]) -> Result<(), String> {
     studies(root, &page)?;
     sizes(root, &page)?;
     let together = live_book::put_together(root, &page, &STUDIES)?;
-    if only_build {
+    if word == "--only-build" {
         return Ok(());
     }
-    tried(root, &page, &together)
+    tried(root, (&page, &together), word == "--every-study")
 }
 
 /// The module, built with the target that the toolchain has, else with Debian's compiler.
@@ -57,11 +58,34 @@ fn module(root: &Path, folder: &Path) -> Result<PathBuf, String> {
         .current_dir(root)
         .env("RUSTFLAGS", "-C target-feature=+simd128")
         .env_remove("RUSTC_WORKSPACE_WRAPPER");
-    if !sysroot()?.join("lib/rustlib").join(TARGET).is_dir() {
+    if !has_target()? {
         with_debians_compiler(root, folder, &mut cargo)?;
     }
     run_command(&mut cargo)?;
     Ok(build.join(TARGET).join("web/phihat_web.wasm"))
+}
+
+/// Checks that the crate compiles for a browser, where a compiler that knows this target is at hand.
+pub(crate) fn checked(root: &Path) -> Result<(), String> {
+    let folder = root.join("target/web");
+    let unpacked = folder.join("root").exists();
+    if !has_target()? && !unpacked {
+        println!("no {TARGET} here (`rustup target add {TARGET}` adds it): left out");
+        return Ok(());
+    }
+    let mut cargo = Command::new("cargo");
+    cargo.args(["check", "--target", TARGET, "--package", "phihat-web", "--lib", "--quiet"]);
+    cargo.arg("--target-dir").arg(folder.join("check"));
+    cargo.current_dir(root).env("RUSTFLAGS", "-Dwarnings").env_remove("RUSTC_WORKSPACE_WRAPPER");
+    if !has_target()? {
+        with_debians_compiler(root, &folder, &mut cargo)?;
+    }
+    run_command(&mut cargo)
+}
+
+/// True where the toolchain at hand has the browser's target.
+fn has_target() -> Result<bool, String> {
+    Ok(sysroot()?.join("lib/rustlib").join(TARGET).is_dir())
 }
 
 /// The folder of the toolchain at hand.
@@ -224,14 +248,15 @@ fn sizes(root: &Path, page: &Path) -> Result<(), String> {
 }
 
 /// The page in Chromium, its runs and gains beside those of the command line.
-fn tried(root: &Path, page: &Path, together: &Path) -> Result<(), String> {
+fn tried(root: &Path, (page, together): (&Path, &Path), every_study: bool) -> Result<(), String> {
     let folder = browser::tools(root)?;
     let native = programs::program(root, "phihat-web/answer")?.display().to_string();
     let [page, together, studies] = [page.to_owned(), together.to_owned(), root.join("studies")]
         .map(|p| p.display().to_string());
     command(&folder, "node", &["web.mjs", &page, &native, &studies])?;
     command(&folder, "node", &["careless.mjs", &page, &studies])?;
-    command(&folder, "node", &["same.mjs", &page, &native, &studies])?;
+    let every: &[&str] = if every_study { &["--every"] } else { &[] };
+    command(&folder, "node", &[&["same.mjs", &page, &native, &studies], every].concat())?;
     let plain = root.join(book::HTML).display().to_string();
     command(&folder, "node", &["live.mjs", &together, &plain])
 }

@@ -24,6 +24,9 @@ pub struct TubeAgain {
     /// Clauses of the study's specification that the wider of both tubes does not keep, but for those that the file
     /// lists itself.
     pub unkept: Vec<String>,
+    /// The wider of both tubes, bin by bin; `None`: the file's is on trust.
+    #[serde(skip)]
+    pub wider: Option<Box<Tube>>,
 }
 
 impl Certificate {
@@ -51,12 +54,18 @@ impl Certificate {
             Some(Ok(own)) => own,
             Some(Err(why)) => {
                 let on_trust = Some(why.to_string());
-                return Ok(Some(TubeAgain { on_trust, joints: vec![], unkept: vec![] }));
+                return Ok(Some(TubeAgain {
+                    on_trust,
+                    joints: vec![],
+                    unkept: vec![],
+                    wider: None,
+                }));
             }
         };
         let joints = tube::beside(claimed, &own)?;
         let unkept = tube_clauses(study, (claimed, &own), &self.unproved);
-        Ok(Some(TubeAgain { on_trust: None, joints, unkept }))
+        let wider = Some(Box::new(claimed.clone().widened_to(&own)));
+        Ok(Some(TubeAgain { on_trust: None, joints, unkept, wider }))
     }
 
     /// The tube that the second method derives for these gains, with the file's bins and settling time.

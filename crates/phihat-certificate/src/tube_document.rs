@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::TubeTip;
 use crate::extremes::{Extremes as _, larger};
+use crate::outward;
 
 /// Nanoseconds of a second.
 const NANO: f64 = 1e9;
@@ -169,6 +170,22 @@ impl Tube {
         self
     }
 
+    /// The wider of two tubes of the same bins, in every bin and every figure: a bound if either is one. What the other one widens is rounded
+    /// [`outward`]; bins that it lacks stay as they are.
+    #[must_use]
+    pub fn widened_to(mut self, other: &Self) -> Self {
+        for (joint, other) in self.joints.iter_mut().zip(&other.joints) {
+            lower(&mut joint.error_low_rad, &other.error_low_rad);
+            raise(&mut joint.error_high_rad, &other.error_high_rad);
+            lower(&mut joint.velocity_low_rad_s, &other.velocity_low_rad_s);
+            raise(&mut joint.velocity_high_rad_s, &other.velocity_high_rad_s);
+            raise(&mut joint.torque_step_nm, &other.torque_step_nm);
+            joint.torque_max_nm = higher(joint.torque_max_nm, other.torque_max_nm);
+        }
+        let settle_s = self.settle_s;
+        self.steady_from(settle_s)
+    }
+
     /// By how much the tip \[m\] and its axes \[rad\] can be off in a bin; `None`: nothing is said of the tip.
     pub fn tip_in_bin(&self, bin: usize) -> Option<(f64, f64)> {
         let sizes: Vec<f64> = self.joints.iter().map(|joint| joint.error_at(bin)).collect();
@@ -221,6 +238,19 @@ impl Tube {
         let levels: Vec<f64> = self.joints.iter().map(level).collect();
         self.settled(&levels).unwrap_or(0.0)
     }
+}
+
+/// A bound that holds if either does; NaN bounds nothing, and stays.
+fn higher(own: f64, other: f64) -> f64 {
+    if own.is_nan() || other <= own { own } else { outward(other) }
+}
+
+fn raise(own: &mut [f64], other: &[f64]) {
+    own.iter_mut().zip(other).for_each(|(own, other)| *own = higher(*own, *other));
+}
+
+fn lower(own: &mut [f64], other: &[f64]) {
+    own.iter_mut().zip(other).for_each(|(own, other)| *own = -higher(-*own, -*other));
 }
 
 impl TubeJoint {

@@ -34,7 +34,7 @@ pub(crate) struct FaultsVerb {
     #[arg(long, value_name = "M", value_delimiter = ',', default_value = "1,2")]
     orders: Vec<usize>,
     /// Seeds per fault and severity: onset, joint, sign and noise differ.
-    #[arg(long, default_value_t = 3, allow_negative_numbers = true,
+    #[arg(long, default_value_t = 3,
         value_parser = clap::value_parser!(u16).range(1..=10_000))]
     seeds: u16,
     /// One order, one seed.
@@ -53,7 +53,7 @@ pub(crate) struct FaultsVerb {
     #[arg(long)]
     fresh: bool,
     /// Runs at a time [default: one per core].
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
     /// Folder for the results.
     #[arg(long, value_name = "FOLDER")]

@@ -53,7 +53,7 @@ pub(crate) struct FrontsVerb {
     #[arg(long)]
     fresh: bool,
     /// Searches at a time [default: one per core].
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
     /// Folder for the results; a shard takes a folder in there.
     #[arg(long, value_name = "FOLDER")]
@@ -85,7 +85,7 @@ struct HowMuch {
     #[arg(long, value_name = "A,B,C")]
     worlds: Option<String>,
     /// Decides all that is drawn [default: 1].
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S")]
     seed: Option<u64>,
 }
 

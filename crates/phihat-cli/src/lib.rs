@@ -127,7 +127,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let as_json = arguments.iter().any(|word| word == "--json");
     let color = Color::asked(&arguments);
     color.begins();
-    let command = || Arguments::command().color(color.of_clap());
+    // A number below zero is a value that is out of range, no unknown argument.
+    let command = || {
+        let verbs = Arguments::command().mut_subcommands(|verb| verb.allow_negative_numbers(true));
+        verbs.color(color.of_clap())
+    };
     let read = command().try_get_matches_from(arguments);
     let verb = match read.and_then(|read| Arguments::from_arg_matches(&read)) {
         Ok(Arguments { verb, manner }) => {

@@ -43,7 +43,7 @@ pub(crate) struct Reproduce {
     #[arg(long, value_name = "FILE", allow_hyphen_values = true)]
     against: Option<PathBuf>,
     /// Parts at a time [default: one per core].
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
     /// A study with [gains], whose arm, φ and gains take the place of the paper's.
     #[arg(long, value_name = "FILE", allow_hyphen_values = true, conflicts_with_all = ["quick", "only", "against",

@@ -39,11 +39,11 @@ pub(crate) struct SweepVerb {
     #[arg(long, value_name = "KEY=HOW", required = true)]
     vary: Vec<String>,
     /// How many runs, of all shards.
-    #[arg(long, value_name = "N", default_value_t = 1000, allow_negative_numbers = true,
+    #[arg(long, value_name = "N", default_value_t = 1000,
         value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     runs: u64,
     /// Decides what every run draws.
-    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
     /// Only the K-th of N parts of the runs; `phihat merge` puts them together.
     #[arg(long, value_name = "K/N")]
@@ -58,7 +58,7 @@ pub(crate) struct SweepVerb {
     #[arg(long)]
     fresh: bool,
     /// Runs at a time [default: one per core].
-    #[arg(long, value_name = "J", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "J", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
     /// Folder for the results; a shard takes a folder in there.
     #[arg(long, value_name = "FOLDER")]

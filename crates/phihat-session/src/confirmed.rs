@@ -1,7 +1,7 @@
 //! Designed gains whose tube keeps the specification by the second derivation too.
 
-use phihat_certificate::TubeAgain;
 use phihat_certificate::extremes::larger;
+use phihat_certificate::{Settle, TubeAgain};
 use phihat_design::{Gains, Outcome, requested_gains};
 use phihat_study::{DesignMethod, Study};
 use phihat_synthesis::{Steps, SynthesisError};
@@ -17,8 +17,8 @@ const ROOM: f64 = 0.98;
 /// Largest factor by which a limit is tightened at once, where the ratio of both derivations is that of other figures.
 const MOST: f64 = 1.5;
 
-/// The outcome of a design whose tube keeps the specification by the second derivation too, which `phihat verify`
-/// prints. Where it goes beyond, the search is repeated with tighter limits.
+/// The outcome of a design whose tube is the wider of both derivations, so that `phihat verify` derives no wider one.
+/// Where that goes beyond the specification, the search is repeated with tighter limits.
 ///
 /// Where no such gains are found, the first ones stay, and their certificate lists the clauses as not proved.
 ///
@@ -36,25 +36,38 @@ pub(crate) fn confirmed(
     let Some(mut derived) = derived_for(&gains, study, steps)? else {
         return Ok(Outcome::Designed(gains));
     };
-    let unkept = derived.unkept.clone();
+    let first = derived.clone();
     let mut harder = study.clone();
     for _ in 0..ROUNDS {
         if derived.unkept.is_empty() || !searched {
             break;
         }
         tighten(&mut harder, &derived);
-        let Outcome::Designed(next) = again(&harder)? else { break };
+        let Outcome::Designed(mut next) = again(&harder)? else { break };
         let kept = next.certificate.as_ref().is_some_and(|own| own.unproved.is_empty());
         let Some(own) = derived_for(&next, study, steps)?.filter(|_| kept) else { break };
         if own.unkept.is_empty() {
+            widen(&mut next, study, own);
             return Ok(Outcome::Designed(next));
         }
         derived = own;
     }
-    if let Some(certificate) = &mut gains.certificate {
-        certificate.unproved.extend(unkept);
-    }
+    widen(&mut gains, study, first);
     Ok(Outcome::Designed(gains))
+}
+
+/// Puts the wider tube into the certificate of gains, with the clauses that it does not keep.
+fn widen(gains: &mut Gains, study: &Study, derived: TubeAgain) {
+    let Some(certificate) = &mut gains.certificate else { return };
+    let mut unproved = core::mem::take(&mut certificate.unproved);
+    unproved.extend(derived.unkept);
+    match derived.wider {
+        Some(tube) => {
+            let settle = Settle::of(study, Some(&tube));
+            certificate.bound_by(tube.steady_from(settle.settle_s), settle, unproved);
+        }
+        None => certificate.unproved = unproved,
+    }
 }
 
 /// The tube of gains, derived again; `None`: they have none, or it cannot be.

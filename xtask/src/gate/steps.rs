@@ -8,7 +8,7 @@ use super::times;
 use crate::shell::{self, cargo};
 use crate::{
     attack, bindings, bless, book, browser, dist, instructions, mutants, programs, rules, tools,
-    twice,
+    twice, web,
 };
 
 /// When a step runs, unless it is named.
@@ -65,6 +65,7 @@ pub(super) const STAGES: [&[GateStep]; 5] = [
         gate("instructions of a sample", instructions::check),
         gate("packages", |root| rules::packages(root, false)),
         gate("workflows", dist::workflows),
+        gate("phihat for browsers compiles", web::checked),
     ],
     &[all("release build", release)],
     &[

@@ -8,8 +8,8 @@ use crate::{Refutation, Tube, TubeJoint};
 
 const CLAIM: &str = "tube";
 
-/// A tube that is at most so many times tighter than the derivation is confirmed by it.
-pub const CONFIRMED: f64 = 1.5;
+/// A tube that is tighter than the derivation by no more than rounding is confirmed by it.
+pub const CONFIRMED: f64 = 1.0 + 1e-9;
 
 /// A tube that is tighter by more than this is refused.
 ///

@@ -49,7 +49,7 @@ pub(crate) struct Compare {
     #[arg(long)]
     quick: bool,
     /// Motions that are scored: the study's own, and drawn ones [default: 3, or 1 with --quick].
-    #[arg(long, value_name = "N", allow_negative_numbers = true,
+    #[arg(long, value_name = "N",
         value_parser = clap::value_parser!(u16).range(1..=1000))]
     seeds: Option<u16>,
     /// Repeat this one run (ARM/RIVAL/WORLD/default|tuned/SEED) and keep its study, trace and report.
@@ -62,7 +62,7 @@ pub(crate) struct Compare {
     #[arg(long)]
     fresh: bool,
     /// Runs at a time [default: one per core].
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
     /// Folder for the results.
     #[arg(long, value_name = "FOLDER")]

@@ -1,7 +1,7 @@
 //! The envelope as the certificate holds it: coarser bins, numbers rounded outward.
 
 use phihat_certificate::extremes::{Extremes as _, hull};
-use phihat_certificate::{Gains, Tube, TubeJoint, TubePayloadSet};
+use phihat_certificate::{Gains, Tube, TubeJoint, TubePayloadSet, outward};
 use phihat_study::Study;
 
 use super::desired::Desired;
@@ -13,12 +13,6 @@ use crate::sampled::TorqueNoise;
 
 /// Bins of the sweep in one bin of the document.
 const COARSER: usize = 4;
-
-/// Significant digits that numbers of the document are rounded outward to.
-const DIGITS: i32 = 4;
-
-/// Allowance for the difference between one implementation's rounding and another's.
-const ROUNDING: f64 = 1.0 + 1e-6;
 
 /// Finds the [`Tube`] of a study under gains, as data.
 ///
@@ -134,35 +128,5 @@ fn joint(name: &str, own: &JointEnvelope) -> TubeJoint {
         torque_step_nm: own.step.chunks(COARSER).map(most).collect(),
         torque_step_max_nm: f64::INFINITY,
         torque_step_steady_max_nm: f64::INFINITY,
-    }
-}
-
-/// The next number of [`DIGITS`] digits that is not smaller.
-fn outward(x: f64) -> f64 {
-    if x == 0.0 || !x.is_finite() {
-        return x;
-    }
-    let wider = if x > 0.0 { x * ROUNDING } else { x / ROUNDING };
-    #[allow(clippy::cast_possible_truncation, reason = "an exponent of ten")]
-    let exponent = libm::log10(wider.abs()).floor() as i32 - (DIGITS - 1);
-    // A power of ten that is a whole number is exact, and its quotient is the nearest number to the decimal.
-    let (unit, inverse) = (10.0_f64.powi(exponent.abs()), exponent < 0);
-    let scaled = if inverse { wider * unit } else { wider / unit };
-    let up = scaled.ceil();
-    if inverse { up / unit } else { up * unit }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::outward;
-
-    #[test]
-    fn rounded_outward_to_four_digits() {
-        for (x, wanted) in
-            [(1.23401e-4, 1.235e-4), (-1.23499e-4, -1.234e-4), (0.0, 0.0), (12_345.6, 12_350.0)]
-        {
-            assert!((outward(x) - wanted).abs() <= 1e-12 * wanted.abs(), "{x}: {}", outward(x));
-            assert!(outward(x) >= x);
-        }
     }
 }

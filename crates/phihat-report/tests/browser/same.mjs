@@ -1,7 +1,8 @@
 // The module gives the bytes of this machine: gains with certificate, trace, and the check of the certificate of every shipped study
 // whose design takes about a minute in the module, in Node and in headless Chromium.
 //
-//   node same.mjs FOLDER ANSWER STUDIES [NAME …]      as web.mjs; with names, of these studies alone, however long they take
+//   node same.mjs FOLDER ANSWER STUDIES [NAME … | --every]   as web.mjs; with names, of these studies alone, however long they take;
+//                                                            --every: of all
 //
 // A line for each study, with how many numbers were compared; the last lines as those of web.mjs.
 
@@ -11,7 +12,7 @@ import { pathToFileURL } from "node:url";
 import { check, ended, own, there, visited } from "./visit.mjs";
 
 const [folder, native, shipped] = process.argv.slice(2, 5).map((word) => resolve(word));
-const only = process.argv.slice(5);
+const words = process.argv.slice(5);
 // Designs that take minutes in the module.
 const LONG = ["panda_any", "panda_any_signals", "panda_fast", "panda_known", "panda_rate", "panda_springs", "planar_any_signals"];
 
@@ -29,6 +30,7 @@ const PARTS = {
   run: ({ trace_sha256, verdict, error }) => [trace_sha256, verdict, error],
   verify: ({ holds, verified, refuted, error }) => [holds, verified, refuted, error],
 };
+const only = words.includes("--every") ? names : words;
 const count = { studies: 0, numbers: 0, trace: 0 };
 for (const name of names.filter((name) => (only.length ? only.includes(name) : !LONG.includes(name)))) {
   const texts = { name, study: read(`${name}.toml`), files };
