@@ -210,3 +210,18 @@ fn a_place_that_cannot_be_written_is_named() {
     assert!(answer.err.contains("taken"), "{}", answer.err);
     assert_eq!(fs::read_to_string(folder.join("taken")).unwrap(), "a file, not a folder");
 }
+
+#[test]
+fn a_number_below_zero_is_a_value_out_of_range() {
+    let folder = folder("below-zero");
+    for (words, option) in [
+        (["new", "panda", "--payload", "-1"], "--payload <KG>"),
+        (["new", "panda", "--error", "-0.5"], "--error"),
+        (["sweep", "study.toml", "--runs", "-3"], "--runs"),
+    ] {
+        let answer = phihat(&folder, &words);
+        assert_eq!(answer.code, 2, "{}", answer.err);
+        assert!(answer.err.starts_with("error: invalid value '-"), "{}", answer.err);
+        assert!(answer.err.contains(option), "{}", answer.err);
+    }
+}

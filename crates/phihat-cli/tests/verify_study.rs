@@ -78,7 +78,10 @@ fn a_shrunk_tube_agrees_with_itself_and_is_refused_by_its_study() {
     let figures: Value = serde_json::from_str(&figures.out).unwrap();
     let again = &figures["verified"]["tube"];
     assert!(again["on_trust"].is_null(), "{again}");
-    assert!(again["joints"][0]["tighter"].as_f64().unwrap() < 1.5, "{again}");
+    // What design writes is the wider of both derivations, bin by bin.
+    for joint in again["joints"].as_array().unwrap() {
+        assert!(joint["tighter"].as_f64().unwrap() <= 1.0, "{again}");
+    }
     assert_eq!(figures["runs"]["runs"], 64);
     let text = fs::read_to_string(folder.join("two.json")).unwrap();
     let gains: Value = serde_json::from_str(&text).unwrap();
