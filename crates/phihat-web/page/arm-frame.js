@@ -31,6 +31,18 @@ function begun(run) {
     listen: (listener) => listeners.push(listener),
   };
   const bounds = joints.map((own) => own.bound_rad ?? own.accepted_rad);
+  const claimed = joints.every((own) => own.envelope);
+  // Around the desired pose: what is claimed of the error at a time, or else what is accepted; grey while nothing is claimed [mrad, mm].
+  function around(at) {
+    if (bounds.some((own) => own == null)) return null;
+    const now = joints.map(({ envelope }, j) => {
+      if (!claimed) return 1e3 * bounds[j];
+      const k = Math.min(Math.max(Math.floor(at / envelope.bin_s), 0), envelope.high.length - 1);
+      return 1e3 * Math.max(-envelope.low[k], envelope.high[k]);
+    });
+    const share = Math.max(...now.map((own, j) => Math.abs(columns[j].e[0][nearest(at)] || 0) / own));
+    return { bounds: now, share, level: share > 1 ? "over" : !claimed ? "none" : share > 0.8 ? "thin" : "inside" };
+  }
   globalThis.phihat = {
     data: {
       settle_s, arm, joints: joints.map((own) => own.name),
@@ -40,6 +52,7 @@ function begun(run) {
     clock,
     signal: (j, label) => columns[j][label],
     nearest,
+    around,
     show: (v) => (v == null || Number.isNaN(v) ? "–" : String(Number(v.toPrecision(4)))),
     element(tag, className, text) {
       const made = document.createElement(tag);

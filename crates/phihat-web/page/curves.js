@@ -26,7 +26,7 @@ export async function curves(place, run, beside) {
 }
 
 function curve(joint, run, beside) {
-  const tube = joint.tube;
+  const tube = joint.envelope;
   const bound = joint.bound_rad ?? joint.accepted_rad ?? 0;
   const steady = joint.e.filter((e, k) => e != null && run.t[k] >= run.settle_s).map(Math.abs);
   const most = 1.15 * Math.max(bound, joint.accepted_rad ?? 0, beside?.measured_rad ?? 0, ...steady, 1e-9);

@@ -58,14 +58,14 @@ function weakest(run) {
 }
 function verdict(run, standing) {
   const most = weakest(run);
-  const [word, kind] = run.verdict === "certificate_broken" ? ["CERTIFICATE BROKEN: please report", "broken"]
+  const [word, kind] = run.broken || run.verdict === "certificate_broken" ? ["CERTIFICATE BROKEN: please report", "broken"]
     : !run.good ? [`OUTSIDE: ${run.verdict.replaceAll("_", " ")}`, "broken"]
     : !run.promise ? ["NOT PROVED for this run", "unproved"]
     : standing ? [standing, standing.startsWith("NOT") ? "unproved" : "proved"]
     : ["INSIDE ITS BOUND", "unproved"];
   $("standing").className = `standing ${kind}`;
   $("verdict").textContent = word;
-  $("why").textContent = `${run.beside_tube ?? "these gains bound no error"}; ${run.samples} samples, ${run.duration_s} s, ${run.joints.length} joints.`;
+  $("why").textContent = `${run.motions ? `For any motion within ${run.motions}. ` : ""}${run.beside_bound ?? "these gains bound no error"}; ${run.samples} samples, ${run.duration_s} s, ${run.joints.length} joints.`;
   const items = [
     ["is-measured", `measured ${milli(most.measured_rad)} ${unit(most)}, ${most.name}`],
     ["is-proved", `bound ${milli(most.bound_rad)} ${unit(most)}`],

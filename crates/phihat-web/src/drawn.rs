@@ -2,7 +2,7 @@
 
 use phihat_design::Gains;
 use phihat_model::JointKind;
-use phihat_report::DrawnArm;
+use phihat_report::{DrawnArm, claimed_bound};
 use phihat_session::{Done, SessionError, drawn_arm, sha256};
 use phihat_sim::{JointTrace, Motion, Trace, samples};
 use phihat_study::Study;
@@ -36,14 +36,15 @@ pub(crate) fn beginning(study: &Study, gains: Option<&Gains>) -> Result<Value, S
     let count = planned(study);
     let times = (0..count).step_by(stride(count));
     let t: Vec<f64> = times.map(|k| (k as u64 * study.control.period_ns) as f64 * 1e-9).collect();
-    let tube = gains.and_then(|own| own.certificate.as_ref()?.tube.as_ref());
     let joint = |(j, joint): (usize, &phihat_model::Joint)| {
         let q_d: Vec<f64> = t.iter().map(|&t| motion.told(j, t)[0]).collect();
+        let (bound, envelope) = bound_of(gains, j, study.duration);
         json!({
             "name": joint.name,
             "slides": joint.kind == JointKind::Prismatic,
             "accepted_rad": study.spec.error_bound.as_ref().and_then(|all| all.get(j)),
-            "bound_rad": tube.and_then(|own| Some(own.joints.get(j)?.error_bound_rad)),
+            "bound_rad": bound,
+            "envelope": envelope,
             "q_d": q_d,
         })
     };
@@ -71,29 +72,32 @@ pub(crate) fn part(trace: &Trace, planned_samples_per_part: usize) -> Value {
 pub(crate) fn drawn(done: &Done, trace: &Trace) -> Value {
     let each = stride(trace.len());
     let t: Vec<f64> = trace.t_ns.iter().step_by(each).map(|t| *t as f64 * 1e-9).collect();
-    let tube = done.gains.as_ref().and_then(|own| own.certificate.as_ref()?.tube.as_ref());
+    let gains = done.gains.as_ref();
+    let claimed = claimed_bound(&done.record());
+    let whole = claimed.as_ref().is_some_and(|own| own.motions.is_some());
     let joints: Vec<Value> = trace
         .joints
         .iter()
         .zip(&done.metrics.joints)
         .enumerate()
         .map(|(j, (joint, figures))| {
-            let tube = tube.and_then(|tube| Some((tube.bin_s, tube.joints.get(j)?)));
+            let (bound, envelope) = bound_of(gains, j, done.metrics.duration_s);
+            // The bound of a class is about the whole run.
+            let measured =
+                if whole { figures.error_peak_rad } else { figures.error_steady_max_rad };
             json!({
                 "name": joint.name,
                 "slides": figures.slides,
                 "accepted_rad": figures.error_bound_rad,
-                "bound_rad": tube.map(|(_, own)| own.error_bound_rad),
-                "measured_rad": figures.error_steady_max_rad,
+                "bound_rad": bound,
+                "measured_rad": measured,
                 "torque_max_nm": figures.tau_max_nm,
                 "torque_limit_nm": figures.tau_limit_nm,
                 "q": first(&joint.q, each),
                 "q_d": first(&joint.q_desired, each),
                 "e": largest(&joint.e, each),
                 "torque": largest(&joint.tau_applied, each),
-                "tube": tube.map(|(bin_s, own)| json!({
-                    "bin_s": bin_s, "low": own.error_low_rad, "high": own.error_high_rad,
-                })),
+                "envelope": envelope,
             })
         })
         .collect();
@@ -103,8 +107,10 @@ pub(crate) fn drawn(done: &Done, trace: &Trace) -> Value {
         "robot": done.study.robot.name,
         "verdict": done.verdict(),
         "good": done.good(),
-        "beside_tube": done.tube.as_ref().map(phihat_report::TubeRun::sentence),
-        "promise": done.tube.as_ref().is_some_and(|run| run.no_promise.is_none()),
+        "beside_bound": claimed.as_ref().map(|own| own.sentence.clone()),
+        "motions": claimed.as_ref().and_then(|own| own.motions.clone()),
+        "broken": claimed.as_ref().is_some_and(|own| own.broken),
+        "promise": claimed.is_some_and(|own| own.promised),
         "settle_s": done.metrics.settle_s,
         "duration_s": done.metrics.duration_s,
         "samples": done.metrics.samples,
@@ -114,6 +120,23 @@ pub(crate) fn drawn(done: &Done, trace: &Trace) -> Value {
         "arm": arm,
         "trace_sha256": trace_sha256(trace),
     })
+}
+
+/// Bound on the error of a joint \[rad, m\], and its envelope over a run of so many seconds: a tube's bins, or one bin.
+fn bound_of(gains: Option<&Gains>, joint: usize, duration_s: f64) -> (Option<f64>, Option<Value>) {
+    let bound = |gains: &Gains| {
+        let certificate = gains.certificate.as_ref()?;
+        let bound = certificate.error_bound(joint)?.error_bound_rad;
+        let envelope = match &certificate.tube {
+            Some(tube) => {
+                let own = tube.joints.get(joint)?;
+                json!({ "bin_s": tube.bin_s, "low": own.error_low_rad, "high": own.error_high_rad })
+            }
+            None => json!({ "bin_s": duration_s, "low": [-bound, -bound], "high": [bound, bound] }),
+        };
+        Some((bound, envelope))
+    };
+    gains.and_then(bound).unzip()
 }
 
 /// The first value in each stretch of so many samples.
