@@ -1,5 +1,6 @@
 //! The page: verdict, figures per joint, plots, and everything needed to doubt them.
 
+use crate::bound_words::stop_in_words;
 use crate::certificate::certificate;
 use crate::figure::run_figures;
 use crate::kind::DRAWABLE_MAX;
@@ -80,8 +81,8 @@ pub fn page(record: &Record<'_>) -> String {
             (heading(record))
             (standing(record))
             div.measured-verdict {
-                @if let Some(stopped) = &record.metrics.stopped { p.verdict.outside { strong {
-                    (line(&stopped.sentence())) } "." } }
+                @if let Some(stopped) = stop_in_words(record.metrics, record.run) { p.verdict.outside { strong {
+                    (stopped) } "." } }
                 (verdict_box(&verdict(record.metrics, record.tube)))
             }
             (warnings(record))
@@ -92,7 +93,10 @@ pub fn page(record: &Record<'_>) -> String {
             (every_joint(record))
             (tip(record))
             (table::tracking(record.metrics))
-            (table::torque_table(record.metrics, driven(record.run).is_none_or(|on| on.ends_with("sim"))))
+            details.tables {
+                summary { "torque and estimate of every joint, against the limits in force" }
+                (table::torque_table(record.metrics, driven(record.run).is_none_or(|on| on.ends_with("sim"))))
+            }
             (supervision(&record.drawing.course))
             (certificate(record))
             @if let Some(gains) = record.gains { (sections::gains(gains)) }
