@@ -46,7 +46,12 @@ fn verdict(summary: &Summary) -> Markup {
     ];
     html! { div class=(class) {
         p { strong { (totals.kept) " of " (totals.runs) " runs kept every bar." } }
-        ul { @for (what, count) in lines { li { (count) " " (what) } } }
+        ul { @for (what, count) in lines.iter().filter(|(_, count)| *count > 0) { li { (count) " " (what) } } }
+        p.hint {
+            "None "
+            (lines.iter().filter(|(_, count)| *count == 0).map(|(what, _)| *what).collect::<Vec<_>>().join("; none "))
+            "."
+        }
     } }
 }
 

@@ -15,10 +15,13 @@ use crate::support::Fixture;
 const KEPT: &str =
     concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/book/src/reference/specimens.html");
 
-/// The part of a run's page that a selector finds, with ids of its own.
+/// The part of a run's page that a selector finds, with ids of its own but for the first one.
 fn part(fixture: &Fixture, css: &str, place: usize) -> Markup {
     let whole = Html::parse_document(&page(&fixture.record()));
     let found = whole.select(&Selector::parse(css).unwrap()).next().unwrap().html();
+    if place == 0 {
+        return PreEscaped(found);
+    }
     let found = found.replace("id=\"", &format!("id=\"of-{place}-"));
     PreEscaped(found.replace("labelledby=\"", &format!("labelledby=\"of-{place}-")))
 }
@@ -85,6 +88,11 @@ fn specimens() -> String {
             h1 { "Specimens of the pages" }
             p.byline { "made by the code and the style sheet that make every page" }
         }
+        h2 { "Head of a page" }
+        @for (place, (words, fixture)) in STANDINGS.iter().enumerate() {
+            h3 { (words) }
+            (part(&fixture(), "#standing", place))
+        }
         h2 { "Colours" }
         ul.bullet-key { @for (class, words) in colours { li class={ "is-" (class) } { (words) } } }
         p { span.is-thin { "caution: a margin is thin, a limit acted, nothing is proved" } " · "
@@ -99,11 +107,6 @@ fn specimens() -> String {
         h3 { "A part" }
         p { "Text of a page, at most 46 rem long, with a " a href="#type" { "link" } " and " code { "code" } "." }
         p.hint { "A note." }
-        h2 { "Head of a page" }
-        @for (place, (words, fixture)) in STANDINGS.iter().enumerate() {
-            h3 { (words) }
-            (part(&fixture(), "#standing", place))
-        }
         h2 { "Verdict of a specification" }
         div.measured-verdict { (verdicts()) }
         h2 { "Every joint" }

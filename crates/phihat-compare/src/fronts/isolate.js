@@ -3,6 +3,8 @@
 for (const picture of document.querySelectorAll("figure.plot svg.figure:has(.curve)")) {
   const parts = [...picture.querySelectorAll(".curve")];
   const names = parts.filter((part) => part.querySelector("text"));
+  // What holds buttons is no image.
+  picture.setAttribute("role", "group");
   let alone = null;
   const show = (curve) => {
     alone = alone === curve ? null : curve;

@@ -29,7 +29,7 @@ pub(super) fn curve(law: &LawRecord, points: Vec<[f64; 2]>) -> Series {
     } else {
         Ink::Thin(known)
     };
-    Series { named: true, ..Series::curve(short(&name(law), 30), points).in_ink(ink) }
+    Series { named: true, ..Series::curve(short(&name(law), 36), points).in_ink(ink) }
 }
 
 /// Curves as a picture.
