@@ -229,7 +229,7 @@ fn figures(done: &Done) {
     if let Some(stopped) = stop_in_words(&done.metrics, &done.run) {
         println!("{stopped}");
     }
-    println!("{}", table::metrics(&done.metrics));
+    println!("{}", table::metrics(&done.metrics, done.run.knows_phi()));
     if let Some(tip) = table::tip(&done.metrics) {
         println!("{tip}");
     }

@@ -86,7 +86,8 @@ fn specimens() -> String {
     let main = html! {
         header {
             h1 { "Specimens of the pages" }
-            p.byline { "made by the code and the style sheet that make every page" }
+            p.verdict.within { strong { "Each part of a page, once." }
+                " Made by the code and the style sheet that make every page." }
         }
         h2 { "Head of a page" }
         @for (place, (words, fixture)) in STANDINGS.iter().enumerate() {

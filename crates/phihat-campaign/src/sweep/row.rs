@@ -71,7 +71,7 @@ pub static FIGURES: [FigureKind; 10] = [
     },
     FigureKind {
         name: "error_over_spec",
-        what: "the same over its bound: up to 1 it is kept",
+        what: "largest |e| over its bound: up to 1 it is kept",
         unit: "",
         of: |m| worst(m, |j| j.error_bound_rad.map(|bound| j.error_steady_max_rad / bound)),
     },

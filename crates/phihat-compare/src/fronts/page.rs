@@ -27,8 +27,8 @@ pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
             h1 { (title) }
             p.byline { "phihat " (line(&fronts.phihat_version)) " · " (extent.caps.len()) " cap" @if extent.caps.len()
                 > 1 { "s" } " on noise · " (extent.restarts)
-                " searches each · " (extent.per_scalar) " evaluations for each scalar and one more under the loosest \
-                    cap"
+                @if extent.restarts == 1 { " search each · " } @else { " searches each · " }
+                (extent.per_scalar) " evaluations for each scalar and one more under the loosest cap"
                 @if extent.caps.len() > 1 { ", a quarter as many under every other, from the best of all before" } " · \
                     worlds: " (train) " to train, "
                 (validation) " to choose, " (test) " to judge · simulated" }

@@ -252,6 +252,27 @@ async function moves(browser, file) {
     await page.uncheck(box);
     check(name, `${box} is drawn`, (await picture()).sum !== with_.sum);
   }
+  // The bound around it, where there is one: drawn, and its colour that of the largest share that an error takes of it.
+  const bounded = data.charts.find(({ stem }) => stem === "error").panels.every((panel) => panel.band);
+  check(name, "a bound is offered where there is one", (await page.locator("#tube").count() > 0) === bounded);
+  if (bounded) {
+    const with_ = await picture();
+    await page.uncheck("#tube");
+    check(name, "the bound is drawn around the arm", (await picture()).sum !== with_.sum);
+    await page.check("#tube");
+    const wrong = await page.evaluate(() => {
+      const { t, signal, around, data } = phihat;
+      const panels = data.charts.find(({ stem }) => stem === "error").panels;
+      return [...t].filter((at, k) => k % 97 === 0).map((at) => {
+        const k = phihat.nearest(at);
+        // As the plot draws it: the step of the band at this time.
+        const inside = panels.map(({ band: [ends, low, high] }, j) => { const step = Math.max(ends.findLastIndex((end) => end <= at), 0); const [i, most] = [Math.min(step, high.length - 1), Math.max(...signal(j, "e").map((list) => Math.abs(list[k])))]; return most / Math.max(high[i], -low[i]); });
+        const [share, { level }] = [Math.max(...inside), around(at)];
+        return level === (share > 1 ? "over" : share > 0.8 ? "thin" : "inside") ? "" : `${at} s: ${level} at ${share}`;
+      }).filter(Boolean);
+    });
+    check(name, "its colour is that of the error's share of it", wrong.length === 0, wrong.slice(0, 3).join("; "));
+  }
   await page.selectOption("#magnify", "1");
   const own = await picture();
   await page.selectOption("#magnify", "1000");
