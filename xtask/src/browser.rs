@@ -100,7 +100,9 @@ pub(crate) fn every(root: &Path) -> Result<(), String> {
     let _ = std::fs::remove_dir_all(root.join(pages::FOLDER));
     let plain = pages::PLAIN.into_iter().map(|page| pages::made(root, page));
     let plain = plain.collect::<Result<Vec<_>, _>>()?;
-    let words = ["check.mjs", "--plain"].into_iter().chain(plain.iter().map(String::as_str));
+    let specimens = root.join(pages::SPECIMENS).display().to_string();
+    let words = ["check.mjs", "--plain", &specimens];
+    let words = words.into_iter().chain(plain.iter().map(String::as_str));
     command(&folder, "node", &words.collect::<Vec<_>>())?;
     // Without what an earlier run left there.
     let hostile = root.join("target/hostile");

@@ -12,7 +12,7 @@ pub(crate) const FOLDER: &str = "out/screenshots/pages";
 pub(crate) type Made = (&'static str, &'static str, &'static str);
 
 /// Pages of tables and pictures.
-pub(crate) const PLAIN: [Made; 3] = [
+pub(crate) const PLAIN: [Made; 4] = [
     ("faults/report.html", "faults", "faults studies/first.toml --quick"),
     ("budget/budget.html", "budget/gains.json", "design studies/panda_design.toml --budget"),
     (
@@ -20,7 +20,16 @@ pub(crate) const PLAIN: [Made; 3] = [
         "sweep",
         "sweep studies/first.toml --vary world.payload.mass_kg=0..0.5 --runs 64 --seed 7",
     ),
+    (
+        "fronts/report.html",
+        "fronts",
+        "fronts studies/table1.toml --only time-delay,computed-torque,proposed-1 --caps 0.02,0.05 --restarts 1 \
+         --per-scalar 3 --worlds 1,1,2",
+    ),
 ];
+
+/// Parts of pages, by the style sheet of all, in the book.
+pub(crate) const SPECIMENS: &str = "docs/book/src/reference/specimens.html";
 
 /// A comparison of every law.
 pub(crate) const COMPARISON: Made = (

@@ -2,7 +2,7 @@
 
 use std::path::{Path, absolute};
 
-use crate::pages::{COMPARISON, PLAIN, made};
+use crate::pages::{COMPARISON, PLAIN, SPECIMENS, made};
 use crate::shell::command;
 use crate::{browser, programs};
 
@@ -23,7 +23,7 @@ pub(crate) fn run(root: &Path, args: &[String]) -> Result<(), String> {
     let folder = browser::tools(root)?;
     let program = programs::program(root, "phihat-cli/phihat")?.display().to_string();
     let mut pages = browser::reports(root)?;
-    pages.push(at("docs/reproduction/report.html"));
+    pages.extend(["docs/reproduction/report.html", SPECIMENS].map(at));
     for page in PLAIN.into_iter().chain([COMPARISON]) {
         pages.push(made(root, page)?);
     }

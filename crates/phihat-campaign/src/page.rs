@@ -46,7 +46,12 @@ fn verdict(summary: &Summary) -> Markup {
     ];
     html! { div class=(class) {
         p { strong { (totals.kept) " of " (totals.runs) " runs kept every bar." } }
-        ul { @for (what, count) in lines { li { (count) " " (what) } } }
+        ul { @for (what, count) in lines.iter().filter(|(_, count)| *count > 0) { li { (count) " " (what) } } }
+        p.hint {
+            "None "
+            (lines.iter().filter(|(_, count)| *count == 0).map(|(what, _)| *what).collect::<Vec<_>>().join("; none "))
+            "."
+        }
     } }
 }
 
@@ -112,14 +117,25 @@ fn severe(severity: usize, of: usize) -> &'static str {
 
 fn level(fault: &FaultRecord, severity: usize) -> String {
     let level = fault.levels.get(severity - 1).copied().unwrap_or(f64::NAN);
-    format!("{} {}", stated(level), unit(fault)).trim_end().to_owned()
+    let (scale, unit) = people_unit(&fault.unit, level);
+    format!("{}{unit}", stated(scale * level))
 }
 
-/// Unit of a fault's level for people.
-fn unit(fault: &FaultRecord) -> String {
-    match line(&fault.unit).as_str() {
-        "m_max" => "× the largest payload".to_owned(),
-        own => own.to_owned(),
+/// Unit of a level for people, with what stands before it, and the factor from that of the data.
+fn people_unit(unit: &str, level: f64) -> (f64, String) {
+    let own = line(unit);
+    let unit = match own.as_str() {
+        "" => return (1.0, String::new()),
+        "m_max" => return (1.0, " × the largest payload".to_owned()),
+        "τ_max" => return (100.0, " % of the torque limit".to_owned()),
+        "periods" => return (1.0, " sample periods".to_owned()),
+        own @ ("rad" | "s") => own,
+        own => return (1.0, format!(" {own}")),
+    };
+    match level.abs() {
+        small if small > 0.0 && small < 1e-3 => (1e6, format!(" µ{unit}")),
+        middle if middle > 0.0 && middle < 1.0 => (MILLI, format!(" m{unit}")),
+        _ => (1.0, format!(" {unit}")),
     }
 }
 
@@ -230,8 +246,8 @@ fn event(event: Option<&(String, f64)>) -> Markup {
 }
 
 fn levels(fault: &FaultRecord) -> String {
-    let levels: Vec<_> = fault.levels.iter().map(|level| stated(*level)).collect();
-    format!("{} {}", levels.join(", "), unit(fault)).trim_end().to_owned()
+    let levels = 1..=fault.levels.len();
+    levels.map(|severity| level(fault, severity)).collect::<Vec<_>>().join(", ")
 }
 
 fn bars(fault: &FaultRecord) -> String {
@@ -258,5 +274,26 @@ fn not_claimed() -> Markup {
             "software, not a safety function: it replaces no emergency stop, protective stop, limits and risk "
             "assessment."
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::people_unit;
+    use phihat_report::kit::number::stated;
+
+    #[test]
+    fn a_level_is_said_in_the_unit_that_a_person_uses() {
+        let said = |unit: &str, level: f64| {
+            let (scale, unit) = people_unit(unit, level);
+            format!("{}{unit}", stated(scale * level))
+        };
+        assert_eq!(said("rad", 1e-5), "10 µrad");
+        assert_eq!(said("rad", 0.1), "100 mrad");
+        assert_eq!(said("s", 0.005), "5 ms");
+        assert_eq!(said("s", 0.0), "0 s");
+        assert_eq!(said("τ_max", 0.2), "20 % of the torque limit");
+        assert_eq!(said("m_max", 1.2), "1.2 × the largest payload");
+        assert_eq!(said("N·m/s", 800.0), "800 N·m/s");
     }
 }

@@ -108,7 +108,8 @@ const BAR: &str = "{wide_bar} {pos} of {len} runs · {elapsed} · {eta} left";
 
 /// One line per fault, what each severity came to, and the totals.
 fn overview(summary: &Summary) -> String {
-    let mut table = Fitted::new(["row", "fault", "mild", "medium", "severe", "worst excursion"]);
+    let mut table =
+        Fitted::new(["fault", "what it is", "mild", "medium", "severe", "worst excursion"]);
     for fault in &summary.faults {
         let runs = || summary.runs.iter().filter(|run| run.fault == fault.name);
         let level = |severity: usize| {
@@ -121,8 +122,9 @@ fn overview(summary: &Summary) -> String {
         let worst = worst.map_or_else(String::new, |cell| {
             format!("{:.2} {}", 1e3 * cell.excursion_rad, cell.way_unit)
         });
-        let name = fault.name.clone();
-        table.add_row([fault.row.clone(), name, level(1), level(2), level(3), worst]);
+        // Its name with blanks, and the sentence in which the matrix says what it is.
+        let name = fault.name.replace('_', " ");
+        table.add_row([name, fault.what.clone(), level(1), level(2), level(3), worst]);
     }
     for column in table.column_iter_mut().skip(2) {
         column.set_cell_alignment(CellAlignment::Right);

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use phihat_paper::{Reproduction, reproduction_page};
 use phihat_session::disk::folder_of;
 use phihat_session::{
-    LOST_MAX_S, Recovered, how_to_recover, is_unfinished, recover, report_again, trace_at,
+    LOST_MAX_S, Recovered, files, how_to_recover, is_unfinished, recover, report_again, trace_at,
 };
 use serde_json::json;
 
@@ -16,13 +17,13 @@ use crate::terminal::PageOptions;
 /// Make the report of a recorded trace again.
 ///
 /// Reads run.json, study.toml, gains.json and metrics.json beside the trace, as `phihat run` leaves them.
-/// Files that are not of one run are refused. With --recover, a drive whose process was killed gets its
-/// record first.
+/// Files that are not of one run are refused. In the folder of a reproduction it reads reproduction.json.
+/// With --recover, a drive whose process was killed gets its record first.
 #[derive(Debug, Args)]
 #[command(after_help = "Example (after `phihat run studies/first.toml`):\n  \
                         phihat report out/first")]
 pub(crate) struct ReportVerb {
-    /// The trace of an earlier run (Parquet or CSV), or its folder.
+    /// The trace of an earlier run (Parquet or CSV), or its folder; or the folder of a reproduction.
     trace: PathBuf,
     /// The page to write [default: report.html beside the trace].
     #[arg(long, value_name = "FILE")]
@@ -39,6 +40,15 @@ pub(crate) struct ReportVerb {
 
 impl ReportVerb {
     pub(crate) fn execute(&self) -> Result<ExitCode, Failure> {
+        if let Some(page) = self.reproduced()? {
+            if self.json {
+                println!("{}", json!({ "report": page }));
+            } else {
+                println!("report: {}", page.display());
+            }
+            self.shown.show(&page);
+            return Ok(ExitCode::SUCCESS);
+        }
         let recovered = self.recover.then(|| recover(self.folder())).transpose()?;
         let trace = trace_at(&self.trace);
         let page = self.out.clone().unwrap_or_else(|| trace.with_file_name("report.html"));
@@ -66,6 +76,21 @@ impl ReportVerb {
         }
         self.shown.show(&page);
         Ok(ExitCode::SUCCESS)
+    }
+
+    /// Writes the page of a reproduction again, in a folder that has no trace but its statements; `None`: there are
+    /// none.
+    fn reproduced(&self) -> Result<Option<PathBuf>, Failure> {
+        let data = self.trace.join("reproduction.json");
+        if !data.is_file() || trace_at(&self.trace).exists() {
+            return Ok(None);
+        }
+        let text = files::read(&data)?;
+        let whole: Reproduction =
+            serde_json::from_str(&text).map_err(|why| Failure::at(&data, why))?;
+        let page = self.out.clone().unwrap_or_else(|| self.trace.join("report.html"));
+        files::write(&page, &reproduction_page(&whole))?;
+        Ok(Some(page))
     }
 
     /// The folder of the record.

@@ -6,7 +6,7 @@ use std::time::UNIX_EPOCH;
 
 use clap::Args;
 use phihat_certificate::Verdict;
-use phihat_report::{RecordedBound, limits_acted};
+use phihat_report::{RecordedBound, limits_acted, scope_of_bound, stop_in_words};
 use phihat_session::{
     Done, RunOptions, SessionError, TraceKind, contact_lines, files, log_layout, short_hash,
     stopped, trace_at,
@@ -226,10 +226,10 @@ pub(crate) fn show(done: &Done, folder: &Path, report: Option<&Path>) {
 
 fn figures(done: &Done) {
     println!("{} · {}", done.study.name, done.study.title);
-    if let Some(stopped) = &done.metrics.stopped {
-        println!("{}", stopped.sentence());
+    if let Some(stopped) = stop_in_words(&done.metrics, &done.run) {
+        println!("{stopped}");
     }
-    println!("{}", table::metrics(&done.metrics));
+    println!("{}", table::metrics(&done.metrics, done.run.knows_phi()));
     if let Some(tip) = table::tip(&done.metrics) {
         println!("{tip}");
     }
@@ -260,7 +260,7 @@ fn checked(bound: &RecordedBound, done: &Done) -> String {
             let unit = if joint.slides { "mm" } else { "mrad" };
             // A bound is rounded up.
             let most = (1e6 * most).ceil() / 1e3;
-            let which = of_motions(done).unwrap_or_default();
+            let which = scope_of_bound(done.gains.as_ref(), &done.metrics, &done.run);
             format!(
                 "{word}: |e| ≤ {most:.3} {unit} on every joint{which} (largest on {})",
                 joint.name
@@ -268,17 +268,6 @@ fn checked(bound: &RecordedBound, done: &Done) -> String {
         }
         _ => format!("{word}: {words}"),
     }
-}
-
-/// The class of motions that the bound is about; `None`: it is about the motion of the run.
-fn of_motions(done: &Done) -> Option<String> {
-    let certificate = done.gains.as_ref()?.certificate.as_ref()?;
-    let class = certificate.class.as_ref().filter(|_| certificate.tube.is_none())?;
-    let slides: Vec<bool> = done.metrics.joints.iter().map(|joint| joint.slides).collect();
-    // A push that is too small to be reported is not counted either.
-    let untouched =
-        if done.run.contact.is_some() { ", as long as nothing touches the arm" } else { "" };
-    Some(format!(", for any motion within {}{untouched}", class.limits_in_words(&slides)))
 }
 
 /// Prints the path of a run's page, or of its trace.

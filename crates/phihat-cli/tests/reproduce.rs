@@ -29,6 +29,12 @@ fn it_leaves_data_page_figures_and_studies_and_agrees_with_itself() {
     let out = folder.join("out/reproduction");
     let whole: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(out.join("reproduction.json")).unwrap()).unwrap();
+    // The page again, from the data alone: the same bytes.
+    let page = fs::read(out.join("report.html")).unwrap();
+    fs::remove_file(out.join("report.html")).unwrap();
+    let again = phihat(&folder, &["report", "out/reproduction"]);
+    assert_eq!((again.code, again.out.as_str()), (0, "report: out/reproduction/report.html\n"));
+    assert!(fs::read(out.join("report.html")).unwrap() == page);
     let sections = whole["sections"].as_array().unwrap();
     let in_sections = |key: &str| -> Vec<_> {
         sections.iter().flat_map(|s| s[key].as_array().unwrap()).map(|v| v["id"].clone()).collect()

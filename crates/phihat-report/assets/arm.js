@@ -94,7 +94,18 @@
   // Of a run that goes on no error is known yet: a few times its bound.
   const limits = data.charts.find((chart) => chart.stem === "error").panels;
   if (!most) most = 3 * Math.max(...limits.map((own, j) => (own.bound ?? 0) / (slides[j] ? reach : 1)));
-  const view = { factor: FACTORS.findLast((f) => f * most * 1e-3 <= 0.35) ?? 1, ghost: true, path: true, speed: 1, playing: false, sharpness: 1 };
+  // How far errors within a bound per joint [mrad, mm] take a link's origin, to first order.
+  function reached(at, i, bounds) {
+    let far = 0;
+    for (let k = i; k != null; k = links[k].parent) {
+      const { joint, axis, slides: slid } = links[k];
+      if (joint != null) far += 1e-3 * bounds[joint] * (slid ? 1 : V.norm(V.cross(V.unit(turned(at[k], axis)), V.sub(origin(at[i]), origin(at[k])))));
+    }
+    return far;
+  }
+  // Nor is the bound drawn wider than an eighth of the arm.
+  const widest = (() => { const own = phihat.around?.(times.at(-1)); return own ? reached(poses(desired(0)), tip, own.bounds) : 0; })();
+  const view = { factor: FACTORS.findLast((f) => f * most * 1e-3 <= 0.35 && f * widest <= 0.125 * reach) ?? 1, ghost: true, path: true, tube: true, speed: 1, playing: false, sharpness: 1 };
 
   // ── Meshes: positions and normals of triangles. A tube is bent by its two radii in the shader.
   function lathe(profile, around = 22) {
@@ -269,8 +280,8 @@
   // ── One picture.
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const colours = () => (dark.matches
-    ? { body: [0.80, 0.83, 0.87], joint: [0.36, 0.42, 0.50], picked: [0.25, 0.62, 0.90], base: [0.42, 0.46, 0.52], ghost: [0.98, 0.66, 0.10], force: [0.95, 0.42, 0.30], load: [0.30, 0.78, 0.60], grid: [0.55, 0.60, 0.66], shadow: [0, 0, 0, 0.42], gravity: [0.66, 0.70, 0.76], path: [0.98, 0.66, 0.10], wall: [0.5, 0.55, 0.6] }
-    : { body: [0.90, 0.915, 0.93], joint: [0.25, 0.30, 0.36], picked: [0.0, 0.44, 0.74], base: [0.52, 0.56, 0.61], ghost: [0.90, 0.42, 0.02], force: [0.78, 0.16, 0.10], load: [0.05, 0.52, 0.38], grid: [0.55, 0.59, 0.64], shadow: [0.1, 0.13, 0.18, 0.17], gravity: [0.40, 0.44, 0.50], path: [0.88, 0.40, 0.02], wall: [0.6, 0.65, 0.7] });
+    ? { body: [0.80, 0.83, 0.87], joint: [0.36, 0.42, 0.50], picked: [0.25, 0.62, 0.90], base: [0.42, 0.46, 0.52], ghost: [0.98, 0.66, 0.10], force: [0.95, 0.42, 0.30], load: [0.30, 0.78, 0.60], grid: [0.55, 0.60, 0.66], shadow: [0, 0, 0, 0.42], gravity: [0.66, 0.70, 0.76], path: [0.98, 0.66, 0.10], wall: [0.5, 0.55, 0.6], tubes: { inside: [0.25, 0.80, 0.62], thin: [0.95, 0.76, 0.25], over: [1.0, 0.45, 0.30], none: [0.62, 0.66, 0.72] } }
+    : { body: [0.90, 0.915, 0.93], joint: [0.25, 0.30, 0.36], picked: [0.0, 0.44, 0.74], base: [0.52, 0.56, 0.61], ghost: [0.90, 0.42, 0.02], force: [0.78, 0.16, 0.10], load: [0.05, 0.52, 0.38], grid: [0.55, 0.59, 0.64], shadow: [0.1, 0.13, 0.18, 0.17], gravity: [0.40, 0.44, 0.50], path: [0.88, 0.40, 0.02], wall: [0.6, 0.65, 0.7], tubes: { inside: [0.05, 0.56, 0.42], thin: [0.80, 0.55, 0.0], over: [0.78, 0.20, 0.05], none: [0.45, 0.50, 0.56] } });
   let now = null;
   function draw(mesh, model, colour, options = {}) {
     const { radii = [1, 1], flatness = 0, fade = 0 } = options;
@@ -282,13 +293,13 @@
     gl.bindVertexArray(meshes[mesh].array);
     gl.drawArrays(gl.TRIANGLES, 0, meshes[mesh].count);
   }
-  const ball = (p, r, colour) => draw("ball", frame([r, 0, 0], [0, r, 0], [0, 0, r], p), colour);
-  function limb(a, b, ra, rb, colour) {
+  const ball = (p, r, colour, flatness = 0) => draw("ball", frame([r, 0, 0], [0, r, 0], [0, 0, r], p), colour, { flatness });
+  function limb(a, b, ra, rb, colour, flatness = 0) {
     const d = V.sub(b, a);
     const length = V.norm(d);
-    if (length > 1e-4 * reach) draw("tube", along(V.times(d, 1 / length), a, 1, length), colour, { radii: [ra, rb] });
-    ball(b, rb, colour);
-    ball(a, ra, colour);
+    if (length > 1e-4 * reach) draw("tube", along(V.times(d, 1 / length), a, 1, length), colour, { radii: [ra, rb], flatness });
+    ball(b, rb, colour, flatness);
+    ball(a, ra, colour, flatness);
   }
   function robot(at, ink) {
     links.forEach((link, i) => {
@@ -312,6 +323,26 @@
     draw("drum", along([0, 0, 1], V.add(base, [0, 0, 0.02 * reach]), 1.75 * thickness[0], 0.02 * reach), ink.base);
     const hand = along(V.unit(turned(at[tip], [0, 0, 1])), origin(at[tip]), 0.5 * thickness[tip], 0.02 * reach);
     draw("drum", hand, ink.base);
+  }
+  // The bound as a body around the desired pose: errors within it, magnified as the error is, leave the arm inside.
+  function tubeAround(at, own) {
+    const wide = links.map((_, i) => 0.84 * thickness[i] + view.factor * reached(at, i, own.bounds));
+    const skin = () => links.forEach((link, i) => {
+      if (link.parent != null && V.norm(V.sub(origin(at[i]), origin(at[link.parent]))) > 1e-3 * reach) limb(origin(at[link.parent]), origin(at[i]), wide[link.parent], wide[i], now.ink.tubes[own.level], 1);
+    });
+    // First its depth, so that only its surface is seen.
+    now.alpha = 0.22;
+    gl.colorMask(false, false, false, false);
+    skin();
+    gl.colorMask(true, true, true, true);
+    // Once per pixel, where two parts of it are at the same place.
+    gl.clear(gl.STENCIL_BUFFER_BIT);
+    gl.enable(gl.STENCIL_TEST);
+    gl.depthFunc(gl.LEQUAL);
+    skin();
+    gl.depthFunc(gl.LESS);
+    gl.disable(gl.STENCIL_TEST);
+    now.alpha = 1;
   }
   function arrow(from, to, width, colour) {
     const d = V.sub(to, from);
@@ -435,12 +466,19 @@
       gl.depthFunc(gl.LESS);
       now.alpha = 1;
     }
+    const bound = view.tube ? phihat.around?.(clock.t) : null;
+    if (bound) tubeAround(poses(desired(k)), bound);
+    if (tubeWords) {
+      tubeWords.hidden = !bound;
+      if (bound) tubeWords.className = `is-tube is-${bound.level}`;
+    }
     tell(labels, matrix, [w, h]);
     readOut(k);
   }
 
   // ── Words around it.
   const words = stage.querySelector(".stage-words");
+  const tubeWords = document.getElementById("tube-words");
   function tell(labels, matrix, [w, h]) {
     while (words.children.length < labels.length) words.append(element("span"));
     const taken = [];
@@ -465,12 +503,17 @@
   const slider = document.getElementById("time");
   const clockText = document.getElementById("clock");
   const tipText = document.getElementById("tip-error");
+  // What all names begin with is not said in a narrow list.
+  const [first, ...others] = data.joints;
+  const shared = others.length ? first.split(/(?<=[_/])/).reduce(([at, same], part) => { const next = at + part.length; return same && next < first.length && others.every((name) => name.startsWith(first.slice(0, next))) ? [next, true] : [at, false]; }, [0, true])[0] : 0;
   const bars = data.joints.map((name, j) => {
     const row = element("li");
     const errors = limits[j];
     const [bar, mark, text] = [element("span", "bar"), element("i"), element("output")];
     bar.append(mark);
-    row.append(element("b", "", name), bar, text);
+    const label = element("b", "", name.slice(shared));
+    label.title = name;
+    row.append(label, bar, text);
     document.getElementById("errors").append(row);
     return { errors, mark, text, bar, full: errors.bound ?? most * (slides[j] ? reach : 1) };
   });
@@ -566,7 +609,7 @@
   const legend = document.getElementById("drawn");
   const describe = () => { legend.textContent = view.factor === 1 ? "the arm, q" : `the arm, its error × ${view.factor}: q_d + ${view.factor} e`; };
   magnify.addEventListener("change", () => { view.factor = Number(magnify.value); describe(); soon(); });
-  for (const name of ["ghost", "path"]) document.getElementById(name).addEventListener("change", (e) => { view[name] = e.target.checked; soon(); });
+  for (const name of ["ghost", "path", "tube"]) document.getElementById(name)?.addEventListener("change", (e) => { view[name] = e.target.checked; soon(); });
   clock.listen((t, from) => { if (from !== "arm") play(false); soon(); });
   dark.addEventListener("change", soon);
   new ResizeObserver(soon).observe(canvas);
@@ -579,6 +622,22 @@
   // Of a link's shape, the points in its own axes.
   canvas.shapeOf = (link) => decoded(data.arm.shapes.find((shape) => shape.link === link));
   canvas.paint = render;
+  // What a film draws of the picture of now [px]: links of the arm, of the desired pose and of the bound, each with its ends and width.
+  canvas.outline = () => {
+    const k = nearest(clock.t);
+    const [w, h] = [canvas.clientWidth, canvas.clientHeight];
+    const { from, matrix } = camera(w / h);
+    const seen = (p) => { const [x, y, d] = [0, 1, 3].map((r) => matrix[r] * p[0] + matrix[4 + r] * p[1] + matrix[8 + r] * p[2] + matrix[12 + r]); return [(x / d + 1) / 2 * w, (1 - y / d) / 2 * h]; };
+    const broad = (p, r) => { const side = V.unit(V.cross(V.sub(p, from), [0, 0, 1])); const [a, b] = [seen(p), seen(V.add(p, V.times(side, r)))]; return 2 * Math.hypot(b[0] - a[0], b[1] - a[1]); };
+    const bound = phihat.around?.(clock.t);
+    const limbs = (at, bounds) => links.flatMap((link, i) => {
+      if (link.parent == null || V.norm(V.sub(origin(at[i]), origin(at[link.parent]))) < 1e-3 * reach) return [];
+      const r = 0.84 * thickness[i] + (bounds ? view.factor * reached(at, i, bounds) : 0);
+      return [{ ends: [...seen(origin(at[link.parent])), ...seen(origin(at[i]))], width: broad(origin(at[i]), r) }];
+    });
+    const goal = poses(desired(k));
+    return { size: [w, h], factor: view.factor, arm: limbs(poses(view.factor === 1 ? actual(k) : magnified(k, view.factor))), desired: limbs(goal), bound: bound && limbs(goal, bound.bounds), level: bound?.level };
+  };
   // Where each joint is on the screen, and where the tip goes there as the joint turns forward: what a hand takes hold of.
   canvas.grips = () => {
     const k = nearest(clock.t);

@@ -393,7 +393,13 @@
     if (view.joint >= 0) {
       const grid = element("div", "grid");
       cards.append(grid);
-      for (const chart of data.charts) if (chart.panels[view.joint]) card(chart, view.joint, chart.title, grid);
+      // An estimate has its difference from the truth under it.
+      let pair = null;
+      for (const chart of data.charts) {
+        if (!chart.panels[view.joint]) continue;
+        if (chart.stem === "unknown-dynamics") { pair = element("div", "pair"); grid.append(pair); }
+        card(chart, view.joint, chart.title, chart.stem === "estimate-error" && pair ? pair : chart.stem === "unknown-dynamics" ? pair : grid);
+      }
     } else {
       for (const chart of data.charts) {
         const grid = element("div", "grid small");

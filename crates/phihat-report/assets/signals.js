@@ -103,5 +103,19 @@ const phihat = (() => {
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   }
 
-  return { data, t, signal, nearest, clock, ink, show, element, save };
+  // The envelope of the error at a time: a bound per joint, and how much of it the error takes there; null where a joint has none.
+  const errors = data.charts.find((chart) => chart.stem === "error")?.panels ?? [];
+  function around(at) {
+    if (!errors.length || errors.some((panel) => !panel.band)) return null;
+    const bounds = errors.map(({ band: [ends, low, high] }) => {
+      const k = Math.min(Math.max(ends.findLastIndex((end) => end <= at), 0), high.length - 1);
+      return Math.max(-low[k], high[k]);
+    });
+    const share = Math.max(...bounds.map((bound, j) => Math.max(...signal(j, "e").map((list) => Math.abs(list[nearest(at)] || 0))) / bound));
+    return { bounds, level: level(share) };
+  }
+  // Within its bound an error is well inside up to four fifths of it.
+  const level = (share) => (share > 1 ? "over" : share > 0.8 ? "thin" : "inside");
+
+  return { data, t, signal, nearest, clock, ink, show, element, save, around };
 })();

@@ -32,15 +32,16 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
         @if let Some(why) = certificate.refused() {
             p { strong { "These gains do not arm: " } (line(&why.to_string())) }
         }
-        h3 { "It assumes" }
+        (story(certificate))
+        h3 id="assumes" { "1 · It assumes" }
         (assumptions(certificate))
         @if !certificate.not_counted.is_empty() { (left_out(certificate)) }
-        h3 { "It claims" }
+        h3 id="claims" { "2 · It claims" }
         (tube(record))
         (class(record))
         @if certificate.class.is_none() && record.tube.is_none() { (bounds(certificate, &record.metrics.joints)) }
         (moving(certificate))
-        h3 { "Its evidence" }
+        h3 id="evidence" { "3 · Its evidence" }
         @for figure in claim_figures(record) {
             figure.claim id=(figure.name) { (PreEscaped(&figure.svg)) figcaption { (reading(&figure.name)) } }
         }
@@ -52,6 +53,25 @@ pub(crate) fn certificate(record: &Record<'_>) -> Markup {
     }
 }
 
+/// The certificate in three steps: how many assumptions, what follows for the error, what shows it.
+fn story(certificate: &Certificate) -> Markup {
+    let assumed = certificate.assumptions().len();
+    let claim = match (&certificate.tube, &certificate.class) {
+        (Some(_), _) => "a tube around this motion".to_owned(),
+        (None, Some(_)) => "a bound for every motion of a class".to_owned(),
+        (None, None) => certificate.without_bound().map_or_else(
+            || "a bound of each joint by itself".to_owned(),
+            |why| format!("stability, no bound on the error: {}", line(&why)),
+        ),
+    };
+    let joints = certificate.joints.iter().filter(|joint| joint.margins.is_some()).count();
+    html! { ol.story {
+        li { a href="#assumes" { "Assumed" } (assumed) " conditions; where one does not hold, nothing is claimed" }
+        li { a href="#claims" { "Claimed" } (claim) }
+        li { a href="#evidence" { "Shown" } "window, margins and couplings of " (joints) " joints" }
+    } }
+}
+
 /// Caption that explains a figure.
 fn reading(figure: &str) -> &'static str {
     match figure {
@@ -59,10 +79,13 @@ fn reading(figure: &str) -> &'static str {
             "The loop is stable for inertia inside of the window, which is closed at both ends; the arm must stay \
              inside by the margin. The arm's range is that of the eigenvalues of M̄⁻¹M(q), times each joint's M̄."
         }
+        "nyquist" => {
+            "The sampled loop of the joint with the smallest modulus margin, at the lightest, a middle and the \
+             heaviest inertia of the arm: it stays outside of the circle around −1. A lighter arm moves along the axis \
+             to the left and a heavier one to the right, until an end of the window meets −1."
+        }
         "bode" => {
-            "The sampled loop of the joint with the smallest modulus margin, cut where the torque meets the inertia, \
-             at the lightest, a middle and the heaviest inertia of the arm; and what a torque φ on the joint does to \
-             its error."
+            "The same loop, cut where the torque meets the inertia; and what a torque φ on the joint does to its error."
         }
         "pace" => {
             "The largest bound of a joint, were speed f times, acceleration f² times and jerk f³ times those of the \

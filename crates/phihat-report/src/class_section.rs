@@ -25,6 +25,7 @@ pub(crate) fn class(record: &Record<'_>) -> Markup {
             " (spectral radius; below 1 the class closes). " (run.sentence()) "."
         }
         (bounds(class, &record.metrics.joints))
+        (limits(class, &record.metrics.joints))
         @if !class.parts.is_empty() {
             (parts((class, "|e|", "mrad", MILLI), &record.metrics.joints, &|part| &part.error_bound_rad))
             (parts((class, "|Δτ|", "N·m", 1.0), &record.metrics.joints, &|part| &part.torque_step_nm))
@@ -74,10 +75,6 @@ fn bounds(class: &ClassBound, joints: &[JointMetrics]) -> Markup {
                 caption { span { "Class bound and measurement, whole run; |ė| in the steady part" } }
                 thead { tr {
                     th scope="col" { "joint" }
-                    th scope="col" { "box " span.unit { "[rad]" } }
-                    th scope="col" { "speed " span.unit { "[rad/s]" } }
-                    th scope="col" { "acceleration " span.unit { "[rad/s²]" } }
-                    th scope="col" { "jerk " span.unit { "[rad/s³]" } }
                     th scope="col" { "|e| of a frozen posture " span.unit { "[mrad]" } }
                     @for clause in &CLASS_CLAUSES {
                         th scope="col" { (clause.symbol) " bound " span.unit { "[" (clause.unit) "]" } }
@@ -86,20 +83,42 @@ fn bounds(class: &ClassBound, joints: &[JointMetrics]) -> Markup {
                 } }
                 tbody { @for (i, joint) in joints.iter().enumerate() { tr {
                     @let at = |list: &[f64]| list.get(i).copied().unwrap_or(f64::NAN);
-                    @let own = |unit: &str| own_unit(unit, joint.slides);
-                    @let figure = |list: &[f64], unit: &str| format!("{}{}", stated(at(list)), own(unit));
                     th scope="row" { (line(&joint.name)) }
-                    @let end = |list: &[f64]| stated((1e4 * at(list)).round() / 1e4);
-                    td.whole { (end(&class.box_rad.0)) " … " (end(&class.box_rad.1)) (own("rad")) }
-                    td { (figure(&class.speed_max_rad_s, "rad/s")) }
-                    td { (figure(&class.acceleration_max_rad_s2, "rad/s²")) }
-                    td { (figure(&class.jerk_max_rad_s3, "rad/s³")) }
-                    td { (number(MILLI * at(&class.frozen_error_bound_rad))) (own("mrad")) }
+                    td { (number(MILLI * at(&class.frozen_error_bound_rad))) (own_unit("mrad", joint.slides)) }
                     @for clause in &CLASS_CLAUSES { (cells(clause, at((clause.bound)(class)), joint)) }
                 } } }
             }
         }
     }
+}
+
+/// Limits of the class, joint by joint; folded, since the verdict has them for all joints together.
+fn limits(class: &ClassBound, joints: &[JointMetrics]) -> Markup {
+    html! { details {
+        summary { "box, speed, acceleration and jerk of the class, joint by joint" }
+        div.scroll tabindex="0" role="region" aria-label="Table: limits of the class" {
+            table {
+                thead { tr {
+                    th scope="col" { "joint" }
+                    th scope="col" { "box " span.unit { "[rad]" } }
+                    th scope="col" { "speed " span.unit { "[rad/s]" } }
+                    th scope="col" { "acceleration " span.unit { "[rad/s²]" } }
+                    th scope="col" { "jerk " span.unit { "[rad/s³]" } }
+                } }
+                tbody { @for (i, joint) in joints.iter().enumerate() { tr {
+                    @let at = |list: &[f64]| list.get(i).copied().unwrap_or(f64::NAN);
+                    @let own = |unit: &str| own_unit(unit, joint.slides);
+                    @let figure = |list: &[f64], unit: &str| format!("{}{}", stated(at(list)), own(unit));
+                    @let end = |list: &[f64]| stated((1e4 * at(list)).round() / 1e4);
+                    th scope="row" { (line(&joint.name)) }
+                    td.whole { (end(&class.box_rad.0)) " … " (end(&class.box_rad.1)) (own("rad")) }
+                    td { (figure(&class.speed_max_rad_s, "rad/s")) }
+                    td { (figure(&class.acceleration_max_rad_s2, "rad/s²")) }
+                    td { (figure(&class.jerk_max_rad_s3, "rad/s³")) }
+                } } }
+            }
+        }
+    } }
 }
 
 fn cells(clause: &ClassClause, bound: f64, joint: &JointMetrics) -> Markup {

@@ -15,6 +15,7 @@
 
 mod arm;
 mod band;
+mod bound_words;
 mod budget;
 mod bullet;
 mod certificate;
@@ -51,6 +52,7 @@ mod verdict;
 
 pub use arm::{ArmLink, DrawnArm, DrawnLoad, JointTorque, Plane, PointForce, Surface};
 pub use band::Envelope;
+pub use bound_words::{scope_of_bound, stop_in_words};
 pub use budget::budget_page;
 pub use claimed::{ClaimedBound, claimed_bound};
 pub use drawing::Drawing;

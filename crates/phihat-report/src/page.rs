@@ -1,5 +1,6 @@
 //! The page: verdict, figures per joint, plots, and everything needed to doubt them.
 
+use crate::bound_words::stop_in_words;
 use crate::certificate::certificate;
 use crate::figure::run_figures;
 use crate::kind::DRAWABLE_MAX;
@@ -8,7 +9,7 @@ use crate::kit::text::line;
 use crate::kit::{MILLI, document};
 use crate::payload::payload;
 use crate::policy::{PAGE_SCRIPT, PLOT_SCRIPT, content_policy, style};
-use crate::record::{Record, RunInfo};
+use crate::record::Record;
 use crate::scope::not_claimed;
 use crate::standing::{every_joint, standing};
 use crate::supervision::supervision;
@@ -80,8 +81,8 @@ pub fn page(record: &Record<'_>) -> String {
             (heading(record))
             (standing(record))
             div.measured-verdict {
-                @if let Some(stopped) = &record.metrics.stopped { p.verdict.outside { strong {
-                    (line(&stopped.sentence())) } "." } }
+                @if let Some(stopped) = stop_in_words(record.metrics, record.run) { p.verdict.outside { strong {
+                    (stopped) } "." } }
                 (verdict_box(&verdict(record.metrics, record.tube)))
             }
             (warnings(record))
@@ -92,7 +93,10 @@ pub fn page(record: &Record<'_>) -> String {
             (every_joint(record))
             (tip(record))
             (table::tracking(record.metrics))
-            (table::torque_table(record.metrics, driven(record.run).is_none_or(|on| on.ends_with("sim"))))
+            details.tables {
+                summary { "torque and estimate of every joint, against the limits in force" }
+                (table::torque_table(record.metrics, record.run.knows_phi()))
+            }
             (supervision(&record.drawing.course))
             (certificate(record))
             @if let Some(gains) = record.gains { (sections::gains(gains)) }
@@ -119,15 +123,10 @@ fn heading(record: &Record<'_>) -> Markup {
                 @if joints == 1 { " joint" } @else { " joints" }
                 " · " @if record.gains.is_some() { (line(&run.form)) " form" } @else { "another \
                     controller" } " at " (stated(run.rate_hz)) " Hz · seed " (run.seed)
-                @if let Some(driven) = driven(run) { " · driven: " (line(driven)) } @else { " · simulated" }
+                @if let Some(driven) = run.driven() { " · driven: " (line(driven)) } @else { " · simulated" }
             }
         }
     }
-}
-
-/// The other end of a link, of a drive.
-fn driven(run: &RunInfo) -> Option<&str> {
-    run.world.iter().find(|(label, _)| label == "driven").map(|(_, value)| value.as_str())
 }
 
 /// Links to the sections.

@@ -2,11 +2,14 @@
 
 use phihat_design::{Certificate, Gains};
 
+use crate::kit::text::key_in_words;
+
 /// Reason why bounds that gains carry are no promise for a run of a study with this SHA-256.
 pub(crate) fn no_promise(gains: &Gains, study_sha256: &str) -> Option<String> {
     let left_out = |certificate: &Certificate| {
         let left_out = certificate.not_counted.iter().filter(|one| !one.in_tube());
-        let keys: Vec<&str> = left_out.map(|one| one.key.as_str()).collect();
+        let mut keys: Vec<String> = left_out.map(|one| key_in_words(&one.key)).collect();
+        keys.dedup();
         (!keys.is_empty()).then(|| format!("it does not count {}", keys.join(", ")))
     };
     let certificate = gains.certificate.as_ref()?;

@@ -87,6 +87,19 @@ pub struct RunInfo {
     pub contact: Option<ContactRecord>,
 }
 
+impl RunInfo {
+    /// The other end of a link, of a drive.
+    pub(crate) fn driven(&self) -> Option<&str> {
+        self.world.iter().find(|(label, _)| label == "driven").map(|(_, value)| value.as_str())
+    }
+
+    /// Returns true if `φ` was recorded as a torque of the arm; false of a drive of a robot, where it is the
+    /// difference of noisy readings.
+    pub fn knows_phi(&self) -> bool {
+        self.driven().is_none_or(|on| on.ends_with("sim"))
+    }
+}
+
 /// Bound on the error of a run with its standing, as a check that shares no code with its finder left it.
 #[derive(Serialize, Deserialize, Clone, Debug, PartialEq)]
 pub struct RecordedBound {

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use phihat_design::{Certificate, LeftOut};
 
-use crate::kit::text::line;
+use crate::kit::text::{key_in_words, line};
 use crate::policy::PLOT_LICENCE;
 use crate::record::Record;
 
@@ -17,7 +17,7 @@ pub(crate) fn assumptions(certificate: &Certificate) -> Markup {
 /// Effects of the study that the claims leave out.
 pub(crate) fn left_out(certificate: &Certificate) -> Markup {
     html! { ul.scope { @for one in &certificate.not_counted {
-        li { code { (line(&one.key)) } ": " (line(&one.value)) " – " (where_left_out(one.claims)) }
+        li { b { (key_in_words(&one.key)) } ": " (line(&one.value)) " – " (where_left_out(one.claims)) }
     } } }
 }
 

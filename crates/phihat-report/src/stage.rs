@@ -10,6 +10,7 @@ use crate::record::Record;
 pub(crate) fn stage(record: &Record<'_>) -> Markup {
     let Some(poster) = poster(record.drawing) else { return html! {} };
     let arm = record.drawing.arm.as_ref();
+    let bounded = record.measured().envelope.is_some();
     let drawn = arm.map_or("", |arm| arm.looks.as_str());
     html! {
         h2 id="arm" { "The arm" }
@@ -25,6 +26,7 @@ pub(crate) fn stage(record: &Record<'_>) -> Markup {
                     li.is-arm id="drawn" { "the arm" }
                     li.is-ghost { "desired pose, q_d" }
                     li.is-path { "path of the tip" }
+                    li.is-tube id="tube-words" hidden { "bound on the error, around the desired pose" }
                     li.is-force { "push" }
                     li.is-load { "payload" }
                 }
@@ -46,6 +48,7 @@ pub(crate) fn stage(record: &Record<'_>) -> Markup {
                 label { "error " select id="magnify" {} }
                 label { input type="checkbox" id="ghost" checked; " desired pose" }
                 label { input type="checkbox" id="path" checked; " path" }
+                @if bounded { label { input type="checkbox" id="tube" checked; " bound" } }
             }
             p.hint {
                 "Drag to turn, pinch or Ctrl and wheel to zoom, double-click to come back. "

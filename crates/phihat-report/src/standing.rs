@@ -4,6 +4,7 @@ use maud::{Markup, html};
 use phihat_design::{Certificate, Tube, Verdict};
 use phihat_sim::{JointMetrics, Metrics};
 
+use crate::bound_words::UNTOUCHED;
 use crate::bullet::{BulletLevels, bullet};
 use crate::class::ClassRun;
 use crate::kit::number::{number, percent, stated};
@@ -171,6 +172,7 @@ pub(crate) fn standing(record: &Record<'_>) -> Markup {
             (standing.word.words())
             @if let Some(bound) = &bound {
                 " " span.figure { @if claimed { "claimed " } "|e| ≤ " (bound) }
+                @if record.run.contact.is_some() { " " span.while { (UNTOUCHED) } }
             }
         }
         @for why in &standing.why { p.why { (coded(&sentence(why))) } }

@@ -165,7 +165,33 @@ fn every_point_of_the_trade_off_and_every_ratio_is_drawn() {
     }
     assert_eq!(bode.matches("μ = ").count(), 3);
     let html = page(&fixture.record());
-    assert_eq!(html.matches("class=\"claim\"").count(), 3);
+    assert_eq!(html.matches("class=\"claim\"").count(), 4);
+}
+
+/// Oracle: the window's ends and the modulus margin in the document.
+#[test]
+fn the_nyquist_plot_names_the_ends_of_the_window_and_the_circle() {
+    let fixture = with(certified());
+    let certificate = fixture.gains.certificate.as_ref().unwrap();
+    let margin = |joint: &&phihat_design::JointCertificate| joint.margins.unwrap().modulus;
+    let least = |a: &&phihat_design::JointCertificate, b: &&phihat_design::JointCertificate| {
+        margin(a).total_cmp(&margin(b))
+    };
+    let tightest = certificate.joints.iter().min_by(least).unwrap();
+    let (window, nyquist) = (tightest.window.unwrap(), svg(&fixture, "nyquist").unwrap());
+    let number = phihat_report::kit::number::number;
+    let said = words(&nyquist);
+    for part in [
+        format!("lower end {}", number(window.low)),
+        format!("modulus margin {}", number(margin(&tightest))),
+        "−1".to_owned(),
+        format!("μ = {}", number(certificate.arm.low)),
+    ] {
+        assert!(said.contains(&part), "{part}: {said}");
+    }
+    // Where the loop of the lightest arm crosses the axis next to −1.
+    let place = -window.low / certificate.arm.low;
+    assert!(place > -1.0 && place < 0.0, "{place}");
 }
 
 #[test]

@@ -3,7 +3,8 @@
 #![allow(clippy::float_cmp, reason = "in a test a panic is the report")]
 
 use phihat_design::{ClassBound, ClassPace, ClassPart, TubePayloadSet, Verdict};
-use phihat_report::{RecordedBound, figures, page};
+use phihat_report::{RecordedBound, figures, page, scope_of_bound, stop_in_words};
+use phihat_sim::{ContactEvent, ContactRecord, Stopped};
 use roxmltree::Document;
 use scraper::{Html, Selector};
 
@@ -11,7 +12,7 @@ use crate::claims::certified;
 use crate::support::{Fixture, fixture};
 
 /// Bounds a quarter above the measurements of a run in which no limit acts.
-fn of_class() -> Fixture {
+pub(crate) fn of_class() -> Fixture {
     let mut fixture = fixture(3, 2_400);
     fixture.gains = certified();
     fixture.run.study_sha256.clone_from(&fixture.gains.study_sha256);
@@ -151,6 +152,41 @@ fn a_run_beyond_the_bound_is_called_so_where_the_bound_is_a_promise() {
     (certificate.class, certificate.class_refused) = (None, Some("too <fast>".to_owned()));
     let (kind, text) = standing(&refused);
     assert!(kind == "standing unproved" && text.contains("too <fast>"), "{text}");
+}
+
+#[test]
+fn where_contacts_are_watched_the_bound_is_of_an_arm_that_nothing_touches() {
+    let mut fixture = of_class();
+    let said =
+        |fixture: &Fixture| scope_of_bound(Some(&fixture.gains), &fixture.metrics, &fixture.run);
+    let free = said(&fixture);
+    assert!(free.starts_with(", for any motion within ±0.3 rad"), "{free}");
+    assert!(!free.contains("touches") && !standing(&fixture).1.contains("touches"));
+    let event = ContactEvent {
+        t_s: 0.5,
+        until_s: 0.6,
+        joint: "joint2".into(),
+        beyond_nm: 1.0,
+        force_n: None,
+    };
+    fixture.run.contact = Some(ContactRecord { events: vec![event], ..ContactRecord::default() });
+    let words = "as long as nothing touches the arm";
+    assert_eq!(said(&fixture), format!("{free}, {words}"));
+    assert!(standing(&fixture).1.contains(words), "{}", standing(&fixture).1);
+    // A stop that nothing else explains follows the contact just before it, on the page as in the terminal.
+    let stopped = |t_s: f64, fault: Option<&str>| {
+        let mut fixture = fixture.clone();
+        let (fault, mode) = (fault.map(str::to_owned), "safe-stop".to_owned());
+        fixture.metrics.stopped = Some(Box::new(Stopped { t_s, fault, brake_s: None, mode }));
+        let words = stop_in_words(&fixture.metrics, &fixture.run).unwrap();
+        assert!(page(&fixture.record()).contains(&words), "{words}");
+        words
+    };
+    let follows = "it follows the contact at t = 0.500 s on joint2";
+    assert!(stopped(0.501, None).contains(follows));
+    for other in [stopped(0.499, None), stopped(0.9, None), stopped(0.501, Some("overspeed"))] {
+        assert!(!other.contains("follows"), "{other}");
+    }
 }
 
 /// Numbers of a path, whatever its letters.

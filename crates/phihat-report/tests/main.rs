@@ -9,4 +9,5 @@ mod drawer;
 mod escaping;
 mod self_contained;
 mod shapes;
+mod specimens;
 mod verdict;

@@ -37,14 +37,16 @@
 
   // ── What is claimed: the bound of the gains as they were begun with, while nothing acts that no claim counts.
   const claims = state.claims;
-  let changed = false;
+  let [changed, claimed] = [false, false];
   function standing() {
     $("standing").hidden = false;
     const given = claims?.error_bound;
     const most = given && Math.max(...given.filter((_, j) => state.slides[j] === state.slides[0]));
     const meets = acting.map(([word]) => word.replaceAll("_", " "));
     const why = meets.length ? `what acts is in no claim: ${[...new Set(meets)].join(", ")}` : changed ? "other gains run: their tube is under Gains and error" : claims ? claims.why : "these gains carry no certificate";
-    const text = why ? `NOT PROVED: ${why}` : `claimed |e| ≤ ${show(1e3 * most)} ${unit(0)}, derived once, on the study's motion from its start`;
+    const motions = claims?.motions ? `for any motion within ${claims.motions}` : "on the study's motion from its start";
+    const text = why ? `NOT PROVED: ${why}` : `claimed |e| ≤ ${show(1e3 * most)} ${unit(0)}, derived once, ${motions}`;
+    claimed = !why;
     if ($("standing-word").textContent !== text) $("standing-word").textContent = text;
   }
   if (claims) {
@@ -85,6 +87,13 @@
       return first.get(name);
     },
     ghost: (factor) => (now.live && beside && $("law-ghost").checked ? beside.map((q, j) => now.q_d[j] + factor * (q - now.q_d[j])) : null),
+    // Around the desired pose: what is claimed of the error, or else what the study accepts; grey while nothing is claimed.
+    around: () => {
+      const bounds = (claims?.error_bound ?? state.bounds)?.map((own) => 1e3 * own);
+      if (!bounds) return null;
+      const share = now.live ? Math.max(...bounds.map((own, j) => Math.abs(now.e[j] ?? 0) / own)) : 0;
+      return { bounds, share, level: share > 1 ? "over" : !claimed ? "none" : share > 0.8 ? "thin" : "inside" };
+    },
     nearest: () => (now.live ? 0 : t.length - 1),
     clock,
     show,
@@ -109,6 +118,7 @@
 
   // ── Plots of the last seconds: least and largest of each picture.
   const SPAN = 10;
+  const HEIGHT = matchMedia("(max-width: 42rem)").matches ? 150 : 200;
   function plot(place, label, limits) {
     const data = [[], [], [], [], []];
     const axis = (text, size) => ({ label: text, size, labelSize: 20, stroke: ink("--ink"), grid: { stroke: ink("--grid"), width: 1 }, ticks: { stroke: ink("--grid"), width: 1 }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif" });
@@ -125,14 +135,14 @@
     };
     const width = () => Math.max(200, place.clientWidth);
     const u = new uPlot({
-      width: width(), height: 200, legend: { show: false }, cursor: { show: false },
+      width: width(), height: HEIGHT, legend: { show: false }, cursor: { show: false },
       scales: { x: { time: false, range: (_, low, high) => [Math.max(0, high - SPAN), Math.max(SPAN, high)] }, y: { range: (_, low, high) => { const all = [low, high, ...limits(clock.joint)].filter((v) => v != null && Number.isFinite(v)); const [a, b] = [Math.min(...all), Math.max(...all)]; const pad = 0.08 * (b - a) || 1; return [a - pad, b + pad]; } } },
       series: [{}, ...["--curve-0", "--curve-0", "--curve-1", "--curve-1"].map((name) => ({ stroke: ink(name), width: 1.2, points: { show: false } }))],
       bands: [{ series: [2, 1], fill: ink("--band") }],
       axes: [axis("t [s]", 42), axis(label(0), 52)],
       hooks: { draw: [dashed] },
     }, data, place);
-    new ResizeObserver(() => { if (u.width !== width()) u.setSize({ width: width(), height: 200 }); }).observe(place);
+    new ResizeObserver(() => { if (u.width !== width()) u.setSize({ width: width(), height: HEIGHT }); }).observe(place);
     return {
       clear() { data.forEach((list) => { list.length = 0; }); u.axes[1].label = label(clock.joint); u.setData(data); },
       // Least and largest of phihat's law, and of the other one where there is one.
@@ -202,6 +212,8 @@
   }
   const rows = state.offers.map(offerRow);
   const push = slowly((size) => rows[0].meet(size));
+  const isLoaded = () => acting.some(([word]) => word === "payload");
+  const load = (mass) => order("/meet", { what: "payload", joint: null, size: mass });
 
   // ── Pictures of the run.
   let [over, otherOver] = [null, null];
@@ -230,6 +242,10 @@
       for (const listener of listeners) listener(shown.t, "run");
     }
     rows.forEach((row) => row.turn());
+    $("load").setAttribute("aria-pressed", String(isLoaded()));
+    $("mode").textContent = shown.mode ? `· ${shown.mode.replace("-", " ")}` : "";
+    $("mode").className = shown.mode === "safe-stop" ? "is-broken" : "";
+    $("stop").title = shown.mode ? "safe stop by the supervisor" : "begins again with a supervisor around the law, which can stop it";
     $("pace").textContent = `${shown.speed[1].toFixed(2)} × real time`;
     if (shown.other_over !== otherOver) { otherOver = shown.other_over; if (otherOver) tell(`${$("law").selectedOptions[0]?.text}: ${otherOver}`); }
     if (document.activeElement !== $("seek")) $("seek").value = shown.t;
@@ -270,7 +286,7 @@
   let paused = false;
   const speed = () => order("/run", { speed: paused ? 0 : Number($("rate").value) });
   function pause() { paused = !paused; $("pause").textContent = paused ? "▶ go on" : "❚❚ pause"; speed(); }
-  const again = () => order("/run", { again: true }).then(() => tell(""));
+  const again = () => order("/run", { again: true }).then(() => { tell(""); });
   $("pause").addEventListener("click", pause);
   $("again").addEventListener("click", again);
   $("rate").addEventListener("change", speed);
@@ -279,12 +295,29 @@
     $("seek-row").hidden = false;
     $("seek").max = state.record_s;
     $("again").textContent = "from its start";
-    for (const id of ["desk", "study"]) $(id).hidden = true;
+    for (const id of ["desk", "study", "quick"]) $(id).hidden = true;
     const to = slowly((t) => order("/seek", { t }));
     $("seek").addEventListener("input", () => to(Number($("seek").value)));
   }
 
   // ── Hands: a joint that is dragged is pushed; keys.
+  const LOAD_KG = 2;
+  // Where no supervisor is around the law, the run begins anew with one.
+  async function stop() {
+    if (canvas.shown?.mode) { await order("/run", { stop: true }); return; }
+    if (!(await order("/run", { supervise: true }))) return;
+    changed = true;
+    tell("Begun again with a supervisor around the law, as on a robot: now it can be stopped.", true);
+  }
+  $("stop").addEventListener("click", stop);
+  $("load").addEventListener("click", () => load(isLoaded() ? null : LOAD_KG));
+  // A button pushes while it is held; by a key, for half a second.
+  for (const [id, way] of [["push-back", -1], ["push-on", 1]]) {
+    const begins = () => push(0.5 * way * strength(clock.joint));
+    $(id).addEventListener("pointerdown", (event) => { $(id).setPointerCapture(event.pointerId); begins(); });
+    for (const type of ["pointerup", "pointercancel"]) $(id).addEventListener(type, () => push(null));
+    $(id).addEventListener("click", (event) => { if (event.detail === 0) { begins(); setTimeout(() => push(null), 500); } });
+  }
   const strength = (j) => 0.4 * (state.torque_max[j] ?? 50);
   let held = null;
   canvas.addEventListener("pointerdown", (event) => {
@@ -320,7 +353,8 @@
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const known = {
       " ": pause,
-      p: () => state.record_s == null && order("/meet", { what: "payload", joint: null, size: acting.some(([word]) => word === "payload") ? null : 2 }),
+      p: () => state.record_s == null && load(isLoaded() ? null : LOAD_KG),
+      s: () => state.record_s == null && stop(),
       Home: again,
       End: () => {},
     }[event.key] ?? (/^[1-9]$/.test(event.key) && Number(event.key) <= n ? () => pick(Number(event.key) - 1) : null)
@@ -598,4 +632,7 @@
   $("save-run").addEventListener("click", () => save({}));
   $("save-text").addEventListener("click", () => save({ text: text.value }));
   pick(0);
+  // What a visit shows and a film records: the run, and what may be done to it.
+  globalThis.studio = { state, order, pick, push, load, stop, strength, unit, torqueUnit, show, loadKg: LOAD_KG, now: () => ({ e: now.e, t: clock.t, mode: canvas.shown?.mode, claimed, joint: clock.joint }), accepted: bound, canvas };
+  dispatchEvent(new Event("studio"));
 })();

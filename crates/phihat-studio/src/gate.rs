@@ -40,7 +40,13 @@ impl PageGate {
             Method::GET
                 if matches!(
                     path,
-                    "/studio.js" | "/studio.css" | "/arm.js" | "/plot.js" | "/favicon.ico"
+                    "/studio.js"
+                        | "/visit.js"
+                        | "/film.js"
+                        | "/studio.css"
+                        | "/arm.js"
+                        | "/plot.js"
+                        | "/favicon.ico"
                 ) =>
             {
                 return Ok(());

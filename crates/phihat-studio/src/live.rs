@@ -91,6 +91,21 @@ impl Live {
         Ok(true)
     }
 
+    /// Requests a safe stop from the next sample on.
+    ///
+    /// # Errors
+    ///
+    /// [`StudioError`]: there is no supervisor.
+    pub fn stop(&mut self) -> Result<(), StudioError> {
+        let none = "nothing stops this arm: its study has no [supervisor]";
+        self.control.stop().then_some(()).ok_or_else(|| StudioError::refused(none))
+    }
+
+    /// Mode of the supervisor, by its name; `None`: there is no supervisor.
+    pub fn mode(&self) -> Option<&'static str> {
+        Some(self.control.report()?.mode.name())
+    }
+
     /// Other scalars of the law take over at the next sample, without a step in the torque.
     pub(crate) fn take_law(
         &mut self,

@@ -5,6 +5,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use phihat_study::Study;
 use serde::Serialize;
 use serde_json::{Value, json};
 use tokio::sync::{oneshot, watch};
@@ -31,6 +32,10 @@ pub(crate) enum PlayerOrder {
     Meet(&'static Offer, Option<usize>, Option<f64>),
     /// So many times real time; 0 waits.
     Speed(f64),
+    /// A safe stop of the supervisor.
+    Stop,
+    /// From the start again, with the supervisor of this study around the law, and what acts.
+    Supervise(Box<Study>),
     /// From the start again, with these gains and nothing that came.
     Again,
     /// These gains from the next sample on.
@@ -93,6 +98,8 @@ struct PlayerFrame<'a> {
     other: Option<&'a [JointPicture]>,
     other_over: Option<&'a str>,
     acting: Vec<(&'static str, Option<usize>, f64)>,
+    /// Mode of the supervisor; absent: there is none.
+    mode: Option<&'static str>,
     /// So many times real time: asked for, and reached.
     speed: (f64, f64),
     over: Option<String>,
@@ -215,6 +222,12 @@ impl StageRun {
                 let runs = self.over.is_none();
                 self.stage.pair()?.gains(*begin, runs)
             }
+            PlayerOrder::Stop => self.stage.pair()?.stop(),
+            PlayerOrder::Supervise(study) => {
+                let done = self.stage.pair()?.supervise(&study)?;
+                self.jumped();
+                Ok(done)
+            }
             PlayerOrder::Tell => Ok(self.stage.pair()?.tell()),
             PlayerOrder::Again => {
                 self.stage.again()?;
@@ -298,6 +311,7 @@ impl StageRun {
             other: self.beside.1.then_some(self.beside.0.as_slice()),
             other_over: self.stage.other_is_over(),
             acting: self.stage.acting(),
+            mode: self.stage.mode(),
             speed: (self.speed, self.reached),
             over: self.over.clone(),
         };

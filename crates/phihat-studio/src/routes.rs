@@ -102,6 +102,8 @@ pub(crate) fn router(shared: Arc<Shared>) -> Router {
             }),
         )
         .route("/studio.js", asset(script, include_str!("../assets/studio.js")))
+        .route("/visit.js", asset(script, include_str!("../assets/visit.js")))
+        .route("/film.js", asset(script, include_str!("../assets/film.js")))
         .route("/arm.js", asset(script, parts::ARM_SCRIPT))
         .route("/plot.js", asset(script, parts::PLOT_SCRIPT))
         .route("/studio.css", asset("text/css; charset=utf-8", style))
@@ -229,29 +231,48 @@ async fn meet(State(shared): Of, request: Request) -> Response {
     answered(shared.player.ask(PlayerOrder::Meet(offer, joint, size)).await)
 }
 
-/// Speed over real time, and whether the run begins again.
+/// Speed over real time; or the run begins again, is stopped, or begins again under a supervisor.
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RunRequest {
-    speed: Option<f64>,
-    #[serde(default)]
-    again: bool,
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+enum RunRequest {
+    Speed(f64),
+    Again(bool),
+    Stop(bool),
+    Supervise(bool),
 }
 
 /// So many times real time at most.
 const SPEED_MAX: f64 = 10.0;
 
 async fn run(State(shared): Of, request: Request) -> Response {
-    let RunRequest { speed, again } = match document(request).await {
-        Ok(asked) => asked,
+    let order = match document(request).await {
+        Ok(RunRequest::Again(true)) => PlayerOrder::Again,
+        Ok(RunRequest::Stop(true)) => PlayerOrder::Stop,
+        Ok(RunRequest::Supervise(true)) => return answered(supervised(&shared).await),
+        Ok(RunRequest::Speed(speed)) if (0.0..=SPEED_MAX).contains(&speed) => {
+            PlayerOrder::Speed(speed)
+        }
+        Ok(_) => return refuse(StatusCode::UNPROCESSABLE_ENTITY, "a speed is 0 to 10"),
         Err(no) => return no,
     };
-    let order = match speed {
-        _ if again => PlayerOrder::Again,
-        Some(speed) if (0.0..=SPEED_MAX).contains(&speed) => PlayerOrder::Speed(speed),
-        _ => return refuse(StatusCode::UNPROCESSABLE_ENTITY, "a speed is 0 to 10"),
-    };
     answered(shared.player.ask(order).await)
+}
+
+/// Puts a supervisor around the law of a study that has none, with every key at its default; the study's text says so
+/// from then on.
+async fn supervised(shared: &Shared) -> Result<Value, StudioError> {
+    let mut open = shared.opened();
+    if open.study.supervisor.is_some() {
+        return Err(StudioError::refused("a supervisor is around the law already"));
+    }
+    let own = text::study(&text::with_supervisor(&open.study)?, &open.path)?;
+    let study = &mut open.study;
+    study.supervisor.clone_from(&own.supervisor);
+    study.world.held.clone_from(&own.world.held);
+    (study.text, study.sha256) = (own.text, own.sha256);
+    let done = shared.player.ask(PlayerOrder::Supervise(study.clone())).await?;
+    *shared.open.lock().unwrap_or_else(PoisonError::into_inner) = open;
+    Ok(done)
 }
 
 async fn gains(State(shared): Of, request: Request) -> Response {

@@ -1,5 +1,6 @@
 //! Stage: an arm under control, another law alongside where one was requested; or a run that was recorded.
 
+use phihat_study::Study;
 use serde_json::{Value, json};
 
 use crate::begin::Begin;
@@ -45,6 +46,14 @@ pub(crate) type StageSamples<'a> = (&'a [Sampled], Option<&'a [Sampled]>);
 impl Stage {
     pub(crate) fn live(begin: Begin) -> Result<Self, StudioError> {
         Ok(Self::Live(Box::new(Pair::new(begin)?)))
+    }
+
+    /// Mode of the supervisor; `None`: there is none, or it is a record.
+    pub(crate) fn mode(&self) -> Option<&'static str> {
+        match self {
+            Self::Live(pair) => pair.live.mode(),
+            Self::Record(_) => None,
+        }
     }
 
     pub(crate) fn joints(&self) -> usize {
@@ -194,6 +203,21 @@ impl Pair {
             other.live.meet(offer, joint, size)?;
         }
         Ok(json!({ "t": self.live.time() }))
+    }
+
+    /// A safe stop of the supervisor.
+    pub(crate) fn stop(&mut self) -> Result<Value, StudioError> {
+        self.live.stop()?;
+        Ok(json!({ "t": self.live.time() }))
+    }
+
+    /// Begins anew with the supervisor of a study around the law, and what acts.
+    pub(crate) fn supervise(&mut self, study: &Study) -> Result<Value, StudioError> {
+        let mut begin = self.begin.clone();
+        begin.study.supervisor.clone_from(&study.supervisor);
+        begin.study.world.held.clone_from(&study.world.held);
+        self.restart(begin, true)?;
+        Ok(json!({ "t": 0.0 }))
     }
 
     /// Gains of phihat's law, from the next sample on where they can.

@@ -21,7 +21,8 @@ pub(crate) fn state(open: &Open) -> Value {
     let Open { study, arm, gains, warnings, path: place, played } = open;
     let name = place.file_stem().unwrap_or_default().to_string_lossy();
     let joints = &study.robot.joints;
-    let slides = |joint: &phihat_model::Joint| joint.kind == JointKind::Prismatic;
+    let slides = joints.iter().map(|joint| joint.kind == JointKind::Prismatic);
+    let slides: Vec<bool> = slides.collect();
     json!({
         "study": study.name,
         "title": study.title,
@@ -29,14 +30,14 @@ pub(crate) fn state(open: &Open) -> Value {
         "name": name,
         "text": study.text,
         "joints": joints.iter().map(|joint| &joint.name).collect::<Vec<_>>(),
-        "slides": joints.iter().map(slides).collect::<Vec<_>>(),
+        "slides": slides,
         "torque_max": (0..joints.len()).map(|i| study.limits(i).0).collect::<Vec<_>>(),
         "bounds": study.spec.error_bound,
         "settle_s": study.spec.settle,
         "rate_hz": 1e9 / study.control.period_ns as f64,
         "scales": study.control.form != Form::Positions,
         "method": gains.as_ref().map_or("another controller's", |gains| gains.method.as_str()),
-        "claims": gains.as_ref().and_then(claims),
+        "claims": gains.as_ref().and_then(|gains| claims(gains, study, &slides)),
         "supervised": study.supervisor.is_some(),
         "arm": arm,
         "path": played.as_ref().map_or_else(
@@ -52,17 +53,21 @@ pub(crate) fn state(open: &Open) -> Value {
 }
 
 /// Claims of gains about the error: bounds per joint \[rad\], and the assumptions; `None`: there is no certificate.
-fn claims(gains: &Gains) -> Option<Value> {
+fn claims(gains: &Gains, study: &Study, slides: &[bool]) -> Option<Value> {
     let certificate = gains.certificate.as_ref()?;
+    let other = (gains.study_sha256 != study.sha256)
+        .then(|| "the gains were made for another study".to_owned());
+    let any = certificate.class.as_ref().filter(|_| certificate.tube.is_none());
     let bounds = (0..gains.joints.len()).map(|i| certificate.error_bound(i));
     let bounds: Option<Vec<f64>> = bounds.map(|own| own.map(|own| own.error_bound_rad)).collect();
     let not_counted =
         certificate.not_counted.iter().map(|one| format!("{} = {}", one.key, one.value));
     Some(json!({
         "error_bound": bounds,
-        "why": certificate.without_bound(),
+        "why": other.or_else(|| certificate.without_bound()),
         "assumptions": certificate.assumptions(),
         "not_counted": not_counted.collect::<Vec<_>>(),
+        "motions": any.map(|class| class.limits_in_words(slides)),
     }))
 }
 

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use phihat_sim::Motion;
 use phihat_study::Study;
 use serde_json::Value;
 
@@ -46,6 +47,33 @@ pub(crate) fn with_what_came(text: &str, came: &Value) -> String {
     whole
 }
 
+/// A study's text with a supervisor around its law, every key at its default. It arms with the torque \[N·m\] that held
+/// the arm at its start, where the study states one.
+pub(crate) fn with_supervisor(study: &Study) -> Result<String, StudioError> {
+    let motion = Motion::of(study).map_err(|why| StudioError::refused(why.to_string()))?;
+    let start: Vec<f64> =
+        (0..study.robot.joints.len()).map(|joint| motion.at(joint, 0.0)[0]).collect();
+    let preset = study.held_torque(&start);
+    let preset = preset.map_or_else(String::new, |torque| format!("preset_nm = {torque:?}\n"));
+    let bare = without_key(&study.text, "start", "torque_nm");
+    Ok(format!("{}\n\n[supervisor]\n{preset}", bare.trim_end()))
+}
+
+/// The text without a key of a section.
+fn without_key(text: &str, section: &str, key: &str) -> String {
+    let header = format!("[{section}]");
+    let mut inside = false;
+    let stays = |line: &&str| {
+        let own = line.trim();
+        if own.starts_with('[') {
+            inside = own.split('#').next().is_some_and(|own| own.trim() == header);
+        }
+        let says = own.strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
+        !(inside && says)
+    };
+    text.lines().filter(stays).map(|line| format!("{line}\n")).collect::<Vec<_>>().concat()
+}
+
 /// The text with another value of a key in a section that has a header of its own; without one, with such a
 /// section at its end.
 fn with_key(text: &str, section: &str, key: &str, value: &str) -> String {
@@ -72,7 +100,14 @@ fn with_key(text: &str, section: &str, key: &str, value: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::with_key;
+    use super::{with_key, without_key};
+
+    #[test]
+    fn a_key_goes_from_its_section_alone() {
+        let text = "torque_nm = 1\n[start] # here\ntorque_nm = 2\nq = 3\n[a]\ntorque_nm = 4\n";
+        let left = "torque_nm = 1\n[start] # here\nq = 3\n[a]\ntorque_nm = 4\n";
+        assert_eq!(without_key(text, "start", "torque_nm"), left);
+    }
 
     #[test]
     fn a_key_is_put_where_its_section_is() {

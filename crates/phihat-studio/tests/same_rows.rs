@@ -252,3 +252,23 @@ fn what_was_recorded_is_played_and_nothing_is_done_to_it() {
         assert!(status(&answer) == 422 && answer.contains("only be looked at"), "{path}: {answer}");
     }
 }
+
+/// Wrong if an arm without a supervisor were stopped, if one that has one went on, or if the study that is saved had
+/// none.
+#[test]
+fn a_stop_needs_a_supervisor_and_a_run_begins_again_with_one() {
+    let place = place("stopped");
+    let refused = place.post("/run", r#"{"stop":true}"#);
+    assert!(status(&refused) == 422 && refused.contains("[supervisor]"), "{refused}");
+    assert_eq!(status(&place.post("/run", r#"{"supervise":true}"#)), 200);
+    assert_eq!(status(&place.post("/run", r#"{"supervise":true}"#)), 422);
+    let mode = |name: &'static str| {
+        wait_for(name, || place.picture(move |shown| shown["mode"] == name));
+    };
+    mode("tracking");
+    assert_eq!(status(&place.post("/run", r#"{"stop":true}"#)), 200);
+    mode("safe-stop");
+    assert_eq!(status(&place.post("/save", r#"{"name":"held"}"#)), 200);
+    let kept = std::fs::read_to_string(place.folder.join("held.toml")).unwrap();
+    assert!(kept.contains("[supervisor]"), "{kept}");
+}

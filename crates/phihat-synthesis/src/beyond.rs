@@ -2,6 +2,7 @@
 
 use phihat_certificate::TorqueNoise;
 use phihat_design::{Clause, Infeasible, LeastError, Outcome};
+use phihat_model::JointKind;
 use phihat_study::Study;
 
 use crate::class_study::{in_its_form, is_class};
@@ -92,16 +93,24 @@ fn readings(study: &Study) -> Vec<LeastError> {
 }
 
 fn sentence(study: &Study, sum: f64, least: &LeastError, name: &str) -> String {
-    let LeastError { reading_rad, force_rad } = least;
+    let joint = study.robot.joints.iter().find(|joint| joint.name == name);
+    let slides = joint.is_some_and(|joint| joint.kind == JointKind::Prismatic);
+    let unit = if slides { "mm" } else { "mrad" };
+    let [sum, reading, force] = [sum, least.reading_rad, least.force_rad].map(milli);
     if is_class(study) {
         return format!(
-            "no law keeps less than {sum:.3e} rad on {name}: its readings are off by up to {reading_rad:.3e} rad \
-             (encoder step, bias, noise), and dry friction or a push moves it by {force_rad:.3e} rad before a torque \
-             answers"
+            "no law keeps less than {sum} {unit} on {name}: its readings are off by up to {reading} {unit} (encoder \
+             step, bias, noise), and dry friction or a push moves it by {force} {unit} before a torque answers"
         );
     }
     format!(
-        "no law that settles within the motion keeps less than {sum:.3e} rad on {name}: its readings are off by up to \
-         {reading_rad:.3e} rad (half an encoder step, bias)"
+        "no law that settles within the motion keeps less than {sum} {unit} on {name}: its readings are off by up to \
+         {reading} {unit} (half an encoder step, bias)"
     )
+}
+
+/// A number of SI units in thousandths, to four digits.
+fn milli(value: f64) -> String {
+    let short = format!("{:.3e}", 1e3 * value).parse::<f64>();
+    short.map_or_else(|_| value.to_string(), |short| short.to_string())
 }

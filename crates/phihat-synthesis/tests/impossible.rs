@@ -37,6 +37,11 @@ fn study(reference: &str, error_rad: f64) -> Study {
     study.unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
+/// In the unit of a page, four digits.
+fn milli(value_rad: f64) -> f64 {
+    format!("{:.3e}", 1e3 * value_rad).parse().unwrap()
+}
+
 fn outcome(reference: &str, error_rad: f64) -> Outcome {
     let study = study(reference, error_rad);
     let arm = arm_along(&study).unwrap();
@@ -51,7 +56,7 @@ fn an_error_that_no_law_keeps_is_refused_with_one_that_a_design_reaches() {
     };
     assert!(no.beyond_any_law, "{no}");
     assert_eq!(no.clauses.len(), 3, "{no}");
-    assert!(no.words[0].contains(&format!("{half_step:.3e} rad (encoder step")), "{no}");
+    assert!(no.words[0].contains(&format!("{} mrad (encoder step", milli(half_step))), "{no}");
     let possible: Vec<f64> = no.clauses.iter().filter_map(|clause| clause.possible).collect();
     assert_eq!(possible.len(), 3, "{no}");
     let most = possible.iter().copied().fold(0.0, f64::max);
@@ -86,7 +91,7 @@ fn the_refusal_is_the_first_that_is_said() {
         let said = first_steps(reference, 0.99 * half_step);
         let refusal = said.iter().position(|step| step.starts_with("NO GAINS: no law"));
         assert_eq!(refusal, Some(1), "{said:?}");
-        assert!(said[1].contains(&format!("off by up to {half_step:.3e} rad")), "{said:?}");
+        assert!(said[1].contains(&format!("off by up to {} mrad", milli(half_step))), "{said:?}");
     }
     // No friction: a reading is all that stands in the way of one motion.
     let said = first_steps(SINES, 1.01 * half_step);

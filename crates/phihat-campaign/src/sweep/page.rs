@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use phihat_report::kit::draw::{FigureSize, svg};
 use phihat_report::kit::number::{number, stated};
-use phihat_report::kit::text::line;
+use phihat_report::kit::text::{key_in_words, line};
 use phihat_report::kit::{MILLI, Page};
 
 use super::plot::{DrawnRun, distribution, scatter};
@@ -31,27 +31,28 @@ pub(super) fn sweep_page(summary: &SweepSummary, drawn: &[SweepRow]) -> String {
             (verdict(summary))
         }
         h2 { "What varied" }
-        ul { @for vary in &summary.vary { li { code { (line(&vary.how)) } @if !vary.unit.is_empty() {
-            " [" (line(&vary.unit)) "]" } } } }
-        h2 { "Figures" }
-        p { "Quantiles over all runs that began, with intervals that hold for any distribution with a probability of "
-            (stated(100.0 * summary.confidence)) " % each: the order of the values alone decides them. "
-            "A run that did not come to its end counts as worse than any number (∞)." }
-        (table(summary))
+        ul { @for vary in &summary.vary { li {
+            b { (key_in_words(&vary.name)) } ": " (range_in_words(&vary.how)) @if !vary.unit.is_empty() {
+            "\u{a0}" (line(&vary.unit)) } " " code { (line(&vary.how)) }
+        } } }
+        h2 { "Errors against what varied" }
+        (scatters(summary, drawn))
         h2 { "Distributions" }
         p { "Bars: how many runs, the highest drawn to 0.9; curve: the share of runs at or below a value; dashed: the \
             bound." }
         div.plots { @for figure in summary.figures.iter().filter(|figure| differs(figure)) { figure {
             (drawn_distribution(figure))
-            figcaption { (line(&figure.what)) }
         } } }
         @for figure in summary.figures.iter().filter(|figure| !differs(figure)) {
             @let (scale, unit) = people(&figure.unit);
             p { (line(&figure.what)) ": " (shown(scale * figure.least)) @if !unit.is_empty() { "\u{a0}" (unit) } " in \
                 every run." }
         }
-        h2 { "Errors against what varied" }
-        (scatters(summary, drawn))
+        h2 { "Figures" }
+        p { "Quantiles over all runs that began, with intervals that hold for any distribution with a probability of "
+            (stated(100.0 * summary.confidence)) " % each: the order of the values alone decides them. "
+            "A run that did not come to its end counts as worse than any number (∞)." }
+        (table(summary))
         h2 id="worst" { "The worst runs" }
         p { "Each command repeats its run to the last bit, from the folder of this page." }
         (worst(summary))
@@ -68,14 +69,24 @@ fn drawn_distribution(figure: &FigureRecord) -> Markup {
     let (scale, unit) = people(&figure.unit);
     let curve: Vec<(f64, f64)> =
         figure.curve.iter().map(|(v, share)| (scale * v, *share)).collect();
-    let name = people_name(&figure.name);
-    svg(&distribution((&name, &unit), &curve, bound(figure)), &FigureSize::SMALL)
+    svg(&distribution((&line(&figure.what), &unit), &curve, bound(figure)), &FigureSize::SMALL)
 }
 
-/// A figure's name in words, without the unit of the data.
-fn people_name(name: &str) -> String {
-    let bare = ["_rad_s", "_rad", "_nm", "_m"].iter().find_map(|end| name.strip_suffix(end));
-    line(bare.unwrap_or(name)).replace('_', " ")
+/// Range of a number that varies, in words: `KEY=log:0.1..10` is "0.1 … 10, evenly on a logarithmic scale".
+fn range_in_words(how: &str) -> String {
+    let how = line(how.split_once('=').map_or(how, |(_, range)| range));
+    let (times, how) =
+        how.strip_prefix("times:").map_or(("", &*how), |own| ("what the study says times ", own));
+    let words = if let Some(ends) = how.strip_prefix("log:") {
+        format!("{}, evenly on a logarithmic scale", ends.replace("..", " … "))
+    } else if let Some((mean, deviation)) =
+        how.strip_prefix("normal:").and_then(|own| own.split_once(','))
+    {
+        format!("{mean} ± {deviation}, normal")
+    } else {
+        how.replace("..", " … ").replace(',', ", ")
+    };
+    format!("{times}{words}")
 }
 
 /// Returns true if the figure is not the same in all runs, so that there is a distribution to draw.
@@ -160,11 +171,8 @@ fn scatters(summary: &SweepSummary, drawn: &[SweepRow]) -> Markup {
     };
     let label = |i: usize| {
         let vary = &summary.vary[i];
-        if vary.unit.is_empty() {
-            vary.name.clone()
-        } else {
-            format!("{} [{}]", vary.name, vary.unit)
-        }
+        let name = key_in_words(&vary.name);
+        if vary.unit.is_empty() { name } else { format!("{name} [{}]", vary.unit) }
     };
     html! {
         p { (drawn.len()) " of " (summary.runs) " runs, evenly taken." }
@@ -180,7 +188,9 @@ fn worst(summary: &SweepSummary) -> Markup {
             th scope="col" { "run" }
             th scope="col" { "ended" }
             th scope="col" { (compared(summary).1) }
-            @for vary in &summary.vary { th scope="col" { (line(&vary.name)) } }
+            @for vary in &summary.vary { th scope="col" {
+                (key_in_words(&vary.name)) @if !vary.unit.is_empty() { " " span.unit { "[" (line(&vary.unit)) "]" } }
+            } }
             th scope="col" { "command" }
         } }
         tbody { @for run in &summary.worst { tr {

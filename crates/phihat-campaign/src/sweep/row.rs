@@ -65,19 +65,19 @@ pub struct FigureKind {
 pub static FIGURES: [FigureKind; 10] = [
     FigureKind {
         name: "error_steady_max_rad",
-        what: "largest |e| after settle_s",
+        what: "largest |e| after settling",
         unit: "rad",
         of: |m| worst(m, |j| Some(j.error_steady_max_rad)),
     },
     FigureKind {
         name: "error_over_spec",
-        what: "the same over its bound: up to 1 it is kept",
+        what: "largest |e| over its bound: up to 1 it is kept",
         unit: "",
         of: |m| worst(m, |j| j.error_bound_rad.map(|bound| j.error_steady_max_rad / bound)),
     },
     FigureKind {
         name: "error_rms_rad",
-        what: "root mean square of e after settle_s",
+        what: "root mean square of e after settling",
         unit: "rad",
         of: |m| worst(m, |j| Some(j.error_rms_rad)),
     },
@@ -89,13 +89,13 @@ pub static FIGURES: [FigureKind; 10] = [
     },
     FigureKind {
         name: "velocity_error_steady_max_rad_s",
-        what: "largest velocity error after settle_s",
+        what: "largest velocity error after settling",
         unit: "rad/s",
         of: |m| worst(m, |j| Some(j.velocity_error_steady_max_rad_s)),
     },
     FigureKind {
         name: "tip_error_steady_max_m",
-        what: "largest error of the tip after settle_s",
+        what: "largest error of the tip after settling",
         unit: "m",
         of: |m| m.tip.as_ref().map_or(f64::NAN, |tip| tip.error_steady_max_m),
     },
@@ -113,13 +113,13 @@ pub static FIGURES: [FigureKind; 10] = [
     },
     FigureKind {
         name: "limited_steady_share",
-        what: "share of the commands after settle_s that met a limit",
+        what: "share of the commands after settling that met a limit",
         unit: "",
         of: |m| m.limited_steady_share,
     },
     FigureKind {
         name: "phi_error_steady_max_nm",
-        what: "largest error of the estimate of φ after settle_s",
+        what: "largest error of the estimate of φ after settling",
         unit: "N·m",
         of: |m| worst(m, |j| Some(j.phi_error_steady_max_nm)),
     },

@@ -114,16 +114,17 @@ fn short(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// One row per joint. "Steady" figures are those after the start-up; a `!` marks a bound exceeded.
-pub(crate) fn metrics(metrics: &Metrics) -> Fitted {
+/// One row per joint, without φ where it is no torque of the arm. "Steady" figures are those after the start-up; a `!`
+/// marks a bound exceeded.
+pub(crate) fn metrics(metrics: &Metrics, phi: bool) -> Fitted {
     let joints = &metrics.joints;
-    let shared: Vec<Option<f64>> = COLUMNS.iter().map(|c| c.shared(joints)).collect();
-    let headers = COLUMNS.iter().zip(&shared).map(|(c, s)| c.header(*s));
+    let columns = || COLUMNS.iter().filter(|column| phi || !column.heading.contains('φ'));
+    let shared: Vec<Option<f64>> = columns().map(|c| c.shared(joints)).collect();
+    let headers = columns().zip(&shared).map(|(c, s)| c.header(*s));
     let headers: Vec<String> = std::iter::once("joint".to_owned()).chain(headers).collect();
     let mut table = plain_table(headers);
     for joint in joints {
-        let cells = COLUMNS
-            .iter()
+        let cells = columns()
             .zip(&shared)
             .map(|(c, s)| c.cell(joint, (s.is_some(), metrics.steady_samples > 0)));
         table.add_row(std::iter::once(joint.name.clone()).chain(cells));

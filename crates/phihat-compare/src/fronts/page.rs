@@ -13,6 +13,9 @@ use super::verdict::{found, main_cap, points, verdict};
 use crate::protocol::hardest;
 use phihat_campaign::statistics::{NOTICEABLE, Spread, Standing};
 
+/// Script that shows one curve of a picture alone.
+const ISOLATE: &str = include_str!("isolate.js");
+
 /// The self-contained page; `command` made it.
 pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
     let title = format!("Fronts at equal noise: {}", line(&fronts.arm.robot));
@@ -24,8 +27,8 @@ pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
             h1 { (title) }
             p.byline { "phihat " (line(&fronts.phihat_version)) " · " (extent.caps.len()) " cap" @if extent.caps.len()
                 > 1 { "s" } " on noise · " (extent.restarts)
-                " searches each · " (extent.per_scalar) " evaluations for each scalar and one more under the loosest \
-                    cap"
+                @if extent.restarts == 1 { " search each · " } @else { " searches each · " }
+                (extent.per_scalar) " evaluations for each scalar and one more under the loosest cap"
                 @if extent.caps.len() > 1 { ", a quarter as many under every other, from the best of all before" } " · \
                     worlds: " (train) " to train, "
                 (validation) " to choose, " (test) " to judge · simulated" }
@@ -60,7 +63,7 @@ pub fn fronts_page(fronts: &Fronts, command: &str) -> String {
              cut-off of the filter, a factor on the nominal inertia, and whether the torque that acted or the one \
              commanded last is handed over are free for every law that uses them, and tuned with its own scalars." }
     };
-    Page { title: &title, kind: "fronts", script: None }.document(&main)
+    Page { title: &title, kind: "fronts", script: Some(ISOLATE) }.document(&main)
 }
 
 fn percent(share: f64) -> String {
@@ -92,8 +95,9 @@ fn tier_part(fronts: &Fronts, tier: Tier) -> Markup {
                 (Axis::log("noise above 50 Hz [% of the torque limit]"), Axis::log("rms error \
                     [mrad]")), laws.iter().map(front).collect()))
             figcaption { "Chosen gains in the test worlds: medians, one mark per cap; upright lines from quartile to \
-                quartile. Below and to the left is less of both. Ours of this tier or of less knowledge are blue; a \
-                law's second name is dashed." }
+                quartile. Below and to the left is less of both. The colour says what a law knows of the arm: blue \
+                nothing, orange one number per joint, green a model; ours are thick, a second name is grey. Tap a \
+                curve or its name to see it alone." }
         }
         (timings(&laws))
         details.behind { summary { "The figures: " (laws.len()) " laws \

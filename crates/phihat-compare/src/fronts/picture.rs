@@ -19,16 +19,17 @@ pub(super) fn name_of(fronts: &Fronts, id: &str) -> String {
     fronts.laws.iter().find(|law| law.id == id).map_or_else(|| line(id), name)
 }
 
-/// A law's curve with its name at the end: ours before the others, a second name dashed.
+/// A law's curve with its name at the end, in the colour of what it knows: ours thick, a second name grey.
 pub(super) fn curve(law: &LawRecord, points: Vec<[f64; 2]>) -> Series {
+    let known = law.tier as u8;
     let ink = if law.again.is_some() {
-        Ink::Curve(4)
-    } else if law.ours {
-        Ink::Bold(0)
-    } else {
         Ink::Soft
+    } else if law.ours {
+        Ink::Bold(known)
+    } else {
+        Ink::Thin(known)
     };
-    Series { named: true, ..Series::curve(short(&name(law), 30), points).in_ink(ink) }
+    Series { named: true, ..Series::curve(short(&name(law), 36), points).in_ink(ink) }
 }
 
 /// Curves as a picture.

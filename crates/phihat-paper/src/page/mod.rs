@@ -55,13 +55,16 @@ fn part(section: &Section) -> Markup {
                 }
             }
             @for paragraph in &section.text { p { (coded(paragraph)) } }
-            (statement::table(section))
             @for figure in &section.figures {
-                figure.claim id=(anchor("figure", &figure.id)) {
-                    div.sheet { (svg(figure, &FigureSize::PAPER)) }
-                    figcaption { strong { (prose(&figure.title)) ". " } (prose(&figure.caption)) }
+                div.with-paper {
+                    figure.claim id=(anchor("figure", &figure.id)) {
+                        div.sheet { (svg(figure, &FigureSize::PAPER)) }
+                        figcaption { strong { (prose(&figure.title)) ". " } (prose(&figure.caption)) }
+                    }
+                    (statement::printed(section, &figure.title))
                 }
             }
+            (statement::table(section))
             @for table in &section.tables { (table::values(table)) }
         }
     }

@@ -1,5 +1,6 @@
 //! Statements: the paper's value beside ours, and everything needed to doubt either.
 
+use crate::item::{Item, Kind};
 use crate::record::{Origin, PaperNumber, Section, Statement};
 use maud::{Markup, html};
 
@@ -24,6 +25,33 @@ pub(super) fn table(section: &Section) -> Markup {
             }
         }
     } }
+}
+
+/// Statements of the paper on the figures that a title names ("Figs. 4 and 5: …"), each with what the paper prints and
+/// what our figure has; nothing where the title names none.
+pub(super) fn printed(section: &Section, title: &str) -> Markup {
+    let named = title.split(':').next().unwrap_or_default();
+    let named: Vec<u8> = if named.contains("Fig") {
+        named.split(|c: char| !c.is_ascii_digit()).filter_map(|part| part.parse().ok()).collect()
+    } else {
+        Vec::new()
+    };
+    let about = |statement: &&Statement| {
+        let figure = |item: &Item| item.kind == Kind::Figure && named.contains(&item.number);
+        statement.origin == Origin::Paper && statement.covers.iter().any(figure)
+    };
+    let those: Vec<&Statement> = section.statements.iter().filter(about).collect();
+    html! { @if !those.is_empty() { aside.printed aria-label="the paper beside our figure" {
+        h4 { "The paper, and ours" }
+        dl { @for statement in those {
+            dt { a href=(format!("#{}", anchor("claim", &statement.id))) { (prose(&statement.claim)) } }
+            dd.(class(statement.verdict)) {
+                span { "paper: " (prose(&statement.paper)) }
+                span { "ours: " (prose(&statement.ours)) }
+                span.mark { span.sign { (statement.verdict.sign()) } " " (statement.verdict.words()) }
+            }
+        } }
+    } } }
 }
 
 fn row(statement: &Statement) -> Markup {

@@ -15,7 +15,7 @@ mod claims;
 pub(crate) use claims::{claim_figures, front};
 
 /// The name of every figure that a record may have.
-pub const FIGURES: [&str; 15] = [
+pub const FIGURES: [&str; 16] = [
     "arm",
     "tracking",
     "error",
@@ -28,6 +28,7 @@ pub const FIGURES: [&str; 15] = [
     "phase",
     "torque-step",
     "inertia-window",
+    "nyquist",
     "bode",
     "trade-off",
     "pace",

@@ -193,6 +193,8 @@ pub enum Ink {
     Curve(u8),
     /// As [`Ink::Curve`], for one that is before the others.
     Bold(u8),
+    /// As [`Ink::Curve`], solid and thin: one of many of a kind.
+    Thin(u8),
     /// Thin and grey: one of many.
     Soft,
     /// Solid and black: a mark that is no data.

@@ -62,6 +62,21 @@ pub fn parted(text: &str) -> Markup {
     html! { @for part in line.split_inclusive('_') { (part) wbr; } }
 }
 
+/// Ends of a key that say its unit.
+const UNITS: [&str; 14] = [
+    "_nm_s", "_rad_s3", "_rad_s2", "_rad_s", "_kg_m2", "_rad", "_nm", "_kg", "_hz", "_ns", "_lsb",
+    "_n", "_m", "_s",
+];
+
+/// A key of a study in words, without its unit and the section that all keys of the world share:
+/// `world.push.force_n` is "push force".
+pub fn key_in_words(key: &str) -> String {
+    let line = line(key);
+    let own = line.strip_prefix("world.").unwrap_or(&line);
+    let bare = UNITS.iter().find_map(|end| own.strip_suffix(end)).unwrap_or(own);
+    bare.replace(['.', '_'], " ")
+}
+
 /// At most `limit` characters, for the narrow title of a panel.
 pub fn short(text: &str, limit: usize) -> String {
     let line = line(text);
@@ -73,7 +88,19 @@ pub fn short(text: &str, limit: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::prose;
+    use super::{key_in_words, prose};
+
+    #[test]
+    fn a_key_is_read_without_section_and_unit() {
+        let words = [
+            "world.push.force_n",
+            "world.payload.mass_kg",
+            "loop.delay_samples",
+            "sensor.noise_rad_s",
+        ]
+        .map(key_in_words);
+        assert_eq!(words, ["push force", "payload mass", "loop delay samples", "sensor noise"]);
+    }
 
     #[test]
     fn a_magnitude_is_one_word() {

@@ -170,6 +170,15 @@ async function reads(browser, file) {
     if (view !== "phone") await accessible(page, name, view);
     check(name, `${view}: says nothing on the console`, seen.errors.length === 0, seen.errors.join("; "));
     check(name, `${view}: asks for nothing`, seen.requests.length === 1, seen.requests.join(" "));
+    const curve = page.locator(".curve[role='button']").first();
+    if (view !== "phone" && await curve.count()) {
+      await curve.focus();
+      await page.keyboard.press("Enter");
+      const alone = await curve.evaluate((e) => { const [own, all] = [e.dataset.curve, [...e.closest("svg.figure").querySelectorAll(".curve")]]; return all.every((part) => (part.dataset.curve === own) === (getComputedStyle(part).opacity === "1")); });
+      check(name, `${view}: by keys: a curve is looked at alone`, alone && await curve.getAttribute("aria-pressed") === "true");
+      await page.keyboard.press("Enter");
+      check(name, `${view}: and all of them again`, await curve.evaluate((e) => !e.closest("svg.figure").querySelector(".picked")));
+    }
     if (shots) await page.screenshot({ path: `${shots}/${name}-${view}.png`, fullPage: true });
     await context.close();
   }
@@ -243,6 +252,27 @@ async function moves(browser, file) {
     await page.uncheck(box);
     check(name, `${box} is drawn`, (await picture()).sum !== with_.sum);
   }
+  // The bound around it, where there is one: drawn, and its colour that of the largest share that an error takes of it.
+  const bounded = data.charts.find(({ stem }) => stem === "error").panels.every((panel) => panel.band);
+  check(name, "a bound is offered where there is one", (await page.locator("#tube").count() > 0) === bounded);
+  if (bounded) {
+    const with_ = await picture();
+    await page.uncheck("#tube");
+    check(name, "the bound is drawn around the arm", (await picture()).sum !== with_.sum);
+    await page.check("#tube");
+    const wrong = await page.evaluate(() => {
+      const { t, signal, around, data } = phihat;
+      const panels = data.charts.find(({ stem }) => stem === "error").panels;
+      return [...t].filter((at, k) => k % 97 === 0).map((at) => {
+        const k = phihat.nearest(at);
+        // As the plot draws it: the step of the band at this time.
+        const inside = panels.map(({ band: [ends, low, high] }, j) => { const step = Math.max(ends.findLastIndex((end) => end <= at), 0); const [i, most] = [Math.min(step, high.length - 1), Math.max(...signal(j, "e").map((list) => Math.abs(list[k])))]; return most / Math.max(high[i], -low[i]); });
+        const [share, { level }] = [Math.max(...inside), around(at)];
+        return level === (share > 1 ? "over" : share > 0.8 ? "thin" : "inside") ? "" : `${at} s: ${level} at ${share}`;
+      }).filter(Boolean);
+    });
+    check(name, "its colour is that of the error's share of it", wrong.length === 0, wrong.slice(0, 3).join("; "));
+  }
   await page.selectOption("#magnify", "1");
   const own = await picture();
   await page.selectOption("#magnify", "1000");
@@ -297,7 +327,7 @@ function traceOf(file) {
 const COLUMNS = { q: ["q_rad", 1], q_d: ["q_desired_rad", 1], e: ["e_rad", 1e3], "ė": ["de_rad_s", 1e3], "τ applied": ["tau_applied_nm", 1], "τ commanded": ["tau_command_nm", 1], "φ": ["phi_nm", 1], "φ̂": ["phi_hat_nm", 1] };
 const extremes = (values) => values.reduce(([low, high], v) => [Math.min(low, v), Math.max(high, v)], [Infinity, -Infinity]);
 
-// How soon a page is there and how smoothly it scrolls: told and never asserted, since both are the machine's affair.
+// How soon a page is there and how smoothly it scrolls: told, since both are the machine's affair; with STRICT=1 the first two are asserted.
 async function measured(browser, file) {
   const [came, gaps, work] = [[], [], []];
   for (let k = 0; k < 3; k += 1) {
@@ -333,6 +363,10 @@ async function measured(browser, file) {
     await context.close();
   }
   const middle = (of) => [...of].sort((a, b) => a - b)[1].toFixed(0);
+  if (process.env.STRICT) {
+    const name = basename(dirname(resolve(file)));
+    for (const [what, most] of [["words", 500], ["plots", 600]]) check(name, `${what} within ${most} ms`, Number(middle(came.map((c) => c[what]))) <= most, `${middle(came.map((c) => c[what]))} ms`);
+  }
   const rate = (list) => 1e3 * list.length / list.reduce((sum, gap) => sum + gap, 0);
   const late = (list) => list[Math.floor(0.95 * (list.length - 1))];
   console.log(`${basename(dirname(resolve(file)))}: ${(statSync(file).size / 1e6).toFixed(2)} MB; drawn after ${middle(came.map((c) => c.words))} ms (words and tables), ${middle(came.map((c) => c.plots))} ms (plots), ${middle(came.map((c) => c.arm))} ms (the arm); `

@@ -5,7 +5,7 @@
 //   node shots.mjs OUT --studio PHIHAT STUDY [GAINS]
 //   node shots.mjs OUT --replay PHIHAT RECORD
 //
-// Each at 1300 and 390 px, light and dark, and as it prints, cut into slices of a screen or two: NAME-1300-light-01.png. A page is called
+// Each at 1440, 820 and 390 px, light and dark, and as it prints, cut into slices of a screen or two: NAME-1440-light-01.png. A page is called
 // as its folder, and as its file where that is not report.html. The last line is `N pictures`; the exit code is 0 only if all were made.
 
 import { chromium } from "playwright-core";
@@ -49,7 +49,7 @@ async function slices(page, name, width) {
   console.log(`${name}: ${height} px${height > count * SLICE ? `, ${count * SLICE} of them` : ""}`);
 }
 
-const SIZES = [1300, 390];
+const SIZES = [1440, 820, 390];
 const SCHEMES = ["light", "dark"];
 
 async function looks(name, address, ready, print) {

@@ -240,6 +240,45 @@ async function shaped() {
   check("the smaller one fills less of the view", seen[1] > 0 && seen[1] < 0.6 * seen[0], seen.join(" and "));
 }
 
+// Arm, what a hand does, and the plots are on one screen; a film of what is seen; a first visit, which ends in a stop.
+async function visits() {
+  for (const [width, height] of [[1440, 900], [390, 844]]) {
+    const { context, page } = await opened({ viewport: { width, height }, colorScheme: "light" });
+    await page.locator("#visit-end").click();
+    const outside = await page.evaluate(() => ["arm-view", "plot-error", "quick", "pause"].filter((id) => { const box = document.getElementById(id).getBoundingClientRect(); return box.top < 0 || box.bottom > innerHeight || box.right > innerWidth; }));
+    check(`${width} px: arm, plot and controls are on one screen`, outside.length === 0, outside.join(" "));
+    await context.close();
+  }
+  const { context, page, errors } = await opened({ viewport: { width: 1440, height: 900 }, colorScheme: "light" });
+  await page.locator("#film").click();
+  await page.waitForFunction(() => /[1-9]\.\d s/.test(document.getElementById("film").textContent), null, { timeout: 60000 });
+  const saved = page.waitForEvent("download");
+  await page.locator("#film").click();
+  check("a film is saved as SVG", (await saved).suggestedFilename().endsWith(".svg"));
+  const film = await page.evaluate(() => { const { film } = document.getElementById("film"); const read = new DOMParser().parseFromString(film, "image/svg+xml"); return { size: film.length, wrong: read.querySelectorAll("parsererror, script").length, moves: read.querySelectorAll("animate").length, frames: read.querySelector("animate")?.getAttribute("values").split(";").length, words: read.documentElement.getAttribute("aria-label") }; });
+  check("it moves, is well formed and small", film.wrong === 0 && film.moves > 2 && film.frames >= 10 && film.size < 4e5, JSON.stringify(film));
+  const next = async (says) => {
+    await page.locator("#visit-next").click();
+    await page.waitForFunction((begin) => document.getElementById("visit-says").textContent.startsWith(begin) && !document.getElementById("visit-next").disabled, says, { timeout: 60000 });
+    return page.locator("#visit-says").innerText();
+  };
+  check("a first visit begins with what is seen", (await next("1 of 4")).includes("bound"));
+  const pushed = page.waitForFunction(() => document.getElementById("standing-word").textContent === "NOT PROVED: what acts is in no claim: push", null, { timeout: 60000 }).then(() => true, () => false);
+  check("it pushes, and says how far the error goes", /goes up to [\d.e+]+ m/.test(await next("2 of 4")));
+  const claimed = await page.evaluate(() => globalThis.studio.state.claims != null);
+  check("while it pushes nothing is proved", !claimed || await pushed);
+  check("it picks up a payload", /kg.*goes up to [\d.e+]+ m/.test(await next("3 of 4")));
+  const stopped = await next("4 of 4");
+  check("it stops the arm", stopped.includes("mode: safe stop") && await page.evaluate(() => document.getElementById("arm-view").shown.mode === "safe-stop"), stopped);
+  if (shots) await page.screenshot({ path: `${shots}/studio-stopped.png` });
+  check("the study has a supervisor from then on", (await page.evaluate(async () => (await fetch("/state", { headers: { "x-phihat-key": new URLSearchParams(location.search).get("key") } })).json())).text.includes("[supervisor]"));
+  await page.locator("#visit-next").click();
+  await page.waitForFunction(() => document.getElementById("arm-view").shown.mode === "tracking", null, { timeout: 60000 });
+  check("it begins again", await page.locator("#visit").isHidden());
+  check("a visit says nothing on the console", errors.length === 0, errors.join("; "));
+  await context.close();
+}
+
 async function looks() {
   for (const width of [1300, 390]) {
     for (const colorScheme of ["light", "dark"]) {
@@ -262,6 +301,8 @@ if (shots) mkdirSync(shots, { recursive: true });
 try {
   await (mesh ? shaped() : record ? plays() : works());
   if (!mesh) await looks();
+  // Last: it leaves a supervisor around the law.
+  if (!mesh && !record) await visits();
 } catch (why) {
   check("no step took too long", false, why.message);
 } finally {

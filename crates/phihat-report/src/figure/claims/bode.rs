@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 use phihat_design::sampled::{Bode, bode};
-use phihat_design::{Certificate, Gains};
+use phihat_design::{Certificate, Gains, JointCertificate, JointRecord};
 
 use crate::kit::draw::{FigureSize, Picture, draw};
 use crate::kit::figure::{Axis, AxisTicks, Bound, Figure, Panel, Series};
@@ -31,15 +31,8 @@ struct BodeView {
 
 /// For the joint with the smallest modulus margin; joints that share law and loop differ in `M̄` only.
 pub(super) fn figure(gains: &Gains, certificate: &Certificate) -> Option<Picture> {
-    let pairs = gains.joints.iter().zip(&certificate.joints);
-    let stable = pairs.filter_map(|(r, c)| c.margins.as_ref().map(|m| (m.modulus, r, c)));
-    let (_, record, claims) = stable.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (record, claims) = tightest(gains, certificate)?;
     let (low, high) = (certificate.arm.low, certificate.arm.high);
-    if !(low > 0.0 && low <= high && high.is_finite()) {
-        return None;
-    }
-    // A file may hold anything: what the claims about it refuse is not drawn.
-    claims.window?.verify(record, &claims.model).ok()?;
     let ratios = [low, (low * high).sqrt(), high];
     let mut curves = ratios.map(|mu| bode(record, &claims.model, mu, LOWEST, POINTS));
     for curve in &mut curves {
@@ -53,6 +46,23 @@ pub(super) fn figure(gains: &Gains, certificate: &Certificate) -> Option<Picture
     let title = "Bode plots over the arm's inertia μ".to_owned();
     let figure = Figure { id: "bode".to_owned(), title, panels, ..Figure::default() };
     Some(draw(&figure, &FigureSize::PAPER))
+}
+
+/// Law and claims of the joint with the smallest modulus margin; `None`: no joint has one, or its window is refused.
+pub(super) fn tightest<'a>(
+    gains: &'a Gains,
+    certificate: &'a Certificate,
+) -> Option<(&'a JointRecord, &'a JointCertificate)> {
+    let pairs = gains.joints.iter().zip(&certificate.joints);
+    let stable = pairs.filter_map(|(r, c)| c.margins.as_ref().map(|m| (m.modulus, r, c)));
+    let (_, record, claims) = stable.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (low, high) = (certificate.arm.low, certificate.arm.high);
+    if !(low > 0.0 && low <= high && high.is_finite()) {
+        return None;
+    }
+    // A file may hold anything: what the claims about it refuse is not drawn.
+    claims.window?.verify(record, &claims.model).ok()?;
+    Some((record, claims))
 }
 
 fn views(joint: &str, slides: bool) -> [BodeView; 4] {

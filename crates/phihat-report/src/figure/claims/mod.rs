@@ -6,6 +6,7 @@ use crate::record::Record;
 
 mod bode;
 mod ends;
+mod nyquist;
 mod pace;
 mod trade_off;
 mod window;
@@ -17,9 +18,10 @@ pub(crate) fn claim_figures(record: &Record<'_>) -> Vec<Picture> {
     let Some(gains) = record.gains else { return Vec::new() };
     let certified = gains.certificate.as_ref().map(|certificate| {
         let (window, bode) = (window::figure(gains, certificate), bode::figure(gains, certificate));
+        let nyquist = nyquist::figure(gains, certificate);
         let pace = certificate.class.as_deref();
         let pace = pace.and_then(|class| pace::figure(class, gains, record.metrics));
-        pace.into_iter().chain(window).chain(bode)
+        pace.into_iter().chain(window).chain(nyquist).chain(bode)
     });
     certified
         .into_iter()

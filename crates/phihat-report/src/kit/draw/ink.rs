@@ -49,6 +49,7 @@ pub(super) fn pen(ink: Ink, place: usize) -> Pen {
         Ink::Next => curve(place, 1.9),
         Ink::Curve(index) => curve(index.into(), 1.9),
         Ink::Bold(index) => curve(index.into(), 2.8),
+        Ink::Thin(index) => Pen { dashes: "", ..curve(index.into(), 1.2) },
         Ink::Soft => plain("-soft", "#6e7781", 1.2),
         Ink::Plain => plain("-ink", "#1b1f24", 1.9),
     }

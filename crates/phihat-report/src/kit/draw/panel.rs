@@ -231,7 +231,7 @@ impl PanelArea<'_> {
         let opacity = (small < 1.0).then_some("0.55");
         let [left, top, right, bottom] = self.frame;
         let [wide, high] = [px(right - left), px(bottom - top)];
-        html! {
+        let drawn = html! {
             @if !spread.is_empty() { path class=(pen.class[0]) d=(spread) fill="none" stroke=(pen.colour)
                 stroke-width="1" {} }
             // What leaves the axes is cut by a window of its own, which needs no name.
@@ -241,7 +241,9 @@ impl PanelArea<'_> {
                     stroke-linejoin="round" stroke-dasharray=[dashes(&pen)] {}
             } }
             @if !dots.is_empty() { path class=(pen.class[1]) d=(dots) fill=(pen.colour) fill-opacity=[opacity] {} }
-        }
+        };
+        // A curve that is named at its end can be looked at alone.
+        html! { @if curve.named { g.curve data-curve=(place) { (drawn) } } @else { (drawn) } }
     }
 
     /// Areas of marked points and of bounds.
@@ -272,14 +274,14 @@ impl PanelArea<'_> {
         let named: Vec<_> = named
             .filter_map(|(place, curve)| {
                 let at = curve.points.iter().rev().map(|p| self.at(*p)).find(inside)?;
-                Some((at, ink::pen(curve.ink, place), &curve.label))
+                Some((at, ink::pen(curve.ink, place), &curve.label, place))
             })
             .collect();
         let markers = self.panel.markers.iter().map(|marker| (self.at(marker.at), marker));
         let markers: Vec<_> = markers.filter(|(at, _)| inside(at)).collect();
         let at: Vec<_> =
             named.iter().map(|(at, ..)| *at).chain(markers.iter().map(|m| m.0)).collect();
-        let texts = named.iter().map(|(.., label)| label.as_str());
+        let texts = named.iter().map(|(_, _, label, _)| label.as_str());
         let texts: Vec<_> = texts.chain(markers.iter().map(|(_, m)| m.label.as_str())).collect();
         let labels =
             labels::places(&at, &texts, (self.frame, self.taken(series, bounds)), self.look);
@@ -289,7 +291,9 @@ impl PanelArea<'_> {
                 path.leader d=(format!("M{} {}L{} {}", px(at[0]), px(at[1]), px(u), px(v))) fill="none"
                     stroke="#6e7781" stroke-width="0.6" {}
             }
-            @for ((_, pen, text), label) in named.iter().zip(&labels) { (self.text(label, text, pen.width > 2.0)) }
+            @for ((_, pen, text, place), label) in named.iter().zip(&labels) {
+                g.curve data-curve=(place) { (self.text(label, text, pen.width > 2.0)) }
+            }
             @for ((at, marker), label) in markers.iter().zip(&labels[named.len()..]) { (self.marker(*at, marker,
                 label)) }
         }
