@@ -133,6 +133,9 @@ fn a_run_beyond_the_bound_is_called_so_where_the_bound_is_a_promise() {
     assert_eq!(kind, "standing broken");
     assert!(text.starts_with("BROKEN") && text.contains("please report"), "{text}");
     assert!(text.contains("joint2: |e|"), "{text}");
+    let claimed = claimed_bound(&broken.record()).unwrap();
+    assert!(claimed.promised && claimed.broken && claimed.sentence.contains("please report"));
+    assert_eq!(claimed.error_bound_rad, class(&mut broken).error_bound_rad);
     // Not where a limit acted, nor for another study.
     let mut limited = broken.clone();
     limited.metrics.joints[0].rate_limited_samples = 1;
@@ -142,6 +145,8 @@ fn a_run_beyond_the_bound_is_called_so_where_the_bound_is_a_promise() {
         let (kind, text) = standing(&fixture);
         assert!(kind == "standing unproved" && text.contains(why), "{text}");
         assert!(!text.contains("please report"), "{text}");
+        let claimed = claimed_bound(&fixture.record()).unwrap();
+        assert!(!claimed.promised && !claimed.broken && claimed.motions.is_some());
     }
     let mut much = of_class();
     let clauses = &mut much.gains.certificate.as_mut().unwrap().unproved;
