@@ -3,7 +3,7 @@
 #![allow(clippy::float_cmp, reason = "in a test a panic is the report")]
 
 use phihat_design::{ClassBound, ClassPace, ClassPart, TubePayloadSet, Verdict};
-use phihat_report::{RecordedBound, figures, page, scope_of_bound, stop_in_words};
+use phihat_report::{RecordedBound, claimed_bound, figures, page, scope_of_bound, stop_in_words};
 use phihat_sim::{ContactEvent, ContactRecord, Stopped};
 use roxmltree::Document;
 use scraper::{Html, Selector};
