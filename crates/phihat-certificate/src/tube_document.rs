@@ -170,8 +170,8 @@ impl Tube {
         self
     }
 
-    /// The wider of two tubes of the same bins, in every bin and every figure: a bound if either is one. What the other one widens is rounded
-    /// [`outward`]; bins that it lacks stay as they are.
+    /// The wider of two tubes of the same bins, in every bin and every figure: a bound if either is one. What the other
+    /// one widens is rounded [`outward`]; bins that it lacks stay as they are.
     #[must_use]
     pub fn widened_to(mut self, other: &Self) -> Self {
         for (joint, other) in self.joints.iter_mut().zip(&other.joints) {

@@ -68,8 +68,9 @@ impl<'a> ClassRun<'a> {
         let class = gains.certificate.as_ref()?.class.as_deref()?;
         let limited = |joint: &JointMetrics| joint.saturated_samples + joint.rate_limited_samples;
         let limits = record.metrics.joints.iter().any(|joint| limited(joint) > 0);
-        let no_promise = no_promise(gains, &record.run.study_sha256)
-            .or_else(|| limits.then(|| "a limit acted".to_owned()));
+        let no_promise =
+            no_promise(gains, &record.run.study_sha256, record.metrics.stopped.is_some())
+                .or_else(|| limits.then(|| "a limit acted".to_owned()));
         Some(Self { class, metrics: record.metrics, no_promise })
     }
 

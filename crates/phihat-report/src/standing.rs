@@ -149,7 +149,8 @@ fn unchecked(record: &Record<'_>, class: Option<&ClassRun<'_>>) -> String {
         return format!("no bound for every motion of the class: {why}");
     }
     let void = class.and_then(|run| run.no_promise().map(str::to_owned));
-    void.or_else(|| no_promise(gains, &record.run.study_sha256)).map_or_else(
+    let stopped = class.is_none() || record.metrics.stopped.is_some();
+    void.or_else(|| no_promise(gains, &record.run.study_sha256, stopped)).map_or_else(
         || {
             "claimed, derived once; `phihat run --verify`, or `phihat verify` with the study, derives it a second time"
                 .to_owned()

@@ -57,7 +57,7 @@ impl<'a> TubeSeen<'a> {
     /// The run against its tube, after its last block, in a run of a study with this SHA-256.
     #[must_use]
     pub fn run(self, study_sha256: &str) -> TubeRun {
-        let no_promise = no_promise(self.gains, study_sha256);
+        let no_promise = no_promise(self.gains, study_sha256, true);
         let kept = self.watch.kept(self.tube);
         let slides = kept.left.as_ref().is_some_and(|left| self.gains.slides(&left.joint));
         TubeRun { kept, no_promise, slides }

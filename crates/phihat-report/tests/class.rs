@@ -2,7 +2,9 @@
 //! than the document, if a run beyond it were not called so, or if a run that it says nothing of were held against it.
 #![allow(clippy::float_cmp, reason = "in a test a panic is the report")]
 
-use phihat_design::{ClassBound, ClassPace, ClassPart, TubePayloadSet, Verdict};
+use phihat_design::{
+    ClassBound, ClassPace, ClassPart, LeftOut, NotCounted, TubePayloadSet, Verdict,
+};
 use phihat_report::{RecordedBound, claimed_bound, figures, page, scope_of_bound, stop_in_words};
 use phihat_sim::{ContactEvent, ContactRecord, Stopped};
 use roxmltree::Document;
@@ -148,6 +150,20 @@ fn a_run_beyond_the_bound_is_called_so_where_the_bound_is_a_promise() {
         let claimed = claimed_bound(&fixture.record()).unwrap();
         assert!(!claimed.promised && !claimed.broken && claimed.motions.is_some());
     }
+    // What only stops the arm takes nothing away from a run without a stop; what changes the loop does.
+    let not_counted = |key: &str| {
+        let mut fixture = of_class();
+        let entry = NotCounted {
+            key: key.to_owned(),
+            value: "1".to_owned(),
+            claims: LeftOut::BoundsAndStability,
+        };
+        fixture.gains.certificate.as_mut().unwrap().not_counted.push(entry);
+        claimed_bound(&fixture.record()).unwrap().promised
+    };
+    assert!(not_counted("supervisor.velocity_max_rad_s"));
+    assert!(not_counted("supervisor: a safe stop"));
+    assert!(!not_counted("supervisor.dead_zone_rad"));
     let mut much = of_class();
     let clauses = &mut much.gains.certificate.as_mut().unwrap().unproved;
     clauses.push("error_bound_rad = 1e-9 on joint1".to_owned());

@@ -5,6 +5,19 @@ use phihat_study::{Interface, SupervisorRequest};
 
 use super::list::{LeftOut, List};
 
+/// End of a supervised motion, of which no claim speaks.
+const SAFE_STOP: &str = "supervisor: a safe stop";
+
+/// What changes nothing until it stops the arm.
+pub(super) const STOPS: [&str; 6] = [
+    "supervisor.velocity_max_rad_s",
+    "supervisor.error_stop_rad",
+    "supervisor.frozen_travel_rad",
+    "supervisor.oscillation_nm",
+    "supervisor.first_motion_nm",
+    SAFE_STOP,
+];
+
 /// Key of a reference that is shaped.
 const SHAPED: &str = "supervisor.reference_velocity_max_rad_s";
 
@@ -116,7 +129,7 @@ impl List {
         }
         if class {
             let text = "ends the claim about the class; docs/theory/stop.md says what holds in it";
-            return self.add("supervisor: a safe stop", text, LeftOut::Bounds);
+            return self.add(SAFE_STOP, text, LeftOut::Bounds);
         }
         // The arm is armed, holds, and then tracks: the reference begins some samples late.
         let modes = requests.iter().map(|(t, mode)| format!("{mode:?} at {t} s"));

@@ -80,6 +80,11 @@ impl NotCounted {
     pub fn in_tube(&self) -> bool {
         matches!(self.claims, LeftOut::AllButTube | LeftOut::TubeBesideValue | LeftOut::Assumed)
     }
+
+    /// Returns true if it changes nothing until it stops the arm: a run without a stop is as claimed.
+    pub fn stops(&self) -> bool {
+        around::STOPS.contains(&self.key.as_str())
+    }
 }
 
 /// Nothing of `[loop]` is left out.
