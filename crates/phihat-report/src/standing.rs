@@ -80,6 +80,11 @@ impl<'a> RunStanding<'a> {
             why.push(unchecked(record, class.as_ref()));
             StandingWord::Checked(Verdict::NotProved)
         };
+        let touched = record.run.contact.iter().flat_map(|contact| &contact.events).next();
+        why.extend(touched.map(|event| {
+            let (t, joint) = (stated(event.t_s), line(&event.joint));
+            format!("something touched the arm at t = {t} s ({joint}): from then on the bound is no promise")
+        }));
         let bound = |joint: usize| match checked {
             Some(checked) => checked.error_bound_rad.get(joint).copied(),
             None => certificate?.error_bound(joint).map(|bound| bound.error_bound_rad),

@@ -194,6 +194,9 @@ fn where_contacts_are_watched_the_bound_is_of_an_arm_that_nothing_touches() {
     let words = "as long as nothing touches the arm";
     assert_eq!(said(&fixture), format!("{free}, {words}"));
     assert!(standing(&fixture).1.contains(words), "{}", standing(&fixture).1);
+    let touched =
+        "Something touched the arm at t = 0.5 s (joint2): from then on the bound is no promise";
+    assert!(standing(&fixture).1.contains(touched), "{}", standing(&fixture).1);
     // A stop that nothing else explains follows the contact just before it, on the page as in the terminal.
     let stopped = |t_s: f64, fault: Option<&str>| {
         let mut fixture = fixture.clone();
