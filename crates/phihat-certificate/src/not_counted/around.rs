@@ -8,7 +8,7 @@ use super::list::{LeftOut, List};
 /// End of a supervised motion, of which no claim speaks.
 const SAFE_STOP: &str = "supervisor: a safe stop";
 
-/// What changes nothing until it stops the arm.
+/// Keys of monitors and modes that change nothing until the arm stops.
 pub(super) const STOPS: [&str; 6] = [
     "supervisor.velocity_max_rad_s",
     "supervisor.error_stop_rad",
