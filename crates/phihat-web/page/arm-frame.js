@@ -34,7 +34,8 @@ function begun(run) {
   const claimed = joints.every((own) => own.envelope);
   // Around the desired pose: what is claimed of the error at a time, or else what is accepted; grey while nothing is claimed [mrad, mm].
   function around(at) {
-    if (bounds.some((own) => own == null)) return null;
+    // While the run is computed, the processors are its: the body is drawn from its end on.
+    if (bounds.some((own) => own == null) || (known < t.length && at < t.at(-1))) return null;
     const now = joints.map(({ envelope }, j) => {
       if (!claimed) return 1e3 * bounds[j];
       const k = Math.min(Math.max(Math.floor(at / envelope.bin_s), 0), envelope.high.length - 1);

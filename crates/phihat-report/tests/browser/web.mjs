@@ -158,7 +158,7 @@ await idle(second);
 check("a link brings the study along", (await second.locator("#text").inputValue()) === first.study);
 await second.context().close();
 await page.locator("#gains").setInputFiles({ name: "gains.json", mimeType: "application/json", buffer: Buffer.from(first.gains.replace(/"kp_per_s2": [\d.]+/, '"kp_per_s2": 1.0')) });
-await page.waitForFunction(() => document.querySelectorAll("#checked li").length > 0 || document.getElementById("told").textContent.length > 0, null, { timeout: 60000 });
+await page.waitForFunction(() => document.querySelectorAll("#checked li").length > 0 || /gains/.test(document.getElementById("told").textContent), null, { timeout: 60000 });
 const refused = `${await page.locator("#checked").textContent()} ${await page.locator("#told").textContent()}`;
 check("forged gains are refused", /REFUTED|refused|gains\.json/i.test(refused), refused.slice(0, 120));
 
@@ -167,7 +167,7 @@ const keys = await opened({ viewport: { width: 1300, height: 900 } });
 await keys.waitForFunction(() => Number(document.body.dataset.at) > 0.2, null, { timeout: 60000 });
 async function to(place) {
   await keys.evaluate(() => { document.body.tabIndex = -1; document.body.focus(); });
-  for (let k = 0; k < 80; k += 1) {
+  for (let k = 0; k < 160; k += 1) {
     await keys.keyboard.press("Tab");
     if (await keys.evaluate((place) => document.activeElement.matches(place), place)) return true;
   }
@@ -235,11 +235,12 @@ within("between two words of progress", await silent(page), 1, "s");
 within("the page does not answer meanwhile, at most", await away(page), 50, "ms");
 check("an own arm runs inside its bound", (await page.evaluate(() => document.body.dataset.verdict)) === "within_spec", `${await word(page)} ${await page.locator("#told").textContent()}`);
 const bound_of = async () => Number(/accepted ([\d.]+)/.exec(await page.locator("#figures").textContent())?.[1]);
-const at_first = await bound_of();
 await page.waitForFunction(() => !document.body.dataset.proving && !document.body.dataset.busy && !document.body.dataset.closer, null, { timeout: 600000 });
 check("its certificate is derived twice", (await word(page)).startsWith("DERIVED TWICE"), await word(page));
 const closer = await page.locator("#proving").textContent();
-check("a smaller error is looked for afterwards, and taken only where it is derived twice", (await bound_of()) < at_first ? /smaller error is promised/.test(closer) : /No smaller error/.test(closer), closer);
+// The search may end before anybody looks: both errors are in its words.
+const smaller = /([\d.]+) m\(rad\) in place of ([\d.]+)/.exec(closer)?.slice(1).map(Number);
+check("a smaller error is looked for afterwards, and taken only where it is derived twice", smaller ? smaller[0] === (await bound_of()) && smaller[0] < smaller[1] : /No smaller error/.test(closer), closer);
 await picture(page, "own");
 
 // One of seven joints; a smaller error is not waited for.
